@@ -324,7 +324,7 @@ class Dataset(Sequence[Frame]):
                 worker dies.
             keep_going: whether frames that cannot be made are in the result, rather than in an error at the end.
             progress: False for no bar, True for one, None for one in terminals and notebooks, or a function that is
-                called with how much is done, and of how much: frames, or samples of them.
+                called with how many frames, or samples of them, are done, and of how many.
 
         Raises:
             Error: frames that could not be made, when the others are done; a reason that does not pass; a cluster that
