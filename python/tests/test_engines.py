@@ -31,7 +31,9 @@ ON_POSIX = pytest.mark.skipif(os.name == "nt", reason="sends signals")
 
 def workers_of(driver: int) -> "list[int]":
     """Processes of a local engine."""
-    lines = subprocess.run(["ps", "-eo", "pid,ppid,args"], capture_output=True, text=True, check=True).stdout.splitlines()
+    # Whole lines, however narrow a terminal is said to be.
+    command = ["ps", "-ww", "-eo", "pid,ppid,args"]
+    lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
     fields = [line.split(None, 2) for line in lines[1:]]
     return [int(pid) for pid, parent, what in fields if int(parent) == driver and "_engines.local_worker" in what]
 
