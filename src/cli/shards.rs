@@ -84,9 +84,7 @@ impl LayoutsArgs {
         };
         Ok(Layouts(self.layouts.iter().map(open).collect::<Result<_>>()?))
     }
-}
 
-impl LayoutsArgs {
     /// The same as arguments for a process that is started elsewhere.
     pub(super) fn words(&self) -> Result<Vec<String>> {
         let mut words = Vec::new();

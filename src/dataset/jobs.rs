@@ -3,9 +3,9 @@
 //! A picture is on the disk when it has its number, which takes a small one longer than to be rendered. So each job
 //! leaves that to a thread beside it, and renders the next one meanwhile.
 
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Instant;
 
@@ -60,7 +60,7 @@ impl Jobs<'_> {
                 failed.into_iter().chain(stopped).next().map_or(Ok(()), Err)
             })?;
         }
-        let mut theirs = theirs.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let mut theirs = theirs.into_inner().unwrap_or_else(PoisonError::into_inner);
         theirs.sort_unstable_by_key(|&(number, camera, _)| (number, camera));
         Ok(theirs)
     }
