@@ -59,6 +59,7 @@ class Worker:
     log: Path
     stopped_until: float = 0.0
     was_ended: bool = False
+    was_ended_at_start: bool = False
     saw_full_disk: bool = False
 
 
@@ -77,6 +78,16 @@ def command(program: Path, output: Path) -> list[str]:
 
 def contents(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def listens(process: subprocess.Popen) -> bool:
+    """Whether a process catches SIGTERM yet: in its first milliseconds, the signal itself ends it."""
+    try:
+        status = Path(f"/proc/{process.pid}/status").read_text()
+    except FileNotFoundError:
+        return True
+    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:")).split()[1]
+    return bool(int(caught, 16) >> (signal.SIGTERM - 1) & 1)
 
 
 def mounted(folder: Path, mib: int) -> bool:
@@ -125,6 +136,8 @@ def disturbed(options: argparse.Namespace, inputs: Path, disk: Path, is_small: b
         counts.statuses[status] = counts.statuses.get(status, 0) + 1
         text = worker.log.read_text(errors="replace")
         right = {0, 75, KILLED} | ({ENDED} if worker.was_ended else set())
+        if worker.was_ended_at_start:
+            right.add(-signal.SIGTERM)
         if worker.saw_full_disk and "No space left on device" in text:
             right.add(DISK_FULL)
         if status not in right or "panicked" in text:
@@ -158,6 +171,7 @@ def disturbed(options: argparse.Namespace, inputs: Path, disk: Path, is_small: b
                 worker.process.kill()
                 counts.kills += 1
             case "end" if worker.process.poll() is None:
+                worker.was_ended_at_start |= not listens(worker.process)
                 worker.process.terminate()
                 worker.was_ended = True
                 counts.ends += 1
