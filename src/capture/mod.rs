@@ -376,6 +376,7 @@ impl Capture {
         if lens.kind == LensKind::Bare {
             let needs_lens = [
                 ("output", "truth", !output.truth.layers.is_empty()),
+                ("output", "objects", output.objects),
                 ("render", "light_paths", render.light_paths > 0.0),
             ];
             if let Some((table, key, _)) = needs_lens.into_iter().find(|(_, _, is_set)| *is_set) {

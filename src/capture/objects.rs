@@ -105,6 +105,9 @@ impl ReadScene {
         check_name("variant", "material variant", table.variant.as_deref(), &template.variants)?;
         check_name("animation", "animation", table.animation.as_deref(), &template.animations)?;
         let pose = pose(table)?;
+        let keypoint =
+            |(name, point): (&String, &[f64; 3])| Ok((name.clone(), vector(&format!("keypoints.{name}"), *point)?));
+        let keypoints = table.keypoints.iter().map(keypoint).collect::<Result<_, Invalid>>()?;
         let unit = unit_length(table.meters_per_unit)?;
         let turn = match table.up {
             None | Some(UpAxis::Y) => DQuat::IDENTITY,
@@ -157,7 +160,14 @@ impl ReadScene {
         let instances = first..self.scene.instances.len();
         if !instances.is_empty() {
             let category = Some(table.category.clone().unwrap_or_else(|| stem(&table.file)));
-            self.scene.objects.push(ObjectDescription { name, category, to_world, later: Vec::new(), instances });
+            self.scene.objects.push(ObjectDescription {
+                name,
+                category,
+                to_world,
+                later: Vec::new(),
+                keypoints,
+                instances,
+            });
         }
         Ok(())
     }

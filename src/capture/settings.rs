@@ -145,6 +145,8 @@ pub struct OutputSettings {
     pub ideal: bool,
     /// What is reported of the surfaces that pixels see.
     pub truth: TruthOutput,
+    /// Whether what is known of each object is written.
+    pub objects: bool,
     /// What is reported of the sensor's noise.
     pub noise: NoiseOutput,
     /// Time between pictures of a render that is under way; `None` for no such pictures.
@@ -496,6 +498,7 @@ pub(super) fn output(table: &OutputTable, sensor: &SensorModel) -> Result<Output
         electrons: table.electrons.unwrap_or(true),
         ideal: table.ideal.unwrap_or(false),
         truth: truth(table)?,
+        objects: table.objects.unwrap_or(false),
         noise: noise(table)?,
         irradiance: match table.irradiance {
             None | Some(IrradianceSource::Flag(false)) => None,

@@ -3,8 +3,9 @@
 //! | layer | EXR, 32-bit floats | NPY | PNG, 16 bits |
 //! |---|---|---|---|
 //! | depth, distance | m, ∞ for nothing | `float32` | in a unit of choice, 0 for nothing |
-//! | position, uv | NaN for nothing | `float32` | – |
+//! | position, uv, object-position | NaN for nothing | `float32` | – |
 //! | normal, shading-normal | −1 … 1, zeros for nothing | `float32` | (n + 1)/2 · 65535, zeros for nothing |
+//! | nocs | 0 … 1, zeros for nothing | `float32` | 65535 for 1, zeros for nothing |
 //! | albedo | linear sRGB | `float32` | 65535 for white, linear, kept within |
 //! | instance, material | 0 for nothing | `uint32` | 0 for nothing |
 //! | flow | x, y, visible | `float32` | 64·x + 2¹⁵, 64·y + 2¹⁵, visible (KITTI's); zeros beyond ±512 px |
@@ -44,7 +45,7 @@ impl TruthFormat {
     /// Whether the format can hold a layer.
     pub fn check(self, layer: TruthLayer) -> Result<(), Invalid> {
         match (self, layer) {
-            (Self::Png, TruthLayer::Position | TruthLayer::Uv) => {
+            (Self::Png, TruthLayer::Position | TruthLayer::Uv | TruthLayer::ObjectPosition) => {
                 let message = format!("16-bit PNG files have no room for {}", layer.name());
                 Err(Invalid::new("truth_formats", message).help("write \"exr\" or \"npy\", or leave that layer out"))
             }
@@ -137,7 +138,7 @@ fn flow_code(px: f64) -> Option<u16> {
 
 /// Writes all layers as one OpenEXR file.
 pub fn write_truth_exr<W: Write + Seek>(truth: &Planes, to: W) -> io::Result<()> {
-    let unit = "depth, distance, position: m; flow, disparity: px; position, normals: world axes, x right, y up";
+    let unit = "depth, distance, position, object-position: m; flow, disparity: px; position, normals: world axes, x right, y up; object-position, nocs: axes of the object";
     write_exr_of(Values::Smooth, truth, &[("unit", Attribute::Text(unit.to_owned()))], to)
 }
 
@@ -160,6 +161,8 @@ pub fn write_truth_npy<W: Write>(truth: &Planes, layer: TruthLayer, to: W) -> io
         | TruthLayer::ShadingNormal
         | TruthLayer::Uv
         | TruthLayer::Albedo
+        | TruthLayer::ObjectPosition
+        | TruthLayer::Nocs
         | TruthLayer::Flow
         | TruthLayer::Disparity => write_planes(size, &planes, |value| value, to),
     }
@@ -203,14 +206,16 @@ fn codes(layer: TruthLayer, values: [f64; 3], depth_unit_m: f64) -> io::Result<[
         TruthLayer::Instance | TruthLayer::Material => Ok([code(values[0]), 0, 0]),
         TruthLayer::Normal | TruthLayer::ShadingNormal if values == [0.0; 3] => Ok([0; 3]),
         TruthLayer::Normal | TruthLayer::ShadingNormal => Ok(values.map(|n| code((n + 1.0) / 2.0 * LARGEST))),
-        TruthLayer::Albedo => Ok(values.map(|part| code(part * LARGEST))),
+        TruthLayer::Albedo | TruthLayer::Nocs => Ok(values.map(|part| code(part * LARGEST))),
         TruthLayer::Flow => Ok(match (flow_code(values[0]), flow_code(values[1])) {
             (Some(x), Some(y)) => [x, y, code(values[2])],
             (None, _) | (_, None) => [0; 3],
         }),
         TruthLayer::Disparity if values[2] > 0.0 => Ok([code(values[0] * DISPARITY_STEPS).max(1), 0, 0]),
         TruthLayer::Disparity => Ok([0; 3]),
-        TruthLayer::Position | TruthLayer::Uv => Err(io::Error::other("PNG files have no room for it")),
+        TruthLayer::Position | TruthLayer::Uv | TruthLayer::ObjectPosition => {
+            Err(io::Error::other("PNG files have no room for it"))
+        }
     }
 }
 

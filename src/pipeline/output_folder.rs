@@ -35,7 +35,7 @@ use super::chain::Exposed;
 use super::checkpoint;
 use super::file_names::{PART, named};
 use crate::io::pretty_json::pretty_json;
-use crate::report::{Listing, PartReport, REPORT, Report};
+use crate::report::{Listing, ObjectsReport, PartReport, REPORT, Report};
 
 /// What a render may leave besides the report: names with their kinds, numbered or not. None of these is overwritten
 /// unasked: a texture may be called `image.png`.
@@ -244,6 +244,11 @@ impl OutputFolder {
             }
         }
         Ok(())
+    }
+
+    /// What is known of each object.
+    pub(super) fn write_objects(&mut self, number: Option<u32>, objects: &ObjectsReport) -> Result<()> {
+        self.write(&named("objects", number, "json"), |to| writeln!(to, "{}", pretty_json(objects)))
     }
 
     /// How many samples each pixel has.

@@ -8,6 +8,7 @@ use super::lens_corrections::KnownGainMap;
 use super::needs;
 use super::responses::{filters, importance, responses, seen_through_lens};
 use crate::Result;
+use crate::calibration::truth::TruthObject;
 use crate::capture::{Capture, NextPicture, OutputSettings};
 use crate::film::Response;
 use crate::integrator::{FilterTile, WavelengthChoice};
@@ -43,6 +44,8 @@ pub struct Prepared {
     pub(super) gain_map: Arc<KnownGainMap>,
     /// Of the [surfaces](crate::scene::description::SceneDescription::surfaces) that flow follows.
     pub(super) surfaces: u64,
+    /// Those of the first picture's scene.
+    pub(super) objects: Arc<Vec<TruthObject>>,
     pub(super) truth: Option<TruthReport>,
     pub(super) warnings: Vec<String>,
 }
@@ -87,6 +90,7 @@ impl Prepared {
             capture.recording.as_ref(),
         );
         let surfaces = description.surfaces();
+        let objects = Arc::new(TruthObject::of_scene(&description));
         let described = Arc::downgrade(&description);
         // Another scene's memory is free again before this one is built.
         let earlier = earlier.filter(|earlier| {
@@ -145,6 +149,7 @@ impl Prepared {
             colours,
             gain_map: same_falloff.map_or_else(Arc::default, |earlier| earlier.gain_map),
             surfaces,
+            objects,
             truth,
             warnings,
         };

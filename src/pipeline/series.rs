@@ -18,14 +18,14 @@ use super::results::{Carried, Frames, write_results};
 use super::strips::Strips;
 use super::trace::{Trace, Traced, trace};
 use super::truth_views::{FirstViews, Moment, TruthViews};
-use crate::calibration::truth::{TruthJob, TruthLayer, View, truth};
+use crate::calibration::truth::{TruthJob, TruthLayer, TruthObject, View, truth};
 use crate::capture::{Capture, TruthOutput};
 use crate::image::Estimate;
 use crate::io::truth::{TruthFormat, fits_png, lost_in_png};
 use crate::math::hash::hash64;
 use crate::optics::Camera;
 use crate::raw::RawImage;
-use crate::report::{NoiseReport, Timings};
+use crate::report::{NoiseReport, ObjectsReport, Timings};
 use crate::scene::{self, Scene};
 use crate::sensor::Exposure;
 use crate::units::{Decibels, Seconds};
@@ -87,19 +87,20 @@ impl Series<'_> {
     /// Traces, exposes and writes. Where nothing moves, all frames see the same light, which is traced once.
     pub(super) fn record(&self, folder: &mut OutputFolder, timings: &mut Timings) -> Result<Recorded> {
         let Prepared { capture, scene: first_scene, camera: still, importance, .. } = self.prepared;
+        let objects: &[TruthObject] = &self.prepared.objects;
         let count = capture.exposure.frames;
         if let LightSource::Given { frame, .. } = self.request.light {
             let first = FirstViews::new(self.prepared, &self.views)?;
             let next = self.views.next(capture, first_scene, first.next(self.prepared));
             let frames = Frames::One { number: frame, of: 1 };
             let carried = &mut Carried::default();
-            return self.picture(first_scene, &first.camera, next, frames, folder, timings, carried);
+            return self.picture((first_scene, objects), &first.camera, next, frames, folder, timings, carried);
         }
         let Some(recording) = &capture.recording else {
             let of_series = View::of(first_scene, still, pixels(capture));
             let next = self.views.next(capture, first_scene, of_series);
             return self.picture(
-                first_scene,
+                (first_scene, objects),
                 still,
                 next,
                 Frames::All(count),
@@ -122,12 +123,13 @@ impl Series<'_> {
             let later = now.recording.later(1);
             let [camera, next_camera] = [&now.recording, next.as_ref().map_or(&later, |next| &next.recording)]
                 .map(|recording| still.clone().recording(recording.clone()));
-            let scene = now.scene.as_ref().unwrap_or(first_scene);
-            let next_scene = next.as_ref().and_then(|next| next.scene.as_ref()).unwrap_or(scene);
+            let (scene, objects) =
+                now.scene.as_ref().map_or((&**first_scene, objects), |(scene, objects)| (scene, objects));
+            let next_scene = next.as_ref().and_then(|next| Some(&next.scene.as_ref()?.0)).unwrap_or(scene);
             let of_series = View::of(next_scene, &next_camera, pixels(capture));
             let view = self.views.next(capture, scene, of_series);
             let frames = Frames::One { number, of: count };
-            let recorded = self.picture(scene, &camera, view, frames, folder, timings, &mut carried)?;
+            let recorded = self.picture((scene, objects), &camera, view, frames, folder, timings, &mut carried)?;
             let first = all.exposed.map(|ExposedSeries { first, .. }| first);
             all.exposed = recorded.exposed.map(|last| ExposedSeries { first: first.unwrap_or(last.first), ..last });
             all.paths += recorded.paths;
@@ -161,7 +163,8 @@ impl Series<'_> {
         let mut capture = self.prepared.capture.at_frame(number).map_err(Error::since_begun)?;
         timings.load_s += start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let scene = Some(build(&mut capture)?);
+        let objects = TruthObject::of_scene(&capture.scene);
+        let scene = Some((build(&mut capture)?, objects));
         timings.build_s += start.elapsed().as_secs_f64();
         let still = || self.prepared.capture.recording.as_ref().map(|recording| recording.later(number));
         let recording = capture.recording.clone().or_else(still);
@@ -173,7 +176,7 @@ impl Series<'_> {
     #[expect(clippy::too_many_arguments, reason = "a picture, where it goes, and its report")]
     fn picture(
         &self,
-        scene: &Scene,
+        (scene, objects): (&Scene, &[TruthObject]),
         camera: &Camera,
         next: Option<View<'_>>,
         frames: Frames,
@@ -194,7 +197,7 @@ impl Series<'_> {
         let resolution = pixels(capture);
         let partner = self.views.partner_of(camera);
         let partner = partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, resolution });
-        let truth_job = TruthJob { view: View::of(scene, camera, resolution), next, partner };
+        let truth_job = TruthJob { view: View::of(scene, camera, resolution), objects, next, partner };
         let mut warnings = check_png(&truth_job, &capture.output.truth)
             .map_err(|invalid| capture.source.error(invalid.within("output")))?;
         warnings.iter().for_each(|warning| monitor.report(Event::Warning(warning)));
@@ -293,6 +296,9 @@ impl Series<'_> {
             if !capture.output.truth.layers.is_empty() {
                 let planes = truth(&truth_job, &capture.output.truth.layers);
                 folder.write_truth(number, &capture.output.truth, &planes)?;
+            }
+            if capture.output.objects {
+                folder.write_objects(number, &ObjectsReport::new(&truth_job.view, objects))?;
             }
             if let Some(counts) = &counts {
                 folder.write_samples(number, capture.sensor.resolution, counts)?;

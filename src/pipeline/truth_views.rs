@@ -1,6 +1,6 @@
 //! The pictures that ground truth leads to: the next one for flow, that of the partner for disparity.
 
-use crate::calibration::truth::{TruthJob, TruthLayer, View, truth};
+use crate::calibration::truth::{TruthJob, TruthLayer, TruthObject, View, truth};
 use crate::capture::{Capture, NextPicture};
 use crate::image::Planes;
 use crate::optics::{Camera, Focus, Recording};
@@ -72,7 +72,7 @@ impl Prepared {
         let partner = partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, resolution });
         let next = views.next(capture, scene, first.next(self));
         let view = View::of(scene, &first.camera, resolution);
-        Ok(truth(&TruthJob { view, next, partner }, layers))
+        Ok(truth(&TruthJob { view, objects: &self.objects, next, partner }, layers))
     }
 }
 
@@ -169,8 +169,8 @@ fn is_of_scene(change: &str) -> bool {
 /// A picture in whose time something moves, of a series.
 pub(super) struct Moment {
     pub(super) recording: Recording,
-    /// `None`: as in the first.
-    pub(super) scene: Option<Scene>,
+    /// With its objects. `None`: as in the first.
+    pub(super) scene: Option<(Scene, Vec<TruthObject>)>,
 }
 
 /// The camera of a stereo partner as if it stood where `camera` does, whose capture it has. Its lens is that of

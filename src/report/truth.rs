@@ -20,6 +20,9 @@ pub struct TruthReport {
     pub depth_unit_mm: f64,
     /// Names of the objects, from number 1 on.
     pub instances: Vec<String>,
+    /// What kinds of objects they are, from number 1 on; `null` for those that were not placed as objects.
+    #[serde(default)]
+    pub categories: Vec<Option<String>>,
     /// Their frames → world, row by row without the last row; of those that move at the `pose_time_s` of the camera.
     pub instances_to_world: Vec<[[f64; 4]; 3]>,
     /// Names of the materials, from number 1 on.
@@ -44,15 +47,20 @@ impl TruthReport {
             layers: layers.iter().map(|layer| layer.name().to_owned()).collect(),
             depth_unit_mm: depth_unit_m * 1e3,
             instances: objects.iter().map(|object| object.name.clone()).collect(),
+            categories: objects.iter().map(|object| object.category.clone()).collect(),
             instances_to_world: objects.iter().map(|object| placement(&object.at(part))).collect(),
             materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
             has_next: layers.contains(&TruthLayer::Flow).then_some(has_next),
         })
     }
 
-    /// The objects, numbered from 1: names and transforms to the world.
-    pub fn objects(&self) -> impl Iterator<Item = (String, DAffine3)> {
-        self.instances.iter().cloned().zip(self.instances_to_world.iter().map(affine))
+    /// The objects, numbered from 1: names, categories and transforms to the world.
+    pub fn objects(&self) -> impl Iterator<Item = (String, Option<String>, DAffine3)> {
+        let categories = self.categories.iter().cloned().chain(std::iter::repeat(None));
+        let named = self.instances.iter().cloned().zip(categories);
+        named
+            .zip(self.instances_to_world.iter().map(affine))
+            .map(|((name, category), to_world)| (name, category, to_world))
     }
 }
 

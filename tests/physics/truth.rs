@@ -32,7 +32,7 @@ fn direction(x: usize, y: usize) -> DVec3 {
 /// With flow to a picture of another scene.
 fn ask_of([scene, later]: [&Scene; 2], [camera, next]: [&Camera; 2], layers: &[TruthLayer]) -> Planes {
     let [view, next] = [(scene, camera), (later, next)].map(|(scene, camera)| View::of(scene, camera, RESOLUTION));
-    truth(&TruthJob { view, next: Some(next), partner: None }, layers)
+    truth(&TruthJob { view, objects: &[], next: Some(next), partner: None }, layers)
 }
 
 fn ask(scene: &Scene, camera: &Camera, next: &Camera, layers: &[TruthLayer]) -> Planes {
@@ -157,7 +157,7 @@ fn disparity_is_that_of_a_parallel_pair(
     let (scene, resolution) = (wall().build(), RESOLUTION);
     let view = View::of(&scene, &camera, resolution);
     let partner = View { place, ..view };
-    let job = TruthJob { view, next: None, partner: Some(partner) };
+    let job = TruthJob { view, objects: &[], next: None, partner: Some(partner) };
     let planes = truth(&job, &[TruthLayer::Disparity, TruthLayer::Depth]);
     for (i, x, y) in pixels() {
         let d = FX * baseline / value(&planes, "depth", i);
@@ -175,7 +175,7 @@ fn disparity_is_that_of_a_parallel_pair(
 #[test]
 fn nothing_is_visible_in_a_picture_that_there_is_not() {
     let (scene, camera) = (wall().build(), pinhole(DAffine3::IDENTITY));
-    let job = TruthJob { view: View::of(&scene, &camera, RESOLUTION), next: None, partner: None };
+    let job = TruthJob { view: View::of(&scene, &camera, RESOLUTION), objects: &[], next: None, partner: None };
     let planes = truth(&job, &[TruthLayer::Flow, TruthLayer::Disparity]);
     assert!(planes.channels().iter().all(|channel| channel.data.iter().all(|&value| value == 0.0)));
 }

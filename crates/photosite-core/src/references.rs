@@ -388,6 +388,10 @@
 //! COCO, "Data format", <https://cocodataset.org/#format-data>; its program interface `pycocotools/mask.py`,
 //! <https://github.com/cocodataset/cocoapi>.
 //!
+//! ## Nocs
+//! H. Wang et al., "Normalized Object Coordinate Space for Category-Level 6D Object Pose and Size Estimation", CVPR
+//! (2019), §3.
+//!
 //! ## Nerfstudio
 //! Nerfstudio, "Data conventions", <https://docs.nerf.studio/quickstart/data_conventions.html>; its
 //! `nerfstudio_dataparser.py`.

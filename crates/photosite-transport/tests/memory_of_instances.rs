@@ -40,6 +40,7 @@ fn scene(count: usize) -> Scene {
         category: None,
         to_world: to_world(i),
         later: Vec::new(),
+        keypoints: Vec::new(),
         instances: i..i + 1,
     };
     let description = SceneDescription {

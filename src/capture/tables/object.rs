@@ -44,6 +44,9 @@ pub(crate) struct ObjectTable {
     pub(crate) animation_time_s: Option<f64>,
     /// What faces without normals get. Left out: "flat".
     pub(crate) generate_normals: Option<NormalsName>,
+    /// Points of it that ground truth tells of, by name: in its own axes, m before `scale`.
+    #[serde(default)]
+    pub(crate) keypoints: BTreeMap<String, [f64; 3]>,
     /// Whether it is there. Left out: true.
     pub(crate) visible: Option<bool>,
 }

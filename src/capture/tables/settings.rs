@@ -161,7 +161,7 @@ pub(crate) struct OutputTable {
     /// mosaic or errors of colour, as ideal.exr and ideal.png. Left out: false.
     pub(crate) ideal: Option<bool>,
     /// What is really there at each pixel: true for all layers, or a list of "depth" and "distance" (m), "position"
-    /// (world, m), "normal", "shading-normal", "uv", "albedo", "instance", "material", "flow" (px to the next picture),
+    /// (world, m), "normal", "shading-normal", "uv", "albedo", "object-position" (m), "nocs", "instance", "material", "flow" (px to the next picture),
     /// "disparity" (px, left picture less right one). Of all pixels of the sensor, before exposure.region_px and
     /// exposure.binning and sensor.frame_grabber, at their centres; where something moves, in the middle of the exposure
     /// of each row. Left out: false.
@@ -177,6 +177,9 @@ pub(crate) struct OutputTable {
     /// as ["camera.position_m=[0.1, 0, 1]"]; or false where there is none, so that no flow is valid. Left out: time
     /// alone, in which camera and scene move on.
     pub(crate) truth_next: Option<NextSource>,
+    /// What is known of each object, as objects.json: its pose, boxes, visible and whole masks, visible part, points.
+    /// Numbers are those of "instance". Of all pixels of the sensor, as truth. Left out: false.
+    pub(crate) objects: Option<bool>,
     /// What each effect of the sensor has added to every number of the raw picture: true for all maps, or a list such
     /// as "photon_shot_noise_e", "dark_current_e", "prnu_e", "dsnu_e", "read_noise_e", "quantisation_dn", "saturated";
     /// e for e⁻, dn for DN. Left out: false.

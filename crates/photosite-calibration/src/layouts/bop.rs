@@ -26,7 +26,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use serde_json::{Map, Value, json};
 
-use super::models::{Model, rigid};
+use super::models::Model;
 use super::objects::{SceneObject, object_of_pixel};
 use super::picture_set::{LayoutFiles, PictureSet, Shot};
 use super::silhouette::Silhouette;
@@ -35,7 +35,7 @@ use photosite_core::image::Planes;
 use photosite_core::projection::CalibrationModel;
 use photosite_core::spectrum::Spectrum;
 use photosite_core::{Invalid, Result};
-use photosite_transport::scene::description::{InstanceDescription, SceneDescription};
+use photosite_transport::scene::description::{InstanceDescription, SceneDescription, rigid};
 use photosite_transport::scene::{self, Scene};
 
 pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()> {

@@ -88,7 +88,7 @@ fn key_point(point: &super::SeenPoint, shot: &Shot) -> [f64; 3] {
     }
 }
 
-/// What objects of one name are.
+/// What objects of one kind are: of one category, or else of one name.
 #[derive(PartialEq)]
 struct Category {
     name: String,
@@ -99,7 +99,7 @@ struct Category {
 impl Category {
     fn new(object: &SceneObject, target: Option<&SeenTarget>) -> Self {
         let points = target.map(|target| target.points.iter().map(|point| point.name.clone()).collect());
-        Self { name: object.name.clone(), points }
+        Self { name: object.category.clone().unwrap_or_else(|| object.name.clone()), points }
     }
 
     fn json(&self, id: usize) -> Value {

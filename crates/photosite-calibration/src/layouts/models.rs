@@ -2,27 +2,17 @@
 
 use std::fmt::Write;
 
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::SceneObject;
-use photosite_transport::scene::description::SceneDescription;
+use photosite_transport::scene::description::{SceneDescription, rigid};
 
 /// The triangles of an object in a frame that is only turned and moved against the world.
 #[derive(Clone, Debug)]
 pub(super) struct Model {
     /// Three corners each, m.
     triangles: Vec<[DVec3; 3]>,
-}
-
-/// The object's frame without its scale → world. A frame that is skewed or mirrored has no rotation: its origin
-/// remains, with the axes of the world.
-pub(super) fn rigid(to_world: &DAffine3) -> DAffine3 {
-    let DMat3 { x_axis, y_axis, z_axis } = to_world.matrix3;
-    let axes = DMat3::from_cols(x_axis.normalize(), y_axis.normalize(), z_axis.normalize());
-    let is_rotation = (axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, 1e-6) && axes.determinant() > 0.0;
-    let rotation = if is_rotation { DQuat::from_mat3(&axes).normalize() } else { DQuat::IDENTITY };
-    DAffine3::from_rotation_translation(rotation, to_world.translation)
 }
 
 impl Model {

@@ -10,6 +10,8 @@ use photosite_transport::scene::description::{InstanceDescription, SceneDescript
 pub struct SceneObject {
     /// Its name.
     pub name: String,
+    /// What kind of object it is, if that is known.
+    pub category: Option<String>,
     /// Its own frame → world, as the scene has it, m.
     pub to_world: DAffine3,
     /// Its numbers in ground truth, which count from 1.
@@ -19,17 +21,17 @@ pub struct SceneObject {
 impl SceneObject {
     /// Those of a scene.
     pub fn of_scene(scene: &SceneDescription) -> Vec<Self> {
-        Self::of_numbers(scene.all_objects().into_iter().map(|object| (object.name, object.to_world)))
+        Self::of_numbers(scene.all_objects().into_iter().map(|object| (object.name, object.category, object.to_world)))
     }
 
     /// The objects that numbers stand for, by their names and places in the order of their numbers. The parts of an
     /// object follow one another.
-    pub fn of_numbers(numbered: impl IntoIterator<Item = (String, DAffine3)>) -> Vec<Self> {
+    pub fn of_numbers(numbered: impl IntoIterator<Item = (String, Option<String>, DAffine3)>) -> Vec<Self> {
         let mut objects: Vec<Self> = Vec::new();
-        for (number, (name, to_world)) in (1..).zip(numbered) {
+        for (number, (name, category, to_world)) in (1..).zip(numbered) {
             match objects.last_mut() {
                 Some(object) if object.name == name && object.to_world == to_world => object.numbers.push(number),
-                Some(_) | None => objects.push(Self { name, to_world, numbers: vec![number] }),
+                Some(_) | None => objects.push(Self { name, category, to_world, numbers: vec![number] }),
             }
         }
         objects

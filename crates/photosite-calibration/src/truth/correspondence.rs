@@ -117,15 +117,17 @@ impl<'a> View<'a> {
 
     /// The same of a point that is known to lie on a surface.
     pub fn landmark(&self, point: DVec3) -> Option<Correspondence> {
-        self.found(
-            |_| point,
-            |eye, time| {
-                let mut ray = Ray::new(eye, point.as_vec3() - eye).at_time(time);
-                // Up to just before the surface that it lies on.
-                ray.t_max = 1.0 - 1e-4;
-                !self.scene.occluded(&ray)
-            },
-        )
+        self.moving_landmark(|_| point)
+    }
+
+    /// The same of one that is at `position` when a part of the picture's time, 0 to 1, has gone by.
+    pub fn moving_landmark(&self, position: impl Fn(f32) -> DVec3) -> Option<Correspondence> {
+        self.found(&position, |eye, time| {
+            let mut ray = Ray::new(eye, position(time).as_vec3() - eye).at_time(time);
+            // Up to just before the surface that it lies on.
+            ray.t_max = 1.0 - 1e-4;
+            !self.scene.occluded(&ray)
+        })
     }
 
     /// `is_seen` is asked of the centre of the lens and of the part of the picture's time that has gone by.

@@ -21,6 +21,11 @@ pub enum TruthLayer {
     Uv,
     /// Part of the light that the surface scatters, as linear sRGB under D65.
     Albedo,
+    /// Position in the frame of its object without the object's scale, m.
+    ObjectPosition,
+    /// Where it is in the box of its object: 0.5 in the middle, along each axis of the object, in parts of the box's
+    /// diagonal ([Nocs](photosite_core::references#nocs)).
+    Nocs,
     /// Which object it belongs to: numbers from 1 on.
     Instance,
     /// Which material it is of: numbers from 1 on.
@@ -36,7 +41,7 @@ pub enum TruthLayer {
 
 impl TruthLayer {
     /// All layers.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Depth,
         Self::Distance,
         Self::Position,
@@ -44,6 +49,8 @@ impl TruthLayer {
         Self::ShadingNormal,
         Self::Uv,
         Self::Albedo,
+        Self::ObjectPosition,
+        Self::Nocs,
         Self::Instance,
         Self::Material,
         Self::Flow,
@@ -60,6 +67,8 @@ impl TruthLayer {
             Self::ShadingNormal => "shading-normal",
             Self::Uv => "uv",
             Self::Albedo => "albedo",
+            Self::ObjectPosition => "object-position",
+            Self::Nocs => "nocs",
             Self::Instance => "instance",
             Self::Material => "material",
             Self::Flow => "flow",
@@ -77,6 +86,8 @@ impl TruthLayer {
             Self::ShadingNormal => &["shading-normal.X", "shading-normal.Y", "shading-normal.Z"],
             Self::Uv => &["uv.U", "uv.V"],
             Self::Albedo => &["albedo.R", "albedo.G", "albedo.B"],
+            Self::ObjectPosition => &["object-position.X", "object-position.Y", "object-position.Z"],
+            Self::Nocs => &["nocs.X", "nocs.Y", "nocs.Z"],
             Self::Instance => &["instance"],
             Self::Material => &["material"],
             Self::Flow => &["flow.X", "flow.Y", "flow.visible"],
@@ -88,10 +99,11 @@ impl TruthLayer {
     pub fn nothing(self) -> f32 {
         match self {
             Self::Depth | Self::Distance => f32::INFINITY,
-            Self::Position | Self::Uv => f32::NAN,
+            Self::Position | Self::Uv | Self::ObjectPosition => f32::NAN,
             Self::Normal
             | Self::ShadingNormal
             | Self::Albedo
+            | Self::Nocs
             | Self::Instance
             | Self::Material
             | Self::Flow

@@ -7,8 +7,12 @@
 mod albedo;
 mod correspondence;
 mod layer;
+mod objects;
+mod silhouettes;
 mod trace;
 
 pub use correspondence::{Correspondence, View, project};
 pub use layer::TruthLayer;
+pub use objects::TruthObject;
+pub use silhouettes::{Mask, Silhouettes, silhouettes};
 pub use trace::{TruthJob, truth};

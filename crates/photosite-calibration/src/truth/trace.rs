@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::albedo::albedo;
-use super::{TruthLayer, View};
+use super::{TruthLayer, TruthObject, View};
 use photosite_core::image::Planes;
 use photosite_transport::geometry::{Hit, SurfacePoint};
 use photosite_transport::optics::Camera;
@@ -14,6 +14,8 @@ use photosite_transport::optics::Camera;
 pub struct TruthJob<'a> {
     /// The picture.
     pub view: View<'a>,
+    /// The objects of its scene, for layers in their frames.
+    pub objects: &'a [TruthObject],
     /// The next picture, for [`TruthLayer::Flow`]. Its scene may be another, of the [same
     /// surfaces](photosite_transport::scene::Scene::hit_in).
     pub next: Option<View<'a>>,
@@ -89,6 +91,11 @@ impl<'a> Seen<'a> {
             TruthLayer::Albedo => {
                 vector(to, albedo(scene, &self.point, self.wo, self.key).as_vec3());
             }
+            TruthLayer::ObjectPosition => vector(to, self.in_object().1.as_vec3()),
+            TruthLayer::Nocs => {
+                let (object, position) = self.in_object();
+                vector(to, object.nocs(position).as_vec3());
+            }
             TruthLayer::Instance => to[0] = number(scene.object(&self.hit)),
             TruthLayer::Material => to[0] = number(self.point.material),
             TruthLayer::Flow => self.write_way(self.job.next.as_ref(), 1.0, to),
@@ -106,6 +113,13 @@ impl<'a> Seen<'a> {
         let way = found.map_or(DVec2::ZERO, |found| (found.pixel - self.pixel) * sign).as_vec2();
         let visible = found.is_some_and(|found| found.visible);
         to.copy_from_slice(&[way.x, way.y, f32::from(u8::from(visible))]);
+    }
+
+    /// The object that the point is of, and the point in its frame, m.
+    fn in_object(&self) -> (&'a TruthObject, DVec3) {
+        let object = &self.job.objects[self.job.view.scene.object(&self.hit) as usize];
+        let to_frame = object.to_world(self.point.time).inverse();
+        (object, to_frame.transform_point3(self.point.position.as_dvec3()))
     }
 
     /// The point in camera space, m.

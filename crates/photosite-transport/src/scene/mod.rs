@@ -4,6 +4,7 @@
 //! A scene is flat tables with `u32` handles: geometry, materials, textures, spectra, lights. [`build`] makes it from a
 //! description and never looks at a file.
 
+mod alone;
 mod build;
 pub mod description;
 mod layout;
@@ -11,6 +12,7 @@ mod material;
 mod shading;
 pub mod spectral_coverage;
 
+pub use alone::ObjectAlone;
 pub use build::{build, build_after};
 pub use build::{emission_spectrum, nit_per_unit};
 pub use material::{

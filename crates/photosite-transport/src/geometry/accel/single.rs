@@ -27,6 +27,20 @@ impl Accel {
         query.answer(has_ended)
     }
 
+    /// Answers a query about one ray and one instance.
+    #[inline(always)]
+    pub(super) fn intersect_instance<S: Simd, Q: Query>(
+        &self,
+        simd: S,
+        instance: u32,
+        ray: &Ray,
+        mut query: Q,
+    ) -> Q::Answer {
+        let (blas, local) = self.local_ray(instance, ray);
+        let has_ended = blas.traverse(simd, instance, &local, &mut { ray.t_max }, &mut query);
+        query.answer(has_ended)
+    }
+
     /// The only hierarchy, where everything keeps its shape and stands in world space.
     #[inline(always)]
     pub(super) fn single_bvh(&self) -> Option<&PrimitiveBvh<1>> {

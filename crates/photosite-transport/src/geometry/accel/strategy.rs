@@ -83,6 +83,11 @@ impl Accel {
         }
     }
 
+    /// Whether anything of an instance that `filter` accepts is in the ray's way, whatever else is.
+    pub fn meets<F: HitFilter>(&self, instance: u32, ray: &Ray, filter: &F) -> bool {
+        dispatch(OneInstance { accel: self, instance, ray, filter })
+    }
+
     #[inline]
     fn run_one<'a, Q: RayQuery<'a, F>, F: HitFilter>(&'a self, ray: &'a Ray, filter: &'a F) -> Q::Answer {
         dispatch(OneRay::<Q, F> { accel: self, ray, filter, query: PhantomData })
@@ -143,6 +148,23 @@ impl<'a, Q: RayQuery<'a, F>, F: HitFilter> WithSimd for OneRay<'a, Q, F> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Q::Answer {
         self.accel.intersect(simd, self.ray, Q::new(self.ray, self.filter))
+    }
+}
+
+/// A single ray and a single instance.
+struct OneInstance<'a, F> {
+    accel: &'a Accel,
+    instance: u32,
+    ray: &'a Ray,
+    filter: &'a F,
+}
+
+impl<F: HitFilter> WithSimd for OneInstance<'_, F> {
+    type Output = bool;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> bool {
+        self.accel.intersect_instance(simd, self.instance, self.ray, Occluded::new(self.ray, self.filter))
     }
 }
 

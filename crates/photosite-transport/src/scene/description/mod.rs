@@ -29,7 +29,7 @@ pub use light::{EmissionDescription, EnvironmentDescription, LightDescription, P
 pub use material::{AlphaMode, MaterialDescription};
 pub use mesh::{InstanceDescription, MeshDescription, ShapeDescription};
 pub use model::{Described, MaterialModel, Roughness, Visit};
-pub use object::ObjectDescription;
+pub use object::{ObjectDescription, rigid};
 pub use texture::{Channel, Colour, TextureDescription, TexturedColour, TexturedFactor};
 
 /// A whole scene as read from files.

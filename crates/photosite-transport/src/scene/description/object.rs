@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::DAffine3;
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::SceneDescription;
 use super::mesh::pose_at;
@@ -18,6 +18,8 @@ pub struct ObjectDescription {
     pub to_world: DAffine3,
     /// The same at the evenly spaced times that follow in the time of the picture, where it moves.
     pub later: Vec<DAffine3>,
+    /// Points of it that are known by name, in object space.
+    pub keypoints: Vec<(String, DVec3)>,
     /// Indices of its instances; not empty.
     pub instances: Range<usize>,
 }
@@ -27,6 +29,16 @@ impl ObjectDescription {
     pub fn at(&self, time: f32) -> DAffine3 {
         pose_at(&self.to_world, &self.later, time)
     }
+}
+
+/// A frame that is turned and moved against the world, and not scaled: that of an object without its scale → world. Of a
+/// frame that is skewed or mirrored, which has no rotation, the origin remains, with the axes of the world.
+pub fn rigid(to_world: &DAffine3) -> DAffine3 {
+    let DMat3 { x_axis, y_axis, z_axis } = to_world.matrix3;
+    let axes = DMat3::from_cols(x_axis.normalize(), y_axis.normalize(), z_axis.normalize());
+    let is_rotation = (axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, 1e-6) && axes.determinant() > 0.0;
+    let rotation = if is_rotation { DQuat::from_mat3(&axes).normalize() } else { DQuat::IDENTITY };
+    DAffine3::from_rotation_translation(rotation, to_world.translation)
 }
 
 impl SceneDescription {
@@ -43,6 +55,7 @@ impl SceneDescription {
                     category: None,
                     to_world: instance.to_world,
                     later: instance.later.clone(),
+                    keypoints: Vec::new(),
                     instances: next..next + 1,
                 });
             next = object.instances.end;
@@ -65,6 +78,7 @@ mod tests {
             category: None,
             to_world: DAffine3::IDENTITY,
             later: Vec::new(),
+            keypoints: Vec::new(),
             instances,
         };
         let objects = vec![object("a", 1..3), object("b", 4..5)];

@@ -1,0 +1,88 @@
+//! Objects as ground truth knows them: their frames and their boxes.
+
+use glam::{DAffine3, DVec3};
+
+use photosite_transport::geometry::Motion;
+use photosite_transport::scene::description::{ObjectDescription, SceneDescription, rigid};
+
+/// An object. Its frame is turned and moved against the world, and not scaled.
+#[derive(Clone, Debug)]
+pub struct TruthObject {
+    /// Its name.
+    pub name: String,
+    /// What kind of object it is, if that is known.
+    pub category: Option<String>,
+    /// What it is larger by than its file has it, along its axes.
+    pub scale: DVec3,
+    /// Frame → world; several at evenly spaced times where it moves.
+    poses: Vec<DAffine3>,
+    /// The least box in its frame that holds it, in all shapes that it goes through, m.
+    pub low: DVec3,
+    /// Its other corner.
+    pub high: DVec3,
+    /// Points of it in its frame, m, by name.
+    pub keypoints: Vec<(String, DVec3)>,
+}
+
+impl TruthObject {
+    /// Those of a scene, in the order of their numbers.
+    pub fn of_scene(scene: &SceneDescription) -> Vec<Self> {
+        scene.all_objects().iter().map(|object| Self::new(object, scene)).collect()
+    }
+
+    fn new(object: &ObjectDescription, scene: &SceneDescription) -> Self {
+        let frame = rigid(&object.to_world);
+        let scaled = frame.inverse() * object.to_world;
+        let scale = [scaled.matrix3.x_axis, scaled.matrix3.y_axis, scaled.matrix3.z_axis].map(DVec3::length);
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for instance in &scene.instances[object.instances.clone()] {
+            let to_frame = frame.inverse() * instance.to_world;
+            for mesh in &scene.meshes[instance.meshes.clone()] {
+                let shapes =
+                    [&mesh.positions].into_iter().chain(mesh.later_shapes.iter().map(|shape| &shape.positions));
+                for position in shapes.flatten() {
+                    let point = to_frame.transform_point3(position.as_dvec3());
+                    (low, high) = (low.min(point), high.max(point));
+                }
+            }
+        }
+        let poses = [&object.to_world].into_iter().chain(&object.later).map(rigid);
+        let keypoint = |(name, point): &(String, DVec3)| (name.clone(), scaled.transform_point3(*point));
+        Self {
+            name: object.name.clone(),
+            category: object.category.clone(),
+            scale: DVec3::from_array(scale),
+            poses: poses.collect(),
+            low,
+            high,
+            keypoints: object.keypoints.iter().map(keypoint).collect(),
+        }
+    }
+
+    /// Frame → world when this part of the picture's time, 0 to 1, has gone by.
+    pub fn to_world(&self, time: f32) -> DAffine3 {
+        match self.poses[..] {
+            [still] => still,
+            _ => Motion::new(&self.poses).to_world(time),
+        }
+    }
+
+    /// Whether it is somewhere else later in the time of the picture.
+    pub fn moves(&self) -> bool {
+        self.poses.len() > 1
+    }
+
+    /// The corners of its box in its frame, m: bit 0 of their number says whether x is the larger one, bit 1 y, bit 2 z.
+    pub fn corners(&self) -> [DVec3; 8] {
+        let pick = |i: usize, axis: usize| if i >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] };
+        std::array::from_fn(|i| DVec3::new(pick(i, 0), pick(i, 1), pick(i, 2)))
+    }
+
+    /// Where a point of its frame is in its box, as [`TruthLayer::Nocs`](super::TruthLayer::Nocs) has it.
+    pub fn nocs(&self, point: DVec3) -> DVec3 {
+        let (middle, diagonal) = ((self.low + self.high) / 2.0, (self.high - self.low).length());
+        // An object without extent is in the middle.
+        let part = if diagonal > 0.0 { (point - middle) / diagonal } else { DVec3::ZERO };
+        part + 0.5
+    }
+}

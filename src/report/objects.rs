@@ -1,0 +1,152 @@
+//! What `objects.json` says of each object of a picture.
+
+use glam::{DAffine3, DVec2, DVec3};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::matrix::rows;
+use crate::calibration::truth::{Correspondence, Mask, Silhouettes, TruthObject, View, silhouettes};
+
+/// The objects of a picture. Pixels are those of ground truth; integer coordinates are at their centres.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct ObjectsReport {
+    /// Columns and rows.
+    pub resolution_px: [u32; 2],
+    /// The objects, in the order of their numbers in the layer "instance".
+    pub objects: Vec<ObjectReport>,
+}
+
+/// An object. Its frame is that of its file, turned and moved but not scaled. Where something moves, poses are those
+/// halfway through the picture, and masks and points those in the middle of the exposure of each row.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct ObjectReport {
+    /// Its number in the layer "instance".
+    pub number: u32,
+    /// Its name.
+    pub name: String,
+    /// What kind of object it is; `null` for what was not placed as an object.
+    pub category: Option<String>,
+    /// What it is larger by than its file has it, along its axes.
+    pub scale: [f64; 3],
+    /// Frame → world, R of x_world = R·x + t, row by row.
+    pub rotation_to_world: [[f64; 3]; 3],
+    /// t of that, m.
+    pub position_m: [f64; 3],
+    /// Frame → camera in OpenCV's axes (x right, y down, z forward), R of x_camera = R·x + t, row by row.
+    pub rotation: [[f64; 3]; 3],
+    /// t of that, m.
+    pub translation_m: [f64; 3],
+    /// The least box in its frame that holds it: the smaller corner, m.
+    pub box_low_m: [f64; 3],
+    /// The larger corner, m.
+    pub box_high_m: [f64; 3],
+    /// The corners of that box in the world, m: number i has the larger x if bit 0 of i is set, y bit 1, z bit 2.
+    pub box_corners_world_m: [[f64; 3]; 8],
+    /// Where they appear in the picture, through the whole lens; `null` for those behind the camera.
+    pub box_corners_px: [Option<[f64; 2]>; 8],
+    /// The pixels that see it.
+    pub visible: MaskReport,
+    /// The pixels that would see it if nothing else were there.
+    pub alone: MaskReport,
+    /// Part of the pixels that would see it alone that see it; `null` where none would.
+    pub visible_part: Option<f64>,
+    /// Whether its box reaches beyond the picture, so that more of it may be outside.
+    pub is_cut_off: bool,
+    /// Points of it.
+    pub keypoints: Vec<KeypointReport>,
+}
+
+/// A set of pixels.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct MaskReport {
+    /// How many they are.
+    pub pixels: u64,
+    /// The least box that holds them: the first column and row, and how many there are of each; `null` for no pixel.
+    pub box_px: Option<[u32; 4]>,
+    /// The pixels, as COCO has them.
+    pub mask: RunLengths,
+}
+
+/// A mask as lengths of runs down its columns: outside and inside in turns, outside first (COCO's uncompressed RLE).
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct RunLengths {
+    /// Rows and columns.
+    pub size: [u32; 2],
+    /// The lengths.
+    pub counts: Vec<u32>,
+}
+
+/// A point of an object.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct KeypointReport {
+    /// Its name.
+    pub name: String,
+    /// Where it is in the frame of the object, m.
+    pub position_m: [f64; 3],
+    /// Where it appears, through the whole lens; `null` behind the camera.
+    pub px: Option<[f64; 2]>,
+    /// Whether it is within the picture, with nothing before it.
+    pub visible: bool,
+}
+
+impl ObjectsReport {
+    /// Of the objects of the view's scene, in their order.
+    pub fn new(view: &View<'_>, objects: &[TruthObject]) -> Self {
+        let found = silhouettes(view, objects);
+        let report = |(number, (object, found))| ObjectReport::new(number, object, &found, view);
+        Self { resolution_px: view.resolution, objects: (1..).zip(objects.iter().zip(found)).map(report).collect() }
+    }
+}
+
+impl ObjectReport {
+    fn new(number: u32, object: &TruthObject, Silhouettes { visible, alone }: &Silhouettes, view: &View<'_>) -> Self {
+        let halfway = view.camera.halfway();
+        let to_world = object.to_world(halfway.pose_at_row(0.0).1);
+        // OpenCV's camera looks along +z, with y down.
+        let to_opencv = DAffine3::from_scale(DVec3::new(1.0, -1.0, -1.0));
+        let to_camera = to_opencv * halfway.to_world().inverse() * to_world;
+        let appears = |point: DVec3| view.moving_landmark(|time| object.to_world(time).transform_point3(point));
+        let px = |found: &Correspondence| (found.pixel - DVec2::splat(0.5)).to_array();
+        let corners = object.corners().map(|corner| appears(corner));
+        let [width, height] = view.resolution.map(f64::from);
+        let is_inside =
+            |found: &Correspondence| (0.0..=width).contains(&found.pixel.x) && (0.0..=height).contains(&found.pixel.y);
+        let of_point = |(name, point): &(String, DVec3)| {
+            let found = appears(*point);
+            KeypointReport {
+                name: name.clone(),
+                position_m: point.to_array(),
+                px: found.as_ref().map(px),
+                visible: found.is_some_and(|found| found.visible),
+            }
+        };
+        let [seen, all] = [visible, alone].map(|mask| MaskReport::new(mask, view.resolution));
+        Self {
+            number,
+            name: object.name.clone(),
+            category: object.category.clone(),
+            scale: object.scale.to_array(),
+            rotation_to_world: rows(to_world.matrix3),
+            position_m: to_world.translation.to_array(),
+            rotation: rows(to_camera.matrix3),
+            translation_m: to_camera.translation.to_array(),
+            box_low_m: object.low.to_array(),
+            box_high_m: object.high.to_array(),
+            box_corners_world_m: object.corners().map(|corner| to_world.transform_point3(corner).to_array()),
+            box_corners_px: corners.map(|corner| corner.as_ref().map(px)),
+            visible_part: (all.pixels > 0).then(|| seen.pixels as f64 / all.pixels as f64),
+            visible: seen,
+            alone: all,
+            is_cut_off: !corners.iter().all(|corner| corner.as_ref().is_some_and(is_inside)),
+            keypoints: object.keypoints.iter().map(of_point).collect(),
+        }
+    }
+}
+
+impl MaskReport {
+    fn new(mask: &Mask, resolution: [u32; 2]) -> Self {
+        let [width, height] = resolution;
+        let mask_of = RunLengths { size: [height, width], counts: mask.column_runs(resolution) };
+        Self { pixels: mask.count(), box_px: mask.bounds(), mask: mask_of }
+    }
+}
