@@ -237,7 +237,7 @@ def main() -> None:
         folder = Path(folder)
         (folder / "tetrahedron.obj").write_text(TETRAHEDRON)
         (folder / "frame.obj").write_text(FRAME)
-        rolling = '[sensor.shutter]\ntype = "rolling"\nrow_time_us = 300\n'
+        rolling = '[sensor.shutter]\nkind = "rolling"\nrow_time_us = 300\n'
         for lens, sensor, camera in [
             ("perspective", "", STILL),
             ("brown-conrady", "", STILL),
