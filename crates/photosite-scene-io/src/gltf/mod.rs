@@ -16,6 +16,7 @@ mod instancing;
 mod light;
 mod material;
 mod mesh;
+mod meshopt;
 mod nodes;
 mod skin;
 mod texture;
@@ -50,6 +51,7 @@ use texture::Textures;
 /// Extensions that a file may require.
 pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
@@ -67,6 +69,7 @@ pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_transform",
 ];
 
