@@ -102,18 +102,25 @@ impl ReadScene {
             Some("gltf" | "glb") => {
                 let mut file = gltf::read(
                     path,
-                    Choice { variant: table.variant.as_deref(), moment, sandbox: Some(source.sandbox()) },
+                    Choice {
+                        variant: table.variant.as_deref(),
+                        moment,
+                        sandbox: Some(source.sandbox()),
+                        is_lenient: table.lenient,
+                    },
                 )?;
                 self.variants.append(&mut file.variants);
                 self.animations.append(&mut file.animations);
                 file.scene
             }
             Some("obj") => {
-                let missing = match table.generate_normals {
+                let missing_normals = match table.generate_normals {
                     None | Some(NormalsName::Flat) => MissingNormals::Flat,
                     Some(NormalsName::Smooth) => MissingNormals::Smooth,
                 };
-                let mut file = obj::read(path, missing, source.sandbox())?;
+                let choice =
+                    obj::Choice { missing_normals, sandbox: source.sandbox().clone(), is_lenient: table.lenient };
+                let mut file = obj::read(path, &choice)?;
                 let scale = unit_length(table).map_err(|invalid| source.error(invalid.within("scene")))?;
                 for instance in &mut file.scene.instances {
                     instance.to_world = DAffine3::from_scale(DVec3::splat(scale)) * instance.to_world;

@@ -10,6 +10,7 @@ mod ies;
 mod mesh;
 pub mod obj;
 mod picture;
+mod stand_in;
 mod tangents;
 
 pub use complete::complete;

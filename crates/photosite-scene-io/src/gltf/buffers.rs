@@ -94,9 +94,8 @@ impl Buffers {
             Invalid::new(buffer_key, format!("refers to buffers[{index}], which has no bytes of its own"))
                 .help("the file is damaged; export or compress it again")
         })?;
-        let range = offset
-            .checked_add(length)
-            .and_then(|end| Some(usize::try_from(offset).ok()?..usize::try_from(end).ok()?));
+        let range =
+            offset.checked_add(length).and_then(|end| Some(usize::try_from(offset).ok()?..usize::try_from(end).ok()?));
         range.and_then(|range| buffer.get(range)).ok_or_else(|| {
             let message = format!(
                 "{length} bytes from byte {offset} reach beyond the {} bytes of buffers[{index}]",
@@ -126,6 +125,12 @@ pub(super) struct Place<'a> {
     pub(super) folder: &'a Path,
     /// What they may not lead out of.
     pub(super) sandbox: Option<&'a Sandbox>,
+}
+
+/// Refuses a URI that leads to where files may not be read.
+pub(super) fn check_uri(uri: Option<&str>, place: Place<'_>) -> Result<(), Invalid> {
+    let path = uri.and_then(|uri| path_of(uri, place.folder));
+    path.map_or(Ok(()), |path| place.sandbox.map_or(Ok(()), |sandbox| sandbox.check(&path)))
 }
 
 /// Reads what a URI stands for: a data URI, or a percent-encoded relative path.

@@ -30,9 +30,7 @@ impl Channel {
     /// Four bytes of an element, of those of the one before.
     fn next(self, previous: [u8; 4], delta: [u8; 4]) -> [u8; 4] {
         match self {
-            Self::Bytes => {
-                std::array::from_fn(|i| previous[i].wrapping_add(unzigzag(u32::from(delta[i])) as u8))
-            }
+            Self::Bytes => std::array::from_fn(|i| previous[i].wrapping_add(unzigzag(u32::from(delta[i])) as u8)),
             Self::Words => {
                 let word = |[low, high]: [u8; 2]| u16::from_le_bytes([low, high]);
                 let next = |i: usize| {
@@ -146,9 +144,8 @@ mod tests {
 
     #[test]
     fn channels_undo_what_the_specification_does() {
-        let apply = |byte, previous: [u8; 4], delta| {
-            Channel::of_byte(byte).map(|channel| channel.next(previous, delta))
-        };
+        let apply =
+            |byte, previous: [u8; 4], delta| Channel::of_byte(byte).map(|channel| channel.next(previous, delta));
         // Around the end of a byte, of a word; an exclusive or that was turned left by 8 bits.
         assert_eq!(apply(0, [0, 255, 7, 7], [1, 2, 0, 5]), Ok([255, 0, 7, 4]));
         assert_eq!(apply(1, [0, 0, 255, 255], [1, 0, 2, 0]), Ok([255, 255, 0, 0]));

@@ -108,8 +108,10 @@ pub(super) fn decode_triangles(packed: &[u8], count: usize) -> Result<Vec<u32>, 
     }
     let codes = stream.take(count / 3)?;
     let (data, table) = stream.0.split_last_chunk::<16>().ok_or(TOO_SHORT)?;
-    let mut corners =
-        Corners { data: Stream(data), edges: Queue::new(), vertices: Queue::new(), next: 0, last: 0 };
+    if table[14..] != [0, 0] || table.iter().any(|entry| entry >> 4 == 15 || entry & 15 == 15) {
+        return Err("end with a table that is none");
+    }
+    let mut corners = Corners { data: Stream(data), edges: Queue::new(), vertices: Queue::new(), next: 0, last: 0 };
     let mut indices = Vec::with_capacity(count);
     for code in codes {
         indices.extend(match (code >> 4, code & 15) {
