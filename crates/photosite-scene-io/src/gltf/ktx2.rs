@@ -56,12 +56,8 @@ pub(super) fn decode(bytes: &[u8], name: String) -> Result<Decoded, Invalid> {
     keyless[56..64].fill(0);
     let decoded = contained(|| {
         let transcoder = Transcoder::new(&keyless).ok()?;
-        match transcoder.source_format() {
-            SourceFormat::Etc1s | SourceFormat::UastcLdr => {
-                transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE).ok()
-            }
-            _ => None,
-        }
+        let is_known = matches!(transcoder.source_format(), SourceFormat::Etc1s | SourceFormat::UastcLdr);
+        is_known.then(|| transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE).ok()).flatten()
     });
     let decoded = decoded.flatten().ok_or_else(|| bad("it is no picture of ETC1S or UASTC, or damaged"))?;
     let mut texels = decoded.as_chunks::<4>().0.to_vec();
