@@ -3,10 +3,9 @@
 
     compressed_gltf.py target/release/photosite FOLDER
 
-The scene is a textured, curved floor with things on it, written with scenes/gltf_file.py's ways. FOLDER gets the packed files and
-the renders. Positions and UVs of the truth must be those of the plain file within what the bits that are kept allow, with
-all that lies behind the same edge; the picture must have the same levels. Exit status 0 where all is well, 1 otherwise.
-Needs: npm, and pip install -r requirements.txt.
+The scene is a wavy patch with a picture on it. FOLDER gets the packed files and the renders. Positions and UVs of the truth
+must be those of the plain file within what the bits that are kept allow; the picture must have the same levels. Exit status 0
+where all is well, 1 otherwise. Needs: npm, and pip install -r requirements-compressed.txt.
 """
 
 import json
@@ -134,8 +133,9 @@ resolution_px = [{RESOLUTION[0]}, {RESOLUTION[1]}]
 samples_per_pixel = 64
 [exposure]
 time_s = 0.01
-[output.truth]
-layers = ["position", "uv"]
+[output]
+electrons = true
+truth = ["position", "uv"]
 """
     )
     output = folder / f"render-{name}"
@@ -152,21 +152,21 @@ def channels(path):
         return {name: channel.pixels.astype(float) for name, channel in file.parts[0].channels.items()}
 
 
-def compare(name, plain, packed, position_step, uv_step):
+def compare(name, plain, packed, position_step, uv_step, uv_scale=1.0):
     (truth, light), (packed_truth, packed_light) = plain, packed
-    # A pixel on the edge of the patch may fall off it: not more than those that the edge crosses.
-    for prefix, step in (("position", position_step), ("uv", uv_step)):
+    for prefix, step, scale in (("position", position_step, 1.0), ("uv", uv_step, uv_scale)):
         layers = [layer for layer in truth if layer.startswith(prefix)]
         if not layers:
             complaints.append(f"{name}: there is no truth {prefix}")
         for layer in layers:
-            difference = numpy.abs(truth[layer] - packed_truth[layer])
+            difference = numpy.abs(truth[layer] - scale * packed_truth[layer])
             far = int((difference > step).sum() + (numpy.isnan(truth[layer]) != numpy.isnan(packed_truth[layer])).sum())
             worst = numpy.nanquantile(difference, 0.98)
             print(f"{name}: {layer} differs by {worst:.1e} at most in 98 % of all pixels, by more than {step:.1e} in {far}")
-            if far > 4 * sum(RESOLUTION) / 10:
+            # At the edge of the patch a few rays may miss it.
+            if far > sum(RESOLUTION) / 10:
                 complaints.append(f"{name}: {layer} differs by more than {step} in {far} pixels")
-    for channel in light:
+    for channel in (channel for channel in light if not channel.startswith("variance")):
         ratio = packed_light[channel].mean() / light[channel].mean()
         print(f"{name}: {channel} has {ratio:.4f} of the electrons")
         # ETC1S is lossy by design: a hundredth of the mean.
@@ -184,7 +184,9 @@ def main():
     for name in write_geometry(folder):
         # 2 m are cut into 2^14 steps, UVs into 2^12. What a ray meets moves along the surface by as much as it does up,
         # seen at 45 degrees, and up by a step; four of these leave room for that.
-        compare(name, plain, render(photosite, folder, name), 4 * 2 / 2**14, 4 / 2**12)
+        # The truth has UVs as the mesh has them; gltfpack's take 12 of 16 bits, which a transform of the texture undoes.
+        uv_scale = 65535 / 4095 if name.startswith("gltfpack") else 1.0
+        compare(name, plain, render(photosite, folder, name), 4 * 2 / 2**14, 4 / 2**12, uv_scale)
     for complaint in complaints:
         print(f"judge: {complaint}", file=sys.stderr)
     sys.exit(1 if complaints else 0)
