@@ -131,6 +131,8 @@ pub fn parse(text: &str, path: &Path, choice: &Choice) -> Result<ObjFile> {
     pictures.warnings.into_messages().into_iter().for_each(|message| warnings.once(message));
     let libraries = libraries.into_values().map(|(path, _)| path);
     scene.files = libraries.chain(pictures.slots.into_keys().map(|(path, _)| path)).collect();
+    // Something may stand for a picture that is missing.
+    scene.files.retain(|path| path.is_file());
     scene.files.sort();
     scene.files.dedup();
     scene.images = pictures.images;
