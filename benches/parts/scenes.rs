@@ -4,7 +4,7 @@ use std::f32::consts::{PI, TAU};
 use std::path::Path;
 
 use glam::{DAffine3, Vec3};
-use photosite::io::obj::{self, MissingNormals};
+use photosite::io::obj;
 use photosite::scene::description::{
     Colour, Diffuse, EmissionDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
     SceneDescription, TexturedColour,
@@ -55,9 +55,7 @@ pub(crate) const LARGE_SPHERE: (u32, u32) = (640, 1025);
 /// The Cornell box of `scenes/`, in millimetres, with its measured spectra.
 pub(crate) fn cornell_box() -> SceneDescription {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/cornell-box/cornell-box.obj");
-    let mut scene = obj::read(&path, MissingNormals::Flat, &photosite::Sandbox::default())
-        .expect("the scene is part of the repository")
-        .scene;
+    let mut scene = obj::read(&path, &obj::Choice::default()).expect("the scene is part of the repository").scene;
     let measured = |name: &str| library::spectrum(name).expect("the spectrum is part of the repository");
     for material in &mut scene.materials {
         let is_lamp = material.name == "lamp";

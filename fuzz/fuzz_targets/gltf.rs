@@ -9,7 +9,7 @@ use photosite_fuzz::files;
 fuzz_target!(|data: &[u8]| {
     let moment = Moment { animation: "move".to_owned(), start_s: 0.2, duration_s: 0.5 };
     let path = files().join(if data.starts_with(b"glTF") { "fuzzed.glb" } else { "fuzzed.gltf" });
-    for choice in [Choice::default(), Choice { variant: Some("day"), moment: Some(&moment), sandbox: None }] {
+    for choice in [Choice::default(), Choice { variant: Some("day"), moment: Some(&moment), ..Choice::default() }] {
         if let Ok(mut file) = read_bytes(data, &path, choice) {
             complete(&mut file.scene);
         }

@@ -2,10 +2,13 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use photosite::Sandbox;
-use photosite::io::obj::{MissingNormals, parse};
+use photosite::io::obj::{Choice, MissingNormals, parse};
 use photosite_fuzz::files;
 
 fuzz_target!(|text: &str| {
-    let _ = parse(text, &files().join("fuzzed.obj"), MissingNormals::Smooth, &Sandbox::default());
+    let _ = parse(
+        text,
+        &files().join("fuzzed.obj"),
+        &Choice { missing_normals: MissingNormals::Smooth, ..Choice::default() },
+    );
 });

@@ -45,23 +45,29 @@ pub(super) struct ModelFile {
     pub(super) variant: Option<String>,
     pub(super) moment: Option<Moment>,
     pub(super) missing_normals: MissingNormals,
+    /// Whether textures that are missing or broken get a stand-in.
+    pub(super) is_lenient: bool,
 }
 
 impl ModelFile {
     /// Reads it. `key` names it in the capture.
     fn read(&self, key: &str, source: &CaptureSource) -> Result<Model> {
-        let Self { path, variant, moment, missing_normals } = self;
+        let &Self { ref path, ref variant, ref moment, missing_normals, is_lenient } = self;
         let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
         match extension.as_deref() {
             Some("gltf" | "glb") => {
-                let choice =
-                    Choice { variant: variant.as_deref(), moment: moment.as_ref(), sandbox: Some(source.sandbox()) };
+                let choice = Choice {
+                    variant: variant.as_deref(),
+                    moment: moment.as_ref(),
+                    sandbox: Some(source.sandbox()),
+                    is_lenient,
+                };
                 let gltf::GltfFile { scene, variants, animations } = gltf::read(path, choice)?;
                 Ok(Model { scene, variants, animations, is_metric: true, ..Model::default() })
             }
             Some("obj") => {
-                let obj::ObjFile { scene, undescribed_materials } =
-                    obj::read(path, *missing_normals, source.sandbox())?;
+                let choice = obj::Choice { missing_normals, sandbox: source.sandbox().clone(), is_lenient };
+                let obj::ObjFile { scene, undescribed_materials } = obj::read(path, &choice)?;
                 Ok(Model { scene, undescribed_materials, ..Model::default() })
             }
             _ => {

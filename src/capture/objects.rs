@@ -56,6 +56,7 @@ impl ReadScene {
                 variant: table.variant.clone(),
                 moment: moment.clone(),
                 missing_normals: missing_normals(table.generate_normals),
+                is_lenient: self.is_lenient,
             };
             let known = templates.iter().position(|template| template.file == file);
             of_objects.push(match known {

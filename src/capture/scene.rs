@@ -40,6 +40,8 @@ pub(super) struct ReadScene {
     /// Materials of OBJ files that nothing has described yet.
     undescribed_materials: Vec<String>,
     models: KnownModels,
+    /// Whether textures that are missing or broken get a stand-in.
+    pub(super) is_lenient: bool,
 }
 
 impl ReadScene {
@@ -51,7 +53,7 @@ impl ReadScene {
         folder: &Path,
         models: &KnownModels,
     ) -> Result<Self> {
-        let mut read = Self { models: models.clone(), ..Self::default() };
+        let mut read = Self { models: models.clone(), is_lenient: table.lenient, ..Self::default() };
         let scale = unit_length(table.meters_per_unit).map_err(|e| source.error(e.within("scene")))?;
         let (mut variants, mut animations) = (Vec::new(), Vec::new());
         for (i, file) in table.geometry.iter().enumerate() {
@@ -60,6 +62,7 @@ impl ReadScene {
                 variant: table.variant.clone(),
                 moment: moments.of_scene.clone(),
                 missing_normals: missing_normals(table.generate_normals),
+                is_lenient: table.lenient,
             };
             let mut model = read.read(source, &format!("scene.geometry[{i}]"), &file)?;
             variants.append(&mut model.variants);

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 
 use super::log::say;
 use super::print::{println_out, refuse_existing, write_result};
+use super::scene_args::SceneArgs;
 use crate::calibration::camera_files::{
     CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, colmap_points, euroc, kalibr, opencv, ros,
 };
@@ -38,6 +39,8 @@ pub(super) struct CameraArgs {
     /// Change a key of the capture file, for example --set lens.f_number=4.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// Overwrite an earlier file.
     #[arg(long)]
     force: bool,
@@ -58,7 +61,7 @@ enum Format {
 }
 
 pub(super) fn run(args: &CameraArgs, sandbox: &Sandbox) -> Result<()> {
-    let capture = Capture::load_within(sandbox, &args.input, &args.overrides)?;
+    let capture = Capture::load_within(sandbox, &args.input, &args.scene.after(&args.overrides))?;
     if capture.sensor.cells.is_staggered() {
         let message = "formats of cameras have words for pixels in rows and columns alone";
         let help = "take the camera of image.png, whose pixels are square, from capture.json";

@@ -11,6 +11,7 @@ use super::arguments::parse_range;
 use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out};
+use super::scene_args::SceneArgs;
 use super::shards::LayoutsArgs;
 use crate::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, MakeOptions, Shard, picture_name};
 use crate::pipeline::{Event, FilmMemory, LightSource, Monitor, PictureOfFrame};
@@ -63,6 +64,8 @@ pub(super) struct DatasetArgs {
     /// Change a key of the capture file in all frames, for example --set render.samples_per_pixel=16.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// Most memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
@@ -78,7 +81,7 @@ pub(super) struct DatasetArgs {
 
 pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
     let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
-    let set = DataSet::read(sandbox, &args.input, &args.overrides, args.film_memory)?;
+    let set = DataSet::read(sandbox, &args.input, &args.scene.after(&args.overrides), args.film_memory)?;
     if let Some(samples) = &args.samples {
         set.check_samples(samples)?;
     }

@@ -11,6 +11,7 @@ use serde_json::{Map, Value, json};
 
 use super::listing::listing;
 use super::print::{print_json, println_out, rounded};
+use super::scene_args::SceneArgs;
 use crate::capture::{Capture, ExposureTime, read_sensor_file};
 use crate::image::Planes;
 use crate::io::exr::{Attribute, read_exr};
@@ -31,10 +32,12 @@ pub(super) struct InfoArgs {
     /// Print JSON instead of text.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    scene: SceneArgs,
 }
 
 pub(super) fn run(args: &InfoArgs, sandbox: &Sandbox) -> Result<()> {
-    let facts = facts(&args.file, sandbox)?;
+    let facts = facts(&args.file, sandbox, &args.scene.after(&[]))?;
     if args.json {
         return print_json(&facts);
     }
@@ -42,7 +45,7 @@ pub(super) fn run(args: &InfoArgs, sandbox: &Sandbox) -> Result<()> {
 }
 
 /// What the file holds, by the kind that its name says.
-fn facts(path: &Path, sandbox: &Sandbox) -> Result<Map<String, Value>> {
+fn facts(path: &Path, sandbox: &Sandbox, overrides: &[String]) -> Result<Map<String, Value>> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
         "" if path.to_str().is_some_and(|name| presets::names().any(|preset| preset == name)) && !path.exists() => {
@@ -50,9 +53,9 @@ fn facts(path: &Path, sandbox: &Sandbox) -> Result<Map<String, Value>> {
         }
         "toml" => match read_sensor_file(path, sandbox)? {
             Some(sensor) => Ok(of_sensor(&sensor)),
-            None => Ok(of_capture(&Capture::load_within(sandbox, path, &[])?)),
+            None => Ok(of_capture(&Capture::load_within(sandbox, path, overrides)?)),
         },
-        "gltf" | "glb" | "obj" | "json" => Ok(of_capture(&Capture::load_within(sandbox, path, &[])?)),
+        "gltf" | "glb" | "obj" | "json" => Ok(of_capture(&Capture::load_within(sandbox, path, overrides)?)),
         "exr" => {
             let picture = read_exr(open(path)?).map_err(|invalid| invalid.in_file(path))?;
             let mut facts = of_planes(&picture.planes);

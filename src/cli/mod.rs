@@ -32,6 +32,7 @@ mod rectify;
 mod remedies;
 mod render;
 mod run_args;
+mod scene_args;
 mod schema;
 mod sensors;
 mod shards;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::print::println_out;
+use super::scene_args::SceneArgs;
 use crate::capture::Capture;
 use crate::sight::{Sight, Space};
 use crate::{Error, Invalid, Result, Sandbox};
@@ -35,10 +36,12 @@ pub(super) struct ProjectArgs {
     /// Change a key of the capture file, for example --set lens.max_angle_deg=80.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+    #[command(flatten)]
+    scene: SceneArgs,
 }
 
 pub(super) fn run(args: &ProjectArgs, sandbox: &Sandbox) -> Result<()> {
-    let capture = Capture::load_within(sandbox, &args.input, &args.overrides)?;
+    let capture = Capture::load_within(sandbox, &args.input, &args.scene.after(&args.overrides))?;
     let space = if args.camera_space { Space::Camera } else { Space::World };
     let sight = Sight::new(&capture, space)?;
     let text = read(&args.points)?;

@@ -26,6 +26,7 @@ pub(super) fn in_options(remedy: &Remedy) -> String {
             let option = picture.to_lowercase();
             format!("say of how many samples a pixel its second moments are, with --samples-{option} N")
         }
+        Remedy::Lenient => "add --lenient, and grey stands for it".to_owned(),
         Remedy::Nearest => "add --approximate for the nearest that Mitsuba has".to_owned(),
         Remedy::Linear => "say --linear where its codes are in proportion to light".to_owned(),
         Remedy::LightUnit => {

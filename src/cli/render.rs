@@ -10,6 +10,7 @@ use super::arguments::parse_range;
 use super::log::say;
 use super::print::{print_json, rounded};
 use super::run_args::RunArgs;
+use super::scene_args::SceneArgs;
 use crate::capture::{Capture, relative_path};
 use crate::pipeline::{FilmMemory, LightSource, Place, Rendered, Request, render_into};
 use crate::report::{REPORT, Report, Timings};
@@ -31,13 +32,15 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
     #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
     common: RunArgs,
 }
 
 pub(super) fn run(args: &RenderArgs, sandbox: &Sandbox) -> Result<()> {
     let RunArgs { output, quiet, json, force, .. } = &args.common;
     let start = Instant::now();
-    let overrides = args.common.overrides();
+    let overrides = args.scene.after(&args.common.overrides());
     let capture = Capture::load_within(sandbox, &args.input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let path = output.clone().unwrap_or_else(|| default_folder(&args.input));

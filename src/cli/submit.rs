@@ -11,6 +11,7 @@ use super::arguments::positive;
 use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out, refuse_existing, write_result};
+use super::scene_args::SceneArgs;
 use super::shards::LayoutsArgs;
 use crate::dataset::{DataSet, Forecast, IDENTITY, MakeOptions};
 use crate::io::output::create_folder;
@@ -116,6 +117,8 @@ struct CommonArgs {
     /// Change a key of the capture file in all frames.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// Most memory for the film, GiB [default: 4].
     #[arg(long, value_name = "GIB", value_parser = positive)]
     film_memory: Option<f64>,
@@ -215,7 +218,8 @@ impl CommonArgs {
         }
         let monitor = TerminalMonitor::new(self.quiet, self.json);
         let film_memory = self.film_memory.map_or_else(|| Ok(FilmMemory::default()), FilmMemory::gib)?;
-        let set = DataSet::read(sandbox, &self.input, &self.overrides, film_memory)?;
+        let overrides = self.scene.after(&self.overrides);
+        let set = DataSet::read(sandbox, &self.input, &overrides, film_memory)?;
         let default = PathBuf::from(&*self.input.file_stem().unwrap_or_default().to_string_lossy());
         let output = self.output.as_deref().unwrap_or(&default);
         set.check_folder(output)?;
@@ -253,7 +257,7 @@ impl CommonArgs {
         let stem = self.input.file_stem().unwrap_or_default().to_string_lossy();
         // Slurm takes names of logs for patterns.
         let name = stem.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect();
-        let set = self.overrides.iter().flat_map(|change| ["--set".to_owned(), change.clone()]);
+        let set = overrides.into_iter().flat_map(|change| ["--set".to_owned(), change]);
         let film = self.film_memory.iter().flat_map(|gib| ["--film-memory".to_owned(), gib.to_string()]);
         let jobs = self.jobs.iter().flat_map(|jobs| ["--jobs".to_owned(), jobs.to_string()]);
         let job = Job {

@@ -27,6 +27,7 @@ mod info;
 mod interruption;
 mod kept_scenes;
 mod layout;
+mod lenient;
 mod lens;
 mod light_paths;
 mod limits;

@@ -38,6 +38,16 @@ impl Invalid {
         self
     }
 
+    /// Says what else to do.
+    #[must_use]
+    pub fn or(mut self, remedy: Remedy) -> Self {
+        self.help = Some(match self.help {
+            Some(help) => help.or(remedy),
+            None => remedy.into(),
+        });
+        self
+    }
+
     /// Places the key inside a table: `within("lens")` turns `f_number` into `lens.f_number`.
     #[must_use]
     pub fn within(mut self, table: &str) -> Self {

@@ -41,6 +41,8 @@ pub enum Remedy {
     Variance(&'static str),
     /// Say of how many samples the second moments of that picture are.
     Moments(&'static str),
+    /// Let something stand in for textures that cannot be had.
+    Lenient,
     /// Take the nearest that a file format has.
     Nearest,
     /// Say that the numbers of a picture are in proportion to light.
@@ -53,6 +55,13 @@ impl Help {
     /// One thing or another.
     pub fn any(remedies: impl IntoIterator<Item = Remedy>) -> Self {
         Self(remedies.into_iter().collect())
+    }
+
+    /// This, or another thing.
+    #[must_use]
+    pub fn or(mut self, remedy: Remedy) -> Self {
+        self.0.push(remedy);
+        self
     }
 
     /// In the words of a front end: "a", "a, or b", "a, b, or c".
@@ -84,6 +93,7 @@ impl fmt::Display for Remedy {
             }
             Self::Variance(picture) => write!(f, "give the variance of {picture}, which is 0 where it is exact"),
             Self::Moments(picture) => write!(f, "say of how many samples a pixel the second moments of {picture} are"),
+            Self::Lenient => f.write_str("override scene.lenient=true, and grey stands for it"),
             Self::Nearest => f.write_str("ask for the nearest that there is"),
             Self::Linear => f.write_str("say that its codes are in proportion to light"),
             Self::LightUnit => f.write_str("say what the numbers of the picture are on the sensor"),

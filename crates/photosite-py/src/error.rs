@@ -66,6 +66,7 @@ pub(crate) fn in_arguments(remedy: &Remedy) -> String {
             let (key, value) = change.split_once('=').unwrap_or((change, ""));
             format!("for example set={{\"{key}\": {value}}}")
         }
+        Remedy::Lenient => "set={\"scene.lenient\": True} lets grey stand for it".to_owned(),
         Remedy::FilmMemory(gib) => format!("allow more with film_memory_gib={gib}"),
         Remedy::Linear => "say linear=True where its codes are in proportion to light".to_owned(),
         Remedy::LightUnit => "say what its numbers are with unit=".to_owned(),

@@ -11,6 +11,7 @@ mod ies;
 mod mesh;
 pub mod obj;
 mod picture;
+mod stand_in;
 mod tangents;
 
 pub use changed_meshes::{ChangedMeshes, MeshChange};

@@ -10,7 +10,7 @@ use photosite_core::{input, memory};
 use photosite_transport::texture::{Bitmap, Texels};
 
 /// Largest picture, pixels along a side.
-const MAX_SIDE: u32 = 32_768;
+pub(crate) const MAX_SIDE: u32 = 32_768;
 /// Most memory that decoding a picture may take, bytes.
 const MAX_BYTES: u64 = 4 << 30;
 /// Most memory for what comes with its pixels: compressed profiles and texts, which may inflate a thousandfold. What is

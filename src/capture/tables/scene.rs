@@ -26,6 +26,10 @@ pub(crate) struct SceneTable {
     pub(crate) meters_per_unit: Option<f64>,
     /// What OBJ faces without normals get, outside the smoothing groups of the file. Left out: "flat".
     pub(crate) generate_normals: Option<NormalsName>,
+    /// Whether grey stands for a texture of these files that is missing or broken, with a warning. Left out: false, it is
+    /// an error.
+    #[serde(default)]
+    pub(crate) lenient: bool,
     /// Objects: files of geometry with poses of their own.
     #[serde(default)]
     pub(crate) objects: Vec<ObjectTable>,

@@ -6,17 +6,29 @@ use gltf::json::validation::{Checked, USize64};
 use gltf::json::{Accessor, Root};
 
 use super::buffers::{Buffers, out_of_range};
+use super::draco::Unpacked;
 use photosite_core::Invalid;
 
 /// Largest accessor without bytes of its own (all zeros but for its sparse part). Such an accessor costs memory that
 /// the file does not back, so its size is bounded.
-const MAX_ZEROS: usize = 1 << 24;
+pub(super) const MAX_ZEROS: usize = 1 << 24;
 
 /// Reads accessors of a document.
 #[derive(Clone, Copy)]
 pub(super) struct Accessors<'a> {
     pub(super) root: &'a Root,
     pub(super) buffers: &'a Buffers,
+    /// What stands for those of a primitive that is a Draco stream.
+    pub(super) unpacked: Option<&'a Unpacked>,
+}
+
+/// What an accessor says of its values.
+pub(super) struct Kind {
+    /// Components of an element.
+    pub(super) width: usize,
+    /// What a normalised integer is divided by.
+    pub(super) largest: Option<f32>,
+    pub(super) count: u64,
 }
 
 /// Elements of one kind, evenly spaced in bytes that hold them all.
@@ -36,15 +48,18 @@ impl Elements<'_> {
     /// A component as a real number; normalised integers as §3.6.2.2 of the specification has it.
     fn float(&self, element: usize, component: usize) -> f32 {
         let b = self.component(element, component);
-        let (value, largest) = match self.component {
-            ComponentType::I8 => (f32::from(b[0] as i8), 127.0),
-            ComponentType::U8 => (f32::from(b[0]), 255.0),
-            ComponentType::I16 => (f32::from(i16::from_le_bytes([b[0], b[1]])), 32767.0),
-            ComponentType::U16 => (f32::from(u16::from_le_bytes([b[0], b[1]])), 65535.0),
-            ComponentType::U32 => (u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32, u32::MAX as f32),
-            ComponentType::F32 => return f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+        let value = match self.component {
+            ComponentType::I8 => f32::from(b[0] as i8),
+            ComponentType::U8 => f32::from(b[0]),
+            ComponentType::I16 => f32::from(i16::from_le_bytes([b[0], b[1]])),
+            ComponentType::U16 => f32::from(u16::from_le_bytes([b[0], b[1]])),
+            ComponentType::U32 => u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32,
+            ComponentType::F32 => f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
         };
-        if self.normalized { (value / largest).max(-1.0) } else { value }
+        match largest(self.component).filter(|_| self.normalized) {
+            Some(largest) => (value / largest).max(-1.0),
+            None => value,
+        }
     }
 
     fn index(&self, element: usize) -> u32 {
@@ -74,6 +89,9 @@ impl<'a> Accessors<'a> {
                 format!("{key} needs {wanted} of floats or of 8- or 16-bit integers, found {kind:?} of {component:?}");
             return Err(Invalid::new(accessor_key, message));
         }
+        if let Some(values) = self.unpacked.and_then(|unpacked| unpacked.values(index)) {
+            return Ok(values);
+        }
         let read = |elements: &Elements<'_>, i| std::array::from_fn(|c| elements.float(i, c));
         let mut values = match self.elements(accessor, N, component, &accessor_key)? {
             Some(elements) => (0..elements.count).map(|i| read(&elements, i)).collect(),
@@ -85,10 +103,12 @@ impl<'a> Accessors<'a> {
         Ok(values)
     }
 
-    /// Number of components of an element of an accessor.
-    pub(super) fn width(&self, index: usize, key: &str) -> Result<usize, Invalid> {
+    /// What an accessor says of its values.
+    pub(super) fn kind(&self, index: usize, key: &str) -> Result<Kind, Invalid> {
         let (accessor, accessor_key) = self.find(index, key)?;
-        Ok(types(accessor, &accessor_key)?.1.multiplicity())
+        let (component, kind) = types(accessor, &accessor_key)?;
+        let largest = largest(component).filter(|_| accessor.normalized);
+        Ok(Kind { width: kind.multiplicity(), largest, count: accessor.count.0 })
     }
 
     /// Reads vertex indices.
@@ -169,6 +189,18 @@ impl<'a> Accessors<'a> {
             *place = read(&replacements, i);
         }
         Ok(())
+    }
+}
+
+/// What a normalised integer is divided by; `None` of real numbers.
+fn largest(component: ComponentType) -> Option<f32> {
+    match component {
+        ComponentType::I8 => Some(127.0),
+        ComponentType::U8 => Some(255.0),
+        ComponentType::I16 => Some(32767.0),
+        ComponentType::U16 => Some(65535.0),
+        ComponentType::U32 => Some(u32::MAX as f32),
+        ComponentType::F32 => None,
     }
 }
 

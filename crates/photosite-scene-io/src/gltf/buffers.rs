@@ -1,7 +1,8 @@
-//! Where bytes come from: the binary chunk, files beside the document, data URIs.
+//! Where bytes come from: the binary chunk, files beside the document, data URIs, packed buffer views.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 use base64::Engine;
 use base64::engine::general_purpose::GeneralPurposeConfig;
@@ -9,13 +10,17 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose};
 use gltf::json::{Root, buffer};
 use percent_encoding::percent_decode_str;
 
+use super::meshopt::{self, Packed};
 use photosite_core::input;
 use photosite_core::{Invalid, Sandbox};
 
 /// The bytes of all buffers of a document.
 #[derive(Debug)]
 pub(super) struct Buffers {
-    data: Vec<Vec<u8>>,
+    /// None of those that stand in for packed ones where a reader cannot unpack them.
+    data: Vec<Option<Vec<u8>>>,
+    /// Of each buffer view that is packed and was asked for, what it holds.
+    unpacked: Vec<OnceLock<Result<Vec<u8>, Invalid>>>,
 }
 
 impl Buffers {
@@ -24,6 +29,11 @@ impl Buffers {
         let mut data = Vec::with_capacity(root.buffers.len());
         for (i, buffer) in root.buffers.iter().enumerate() {
             let key = format!("buffers[{i}]");
+            let has_bytes = buffer.uri.is_some() || i == 0 && chunk.is_some();
+            if meshopt::is_fallback(buffer) || !has_bytes && is_packed_elsewhere(root, i) {
+                data.push(None);
+                continue;
+            }
             let mut bytes = match (&buffer.uri, chunk) {
                 (Some(uri), _) => read_uri(uri, place).map_err(|e| e.within(&format!("{key}.uri")))?,
                 (None, Some(chunk)) if i == 0 => chunk.to_vec(),
@@ -41,9 +51,10 @@ impl Buffers {
             }
             // A binary chunk is padded to a multiple of four bytes.
             bytes.truncate(expected);
-            data.push(bytes);
+            data.push(Some(bytes));
         }
-        Ok(Self { data })
+        let unpacked = root.buffer_views.iter().map(|_| OnceLock::new()).collect();
+        Ok(Self { data, unpacked })
     }
 
     /// The bytes of a buffer view, checked. `key` names what refers to the view.
@@ -58,30 +69,47 @@ impl Buffers {
             .get(index)
             .ok_or_else(|| out_of_range(key, "bufferViews", index, root.buffer_views.len()))?;
         let view_key = format!("bufferViews[{index}]");
-        const MESHOPT: &str = "EXT_meshopt_compression";
-        if view.extensions.as_ref().is_some_and(|e| e.others.contains_key(MESHOPT)) {
-            let message = "compressed geometry is not supported";
-            return Err(Invalid::new(format!("{view_key}.extensions.{MESHOPT}"), message)
-                .help("export without compression, or unpack the file, for example with gltf-transform"));
-        }
-        let buffer = self.data.get(view.buffer.value()).ok_or_else(|| {
-            out_of_range(&format!("{view_key}.buffer"), "buffers", view.buffer.value(), self.data.len())
-        })?;
-        let offset = view.byte_offset.map_or(0, |o| o.0);
-        let range = offset
-            .checked_add(view.byte_length.0)
-            .and_then(|end| Some(usize::try_from(offset).ok()?..usize::try_from(end).ok()?));
-        let bytes = range.and_then(|range| buffer.get(range)).ok_or_else(|| {
-            let message = format!(
-                "{} bytes from byte {offset} reach beyond the {} bytes of buffers[{}]",
-                view.byte_length.0,
-                buffer.len(),
-                view.buffer.value()
-            );
-            Invalid::new(view_key, message)
-        })?;
+        let bytes = match Packed::of_view(view, &view_key)? {
+            Some(packed) => self.unpacked[index]
+                .get_or_init(|| {
+                    let table = &packed.table;
+                    packed.unpack(view, self.bytes(table.buffer, table.byte_offset, table.byte_length, &packed.key)?)
+                })
+                .as_deref()
+                .map_err(Invalid::clone)?,
+            None => {
+                let offset = view.byte_offset.map_or(0, |o| o.0);
+                self.bytes(view.buffer.value(), offset, view.byte_length.0, &view_key)?
+            }
+        };
         Ok((bytes, view))
     }
+
+    /// So many bytes of a buffer. `key` names what refers to them.
+    fn bytes(&self, index: usize, offset: u64, length: u64, key: &str) -> Result<&[u8], Invalid> {
+        let buffer_key = format!("{key}.buffer");
+        let buffer =
+            self.data.get(index).ok_or_else(|| out_of_range(&buffer_key, "buffers", index, self.data.len()))?;
+        let buffer = buffer.as_deref().ok_or_else(|| {
+            Invalid::new(buffer_key, format!("refers to buffers[{index}], which has no bytes of its own"))
+                .help("the file is damaged; export or compress it again")
+        })?;
+        let range =
+            offset.checked_add(length).and_then(|end| Some(usize::try_from(offset).ok()?..usize::try_from(end).ok()?));
+        range.and_then(|range| buffer.get(range)).ok_or_else(|| {
+            let message = format!(
+                "{length} bytes from byte {offset} reach beyond the {} bytes of buffers[{index}]",
+                buffer.len()
+            );
+            Invalid::new(key, message)
+        })
+    }
+}
+
+/// Whether all views of a buffer are packed, in other ones.
+fn is_packed_elsewhere(root: &Root, buffer: usize) -> bool {
+    let mut views = root.buffer_views.iter().filter(|view| view.buffer.value() == buffer).peekable();
+    views.peek().is_some() && views.all(meshopt::is_packed)
 }
 
 /// The error of an index that points to nothing.
@@ -97,6 +125,12 @@ pub(super) struct Place<'a> {
     pub(super) folder: &'a Path,
     /// What they may not lead out of.
     pub(super) sandbox: Option<&'a Sandbox>,
+}
+
+/// Refuses a URI that leads to where files may not be read.
+pub(super) fn check_uri(uri: Option<&str>, place: Place<'_>) -> Result<(), Invalid> {
+    let path = uri.and_then(|uri| path_of(uri, place.folder));
+    path.map_or(Ok(()), |path| place.sandbox.map_or(Ok(()), |sandbox| sandbox.check(&path)))
 }
 
 /// Reads what a URI stands for: a data URI, or a percent-encoded relative path.

@@ -7,6 +7,7 @@ use gltf::json::validation::Checked;
 
 use super::extensions::{self, extension};
 use super::texture::{TextureUse, Textures};
+use crate::stand_in::Holds;
 use photosite_core::Invalid;
 use photosite_core::spectrum::upsampling::reflectance_spectrum;
 use photosite_core::spectrum::{Dispersion, Spectrum};
@@ -50,7 +51,7 @@ pub(super) fn read_material(
         Some(normal) => Some(reader.normal_map(normal, "normalTexture")?),
         None => None,
     };
-    let emissive_texture = reader.texture(&material.emissive_texture, "emissiveTexture")?;
+    let emissive_texture = reader.texture(&material.emissive_texture, Holds::Colours, "emissiveTexture")?;
     if emission.is_none() {
         emission = read_emission(material, &key, emissive_texture)?;
     }
@@ -104,7 +105,7 @@ impl Reader<'_, '_> {
         let pbr = &self.material.pbr_metallic_roughness;
         let at = |name: &str| format!("pbrMetallicRoughness.{name}");
         let [r, g, b, a] = pbr.base_color_factor.0;
-        let map = self.texture(&pbr.metallic_roughness_texture, &at("metallicRoughnessTexture"))?;
+        let map = self.texture(&pbr.metallic_roughness_texture, Holds::Factors, &at("metallicRoughnessTexture"))?;
         let of_map = |channel| map.clone().map(|map| (map, channel));
         let layers = LayeredDescription {
             base_colour: self.colour(
@@ -206,7 +207,7 @@ impl Reader<'_, '_> {
         }
         layers.specular_colour = TexturedColour {
             colour: Colour::Rgb(table.specular_color_factor),
-            texture: self.texture(&table.specular_color_texture, &at("specularColorTexture"))?,
+            texture: self.texture(&table.specular_color_texture, Holds::Colours, &at("specularColorTexture"))?,
         };
         Ok(())
     }
@@ -260,7 +261,7 @@ impl Reader<'_, '_> {
         let anisotropy = AnisotropyDescription {
             strength: self.unit(table.anisotropy_strength, &at("anisotropyStrength"))?,
             rotation_rad: finite(table.anisotropy_rotation, &format!("{}.{rotation}", self.key))?,
-            texture: self.texture(&table.anisotropy_texture, &at("anisotropyTexture"))?,
+            texture: self.texture(&table.anisotropy_texture, Holds::Directions, &at("anisotropyTexture"))?,
         };
         Ok((anisotropy.strength > 0.0).then_some(anisotropy))
     }
@@ -286,8 +287,11 @@ impl Reader<'_, '_> {
                 self.not_negative(table.iridescence_thickness_minimum, &at("iridescenceThicknessMinimum"))?,
                 self.not_negative(table.iridescence_thickness_maximum, &at("iridescenceThicknessMaximum"))?,
             ],
-            thickness_texture: self
-                .texture(&table.iridescence_thickness_texture, &at("iridescenceThicknessTexture"))?,
+            thickness_texture: self.texture(
+                &table.iridescence_thickness_texture,
+                Holds::Factors,
+                &at("iridescenceThicknessTexture"),
+            )?,
         };
         Ok((film.weight.value > 0.0).then_some(film))
     }
@@ -329,9 +333,9 @@ impl Reader<'_, '_> {
         Ok((coat.weight.value > 0.0).then_some(coat))
     }
 
-    fn texture(&mut self, info: &Option<Info>, key: &str) -> Result<Option<TextureDescription>, Invalid> {
+    fn texture(&mut self, info: &Option<Info>, holds: Holds, key: &str) -> Result<Option<TextureDescription>, Invalid> {
         let key = format!("{}.{key}", self.key);
-        info.as_ref().map(|info| self.textures.describe(texture_use(info), &key)).transpose()
+        info.as_ref().map(|info| self.textures.describe(texture_use(info), holds, &key)).transpose()
     }
 
     fn channel(
@@ -340,7 +344,7 @@ impl Reader<'_, '_> {
         channel: Channel,
         key: &str,
     ) -> Result<Option<(TextureDescription, Channel)>, Invalid> {
-        Ok(self.texture(info, key)?.map(|texture| (texture, channel)))
+        Ok(self.texture(info, Holds::Factors, key)?.map(|texture| (texture, channel)))
     }
 
     fn colour(
@@ -350,7 +354,8 @@ impl Reader<'_, '_> {
         info: &Option<Info>,
         texture_key: &str,
     ) -> Result<TexturedColour, Invalid> {
-        Ok(TexturedColour { colour: Colour::Rgb(self.rgb(rgb, key)?), texture: self.texture(info, texture_key)? })
+        let texture = self.texture(info, Holds::Colours, texture_key)?;
+        Ok(TexturedColour { colour: Colour::Rgb(self.rgb(rgb, key)?), texture })
     }
 
     fn rgb(&mut self, [r, g, b]: [f32; 3], key: &str) -> Result<[f32; 3], Invalid> {
@@ -369,7 +374,7 @@ impl Reader<'_, '_> {
             .map_err(|source| Invalid::new(format!("{key}.extensions.{TEXTURE_TRANSFORM}"), source.to_string()))?;
         let used =
             TextureUse { texture: normal.index.value(), uv_set: normal.tex_coord, transform: transform.as_ref() };
-        Ok((self.textures.describe(used, &key)?, finite(normal.scale, &format!("{key}.scale"))?))
+        Ok((self.textures.describe(used, Holds::Normals, &key)?, finite(normal.scale, &format!("{key}.scale"))?))
     }
 
     /// A factor that should lie in 0–1. Some programs write a little more; that is cut off with a warning.

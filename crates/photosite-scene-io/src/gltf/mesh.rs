@@ -6,7 +6,7 @@ use gltf::json::validation::Checked;
 
 use super::accessor::Accessors;
 use super::buffers::out_of_range;
-use super::{skin, variants};
+use super::{draco, skin, variants};
 use crate::mesh::{Mended, checked};
 use photosite_core::Invalid;
 use photosite_core::warnings::Warnings;
@@ -63,6 +63,9 @@ pub(super) fn read_mesh(
         if mesh.primitives.len() > 1 {
             name += &format!("#{p}");
         }
+        let unpacked = draco::unpack(accessors, primitive, &key, warnings)?;
+        let accessors = Accessors { unpacked: unpacked.as_ref(), ..accessors };
+        let reader = &MeshReader { accessors, ..*reader };
         let mut posed = |pose: &Pose<'_>| {
             let weights = pose.weights.as_deref().or(mesh.weights.as_deref()).unwrap_or_default();
             let mut description = read_primitive(reader, primitive, &key, name.clone(), weights, warnings)?;
@@ -111,7 +114,6 @@ fn read_primitive(
             return Err(Invalid::new(format!("{key}.mode"), "is unknown").help("write a number from 0 to 6"));
         }
     };
-    refuse_compression(primitive, key)?;
     let chosen = match reader.variant {
         Some(variant) => variants::material(primitive, variant, key)?,
         None => None,
@@ -174,7 +176,7 @@ fn read_primitive(
     let colours = match attribute(Semantic::Colors(0)) {
         Some(index) => {
             let key = attribute_key("COLOR_0");
-            let colours: Vec<Vec4> = if accessors.width(index, &key)? == 3 {
+            let colours: Vec<Vec4> = if accessors.kind(index, &key)?.width == 3 {
                 accessors.floats::<3>(index, &key)?.into_iter().map(|c| Vec3::from(c).extend(1.0)).collect()
             } else {
                 vectors(accessors.floats::<4>(index, &key)?)
@@ -185,18 +187,12 @@ fn read_primitive(
         None => Vec::new(),
     };
 
-    let corners = match primitive.indices {
-        Some(index) => accessors.indices(index.value(), &format!("{key}.indices"))?,
-        None => (0..count as u32).collect(),
+    let triangles = match accessors.unpacked {
+        Some(unpacked) => unpacked.triangles.clone(),
+        None => read_triangles(accessors, primitive, mode, count, key)?,
     };
-    let triangles = triangles(mode, &corners);
     if triangles.is_empty() {
-        return Err(Invalid::new(key, format!("has {} corners, which make no triangle", corners.len()))
-            .help("remove the mesh, or give it geometry"));
-    }
-    if mode == Mode::Triangles && corners.len() % 3 != 0 {
-        let message = format!("has {} corners, which is no multiple of 3", corners.len());
-        return Err(Invalid::new(format!("{key}.indices"), message));
+        return Err(Invalid::new(key, "has no triangles").help("remove the mesh, or give it geometry"));
     }
     let mut mesh = MeshDescription {
         name,
@@ -214,15 +210,28 @@ fn read_primitive(
     Ok(Some(mesh))
 }
 
-/// Geometry whose real bytes are compressed, which no kept library reads: without this, its absence would show as
-/// garbage.
-fn refuse_compression(primitive: &Primitive, key: &str) -> Result<(), Invalid> {
-    const DRACO: &str = "KHR_draco_mesh_compression";
-    match primitive.extensions.as_ref().and_then(|e| e.others.get(DRACO)) {
-        Some(_) => Err(Invalid::new(format!("{key}.extensions.{DRACO}"), "compressed geometry is not supported")
-            .help("export without compression, or unpack the file, for example with gltf-transform")),
-        None => Ok(()),
+/// The triangles that the indices of a primitive make, or its vertices in their order.
+fn read_triangles(
+    accessors: Accessors<'_>,
+    primitive: &Primitive,
+    mode: Mode,
+    vertices: usize,
+    key: &str,
+) -> Result<Vec<[u32; 3]>, Invalid> {
+    let corners = match primitive.indices {
+        Some(index) => accessors.indices(index.value(), &format!("{key}.indices"))?,
+        None => (0..vertices as u32).collect(),
+    };
+    let triangles = triangles(mode, &corners);
+    if triangles.is_empty() {
+        return Err(Invalid::new(key, format!("has {} corners, which make no triangle", corners.len()))
+            .help("remove the mesh, or give it geometry"));
     }
+    if mode == Mode::Triangles && corners.len() % 3 != 0 {
+        let message = format!("has {} corners, which is no multiple of 3", corners.len());
+        return Err(Invalid::new(format!("{key}.indices"), message));
+    }
+    Ok(triangles)
 }
 
 /// Adds the displacements of morph targets, each times its weight (§3.7.2.2). Targets without a weight do nothing.

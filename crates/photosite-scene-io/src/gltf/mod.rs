@@ -10,12 +10,16 @@
 mod accessor;
 mod animation;
 mod buffers;
+mod contained;
+mod draco;
 mod extensions;
 mod glb;
 mod instancing;
+mod ktx2;
 mod light;
 mod material;
 mod mesh;
+mod meshopt;
 mod nodes;
 mod skin;
 mod texture;
@@ -51,7 +55,9 @@ use texture::Textures;
 /// Extensions that a file may require.
 pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
+    "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",
@@ -68,6 +74,8 @@ pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "KHR_materials_variants",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
+    "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
 
@@ -91,6 +99,8 @@ pub struct Choice<'a> {
     pub moment: Option<&'a Moment>,
     /// Where the files must lie that it names, if anywhere.
     pub sandbox: Option<&'a Sandbox>,
+    /// Whether a texture that is missing or broken gets a stand-in with a warning.
+    pub is_lenient: bool,
 }
 
 /// Reads a `.gltf` or `.glb` file.
@@ -118,7 +128,7 @@ pub fn read_bytes(bytes: &[u8], path: &Path, choice: Choice<'_>) -> Result<GltfF
         check(&root)?;
         let variants = variants::names(&root)?;
         let chosen = choice.variant.and_then(|variant| variants.iter().position(|name| name == variant));
-        let (scene, warnings) = convert(&root, chunk, place, chosen, choice.moment)?;
+        let (scene, warnings) = convert(&root, chunk, place, chosen, choice)?;
         Ok((GltfFile { scene, variants, animations: animation::names(&root) }, warnings))
     };
     read().map_err(in_text).map(|(mut file, warnings)| {
@@ -176,14 +186,14 @@ fn convert(
     chunk: Option<&[u8]>,
     place: Place<'_>,
     variant: Option<usize>,
-    moment: Option<&Moment>,
+    choice: Choice<'_>,
 ) -> Result<(SceneDescription, Warnings), Invalid> {
     let mut warnings = Warnings::default();
     for name in root.extensions_used.iter().filter(|name| !SUPPORTED_EXTENSIONS.contains(&name.as_str())) {
         warnings.once(format!("the extension {name} is not supported and is ignored"));
     }
     let buffers = Buffers::load(root, chunk, place)?;
-    let accessors = Accessors { root, buffers: &buffers };
+    let accessors = Accessors { root, buffers: &buffers, unpacked: None };
     check_memory(root)?;
     let mut scene = SceneDescription::default();
 
@@ -194,7 +204,7 @@ fn convert(
     let default_material = scene.materials.len();
     scene.materials.push(material::default_material());
 
-    let poses = animation::poses(accessors, moment, &mut warnings)?;
+    let poses = animation::poses(accessors, choice.moment, &mut warnings)?;
     let times = poses.iter().map(|nodes| Moved::new(root, nodes)).collect::<Result<Vec<_>, _>>()?;
     let reader = MeshReader { accessors, default_material, variant };
     // glTF mesh in its own shape → the descriptions of its primitives, read once however often it is placed.
@@ -263,7 +273,7 @@ fn convert(
     if scene.meshes.iter().all(|mesh| mesh.material != default_material) {
         scene.materials.truncate(default_material);
     }
-    scene.images = textures.decode(&buffers, place)?;
+    scene.images = textures.decode(&buffers, place, choice.is_lenient, &mut warnings)?;
     Ok((scene, warnings))
 }
 

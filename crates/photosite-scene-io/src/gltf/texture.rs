@@ -10,10 +10,13 @@ use gltf::json::texture::{MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked;
 use rayon::prelude::*;
 
-use super::buffers::{Buffers, Place, out_of_range, read_uri};
+use super::buffers::{Buffers, Place, check_uri, out_of_range, read_uri};
+use super::ktx2;
 use super::mesh::UV_SETS;
 use crate::picture::decode_picture;
-use photosite_core::Invalid;
+use crate::stand_in::{Holds, stand_in, stands_in};
+use photosite_core::warnings::Warnings;
+use photosite_core::{Invalid, Remedy};
 use photosite_transport::scene::description::TextureDescription;
 use photosite_transport::texture::{Bitmap, Filter, SamplerSettings, Texels, UvTransform, Wrap};
 
@@ -30,7 +33,14 @@ pub(super) struct Textures<'a> {
     /// Picture → index among the images of the scene description.
     slots: HashMap<Picture, usize>,
     /// Pictures in the order of their slots.
-    used: Vec<Picture>,
+    used: Vec<Used>,
+}
+
+/// A picture, and who first asked for it.
+struct Used {
+    picture: Picture,
+    holds: Holds,
+    key: String,
 }
 
 /// What is made of a glTF image.
@@ -41,6 +51,8 @@ enum Picture {
     /// The roughness 1 − factor·alpha, in the green channel, of an image whose alpha is glossiness. The factor is kept
     /// by its bits.
     Roughness(usize, u32),
+    /// The image that a glTF texture lacks.
+    Missing(usize),
 }
 
 impl<'a> Textures<'a> {
@@ -48,9 +60,15 @@ impl<'a> Textures<'a> {
         Self { root, slots: HashMap::new(), used: Vec::new() }
     }
 
-    /// Describes the use of a texture and notes that its image is needed. `key` names what refers to it.
-    pub(super) fn describe(&mut self, used: TextureUse<'_>, key: &str) -> Result<TextureDescription, Invalid> {
-        self.describe_picture(used, key, Picture::Image)
+    /// Describes the use of a texture, which holds something, and notes that its image is needed. `key` names what
+    /// refers to it.
+    pub(super) fn describe(
+        &mut self,
+        used: TextureUse<'_>,
+        holds: Holds,
+        key: &str,
+    ) -> Result<TextureDescription, Invalid> {
+        self.describe_picture(used, holds, key, Picture::Image)
     }
 
     /// The same for a texture whose alpha is glossiness, as a texture whose green is the roughness that
@@ -61,12 +79,13 @@ impl<'a> Textures<'a> {
         glossiness: f32,
         key: &str,
     ) -> Result<TextureDescription, Invalid> {
-        self.describe_picture(used, key, |image| Picture::Roughness(image, glossiness.to_bits()))
+        self.describe_picture(used, Holds::Colours, key, |image| Picture::Roughness(image, glossiness.to_bits()))
     }
 
     fn describe_picture(
         &mut self,
         used: TextureUse<'_>,
+        holds: Holds,
         key: &str,
         picture: impl FnOnce(usize) -> Picture,
     ) -> Result<TextureDescription, Invalid> {
@@ -76,20 +95,16 @@ impl<'a> Textures<'a> {
             .get(index)
             .ok_or_else(|| out_of_range(&format!("{key}.index"), "textures", index, textures.len()))?;
         let named = |name: &str| texture.extensions.as_ref().and_then(|e| e.others.get(name)?.get("source")?.as_u64());
-        // A file may offer a PNG beside the WebP; the WebP is the better one.
-        let image = named("EXT_texture_webp").map_or(texture.source.value(), |image| image as usize);
-        if image == u32::MAX as usize {
-            let message = match named("KHR_texture_basisu") {
-                Some(_) => "has an image of Basis Universal (KTX2, KHR_texture_basisu) alone, which is not supported",
-                None => "has no source: its image is of a kind that is not supported",
-            };
-            return Err(
-                Invalid::new(format!("textures[{index}]"), message).help("export the textures as PNG, JPEG or WebP")
-            );
-        }
-        if image >= self.root.images.len() {
+        // A file may offer a PNG or JPEG beside them, for readers that know neither.
+        let extension = ["EXT_texture_webp", "KHR_texture_basisu"].into_iter().find_map(named);
+        let image = extension.map_or(texture.source.value(), |image| image as usize);
+        let picture = if image == u32::MAX as usize {
+            Picture::Missing(index)
+        } else if image < self.root.images.len() {
+            picture(image)
+        } else {
             return Err(out_of_range(&format!("textures[{index}].source"), "images", image, self.root.images.len()));
-        }
+        };
         let sampler = match texture.sampler {
             Some(sampler) => {
                 let samplers = &self.root.samplers;
@@ -107,28 +122,61 @@ impl<'a> Textures<'a> {
             return Err(Invalid::new(format!("{key}.texCoord"), message).help("write 0 or 1"));
         }
         let transform = used.transform.map(|t| uv_transform(t, key)).transpose()?.unwrap_or_default();
-        let picture = picture(image);
         let slot = *self.slots.entry(picture).or_insert_with(|| {
-            self.used.push(picture);
+            self.used.push(Used { picture, holds, key: key.to_owned() });
             self.used.len() - 1
         });
         Ok(TextureDescription { image: slot, uv_set, sampler, transform })
     }
 
-    /// Decodes the images that were asked for, in parallel.
-    pub(super) fn decode(self, buffers: &Buffers, place: Place<'_>) -> Result<Vec<Arc<Bitmap>>, Invalid> {
-        let decode = |&picture: &Picture| match picture {
-            Picture::Image(image) => read_image(self.root, image, buffers, place).map(Arc::new),
-            Picture::Roughness(image, glossiness) => read_image(self.root, image, buffers, place)
-                .map(|glossy| Arc::new(roughness(&glossy, f32::from_bits(glossiness)))),
+    /// Decodes the images that were asked for, in parallel. One that cannot be had is an error, or gets a stand-in.
+    pub(super) fn decode(
+        self,
+        buffers: &Buffers,
+        place: Place<'_>,
+        is_lenient: bool,
+        warnings: &mut Warnings,
+    ) -> Result<Vec<Arc<Bitmap>>, Invalid> {
+        let decode = |used: &Used| match used.picture {
+            Picture::Image(image) | Picture::Roughness(image, _) => read_image(self.root, image, buffers, place),
+            Picture::Missing(texture) => {
+                Err(Invalid::new(format!("textures[{texture}]"), "has no image that can be read")
+                    .help("export the textures as PNG, JPEG, WebP or KTX2"))
+            }
         };
         // Collected before the first error is looked for, so that always the same error is reported.
-        let decoded: Vec<Result<Arc<Bitmap>, Invalid>> = self.used.par_iter().map(decode).collect();
-        decoded.into_iter().collect()
+        let decoded: Vec<Result<ktx2::Decoded, Invalid>> = self.used.par_iter().map(decode).collect();
+        let mut bitmaps = Vec::with_capacity(decoded.len());
+        for (decoded, used) in decoded.into_iter().zip(&self.used) {
+            let Used { picture, holds, key } = used;
+            let bitmap = match decoded {
+                Ok(ktx2::Decoded { bitmap, is_srgb }) => {
+                    if let Some(says) = is_srgb.filter(|&is_srgb| is_srgb != (*holds == Holds::Colours)) {
+                        let (says, is) = if says { ("sRGB-encoded", "linear") } else { ("linear", "sRGB-encoded") };
+                        let name = &bitmap.name;
+                        warnings.once(format!("{key}: the KTX2 picture {name} says that it is {says}, but is taken as {is}, which its use demands"));
+                    }
+                    bitmap
+                }
+                Err(invalid) if is_lenient => {
+                    if let Picture::Image(image) | Picture::Roughness(image, _) = picture {
+                        check_uri(self.root.images[*image].uri.as_deref(), place)?;
+                    }
+                    warnings.once(stands_in(&invalid.to_string(), *holds));
+                    stand_in(*holds, invalid.key)
+                }
+                Err(invalid) => return Err(invalid.or(Remedy::Lenient)),
+            };
+            bitmaps.push(Arc::new(match picture {
+                Picture::Image(_) | Picture::Missing(_) => bitmap,
+                Picture::Roughness(_, glossiness) => roughness(&bitmap, f32::from_bits(*glossiness)),
+            }));
+        }
+        Ok(bitmaps)
     }
 }
 
-fn read_image(root: &Root, index: usize, buffers: &Buffers, place: Place<'_>) -> Result<Bitmap, Invalid> {
+fn read_image(root: &Root, index: usize, buffers: &Buffers, place: Place<'_>) -> Result<ktx2::Decoded, Invalid> {
     let image = &root.images[index];
     let key = format!("images[{index}]");
     let (bytes, name) = match (&image.uri, image.buffer_view) {
@@ -143,7 +191,12 @@ fn read_image(root: &Root, index: usize, buffers: &Buffers, place: Place<'_>) ->
         }
         (None, None) => return Err(Invalid::new(key, "has neither a uri nor a bufferView, so no picture")),
     };
-    decode_picture(&bytes, name).map_err(|e| e.within(&key))
+    let decoded = if ktx2::is_ktx2(&bytes) {
+        ktx2::decode(&bytes, name)
+    } else {
+        decode_picture(&bytes, name).map(|bitmap| ktx2::Decoded { bitmap, is_srgb: None })
+    };
+    decoded.map_err(|e| e.within(&key))
 }
 
 /// 1 − factor·alpha in the green channel.

@@ -66,21 +66,31 @@ fn check_memory(text: &str) -> Result<(), Invalid> {
     memory::check(triangles * TRIANGLE, &format!("its geometry of {triangles} triangles"), "simplify it")
 }
 
-/// Reads an `.obj` file with its materials, which must lie in a sandbox as their pictures must.
-pub fn read(path: &Path, missing_normals: MissingNormals, sandbox: &Sandbox) -> Result<ObjFile> {
-    parse(&read_text(path)?, path, missing_normals, sandbox)
+/// How a file is read.
+#[derive(Clone, Debug, Default)]
+pub struct Choice {
+    /// What its faces without normals get.
+    pub missing_normals: MissingNormals,
+    /// Where its materials and their pictures must lie.
+    pub sandbox: Sandbox,
+    /// Whether a picture that is missing or broken gets a stand-in with a warning.
+    pub is_lenient: bool,
 }
 
-/// Reads the text of an `.obj` file; `path` is for messages and for the files that the text refers to, which must lie in
-/// a sandbox.
-pub fn parse(text: &str, path: &Path, missing_normals: MissingNormals, sandbox: &Sandbox) -> Result<ObjFile> {
+/// Reads an `.obj` file with its materials.
+pub fn read(path: &Path, choice: &Choice) -> Result<ObjFile> {
+    parse(&read_text(path)?, path, choice)
+}
+
+/// Reads the text of an `.obj` file; `path` is for messages and for the files that the text refers to.
+pub fn parse(text: &str, path: &Path, choice: &Choice) -> Result<ObjFile> {
     check_memory(text).map_err(|invalid| invalid.in_file(path))?;
     let mut warnings = Warnings::default();
     let geometry = Geometry::parse(text, path, &mut warnings)?;
-    let libraries = read_libraries(&geometry, path, sandbox, &mut warnings)?;
+    let libraries = read_libraries(&geometry, path, &choice.sandbox, &mut warnings)?;
 
     let mut scene = SceneDescription::default();
-    let mut pictures = Pictures::within(sandbox);
+    let mut pictures = Pictures::within(&choice.sandbox, choice.is_lenient);
     let mut undescribed_materials = Vec::new();
     for name in &geometry.materials {
         scene.materials.push(match libraries.get(name) {
@@ -92,7 +102,7 @@ pub fn parse(text: &str, path: &Path, missing_normals: MissingNormals, sandbox: 
         });
     }
     let mut zero_area = 0;
-    for mesh in mesh::meshes(&geometry, missing_normals) {
+    for mesh in mesh::meshes(&geometry, choice.missing_normals) {
         let (mesh, mended) = checked(mesh).map_err(|invalid| invalid.in_file(path))?;
         zero_area += mended.zero_area;
         if mended.normals > 0 {
@@ -118,8 +128,11 @@ pub fn parse(text: &str, path: &Path, missing_normals: MissingNormals, sandbox: 
         };
         return Err(Invalid::new("", message).help("export the scene with its faces").in_file(path));
     }
+    pictures.warnings.into_messages().into_iter().for_each(|message| warnings.once(message));
     let libraries = libraries.into_values().map(|(path, _)| path);
     scene.files = libraries.chain(pictures.slots.into_keys().map(|(path, _)| path)).collect();
+    // Something may stand for a picture that is missing.
+    scene.files.retain(|path| path.is_file());
     scene.files.sort();
     scene.files.dedup();
     scene.images = pictures.images;

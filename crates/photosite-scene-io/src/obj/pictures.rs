@@ -12,8 +12,10 @@ use super::files::file_beside;
 use super::map::{Map, MapChannel, Range};
 use super::mtl::{MtlMaterial, roughness_of_exponent};
 use crate::picture::read_picture;
+use crate::stand_in::{Holds, stand_in, stands_in};
 use photosite_core::spectrum::rgb;
-use photosite_core::{Result, Sandbox};
+use photosite_core::warnings::Warnings;
+use photosite_core::{Remedy, Result, Sandbox};
 use photosite_transport::scene::description::TextureDescription;
 use photosite_transport::texture::{Bitmap, Texels, Wrap};
 
@@ -47,6 +49,9 @@ pub(super) struct Pictures {
     pub(super) images: Vec<Arc<Bitmap>>,
     /// Where they must lie.
     sandbox: Sandbox,
+    /// Whether one that is missing or broken gets a stand-in with a warning.
+    is_lenient: bool,
+    pub(super) warnings: Warnings,
     /// By path and what was made of them.
     pub(super) slots: HashMap<(PathBuf, String), Prepared>,
 }
@@ -79,8 +84,8 @@ enum Preparation {
 
 impl Pictures {
     /// None yet, of those in a sandbox.
-    pub(super) fn within(sandbox: &Sandbox) -> Self {
-        Self { sandbox: sandbox.clone(), ..Self::default() }
+    pub(super) fn within(sandbox: &Sandbox, is_lenient: bool) -> Self {
+        Self { sandbox: sandbox.clone(), is_lenient, ..Self::default() }
     }
 
     pub(super) fn of_material(&mut self, mtl: &MtlMaterial, library: &Path) -> Result<MaterialTextures> {
@@ -124,8 +129,16 @@ impl Pictures {
             Entry::Occupied(entry) => *entry.get(),
             Entry::Vacant(entry) => {
                 let path = &entry.key().0;
-                let picture = self.sandbox.check(path).and_then(|()| read_picture(path));
-                let picture = picture.map_err(|e| e.within(&map.key).at_line(library, map.line))?;
+                self.sandbox.check(path).map_err(|e| e.within(&map.key).at_line(library, map.line))?;
+                let picture = match read_picture(path).map_err(|e| e.within(&map.key)) {
+                    Ok(picture) => picture,
+                    Err(invalid) if self.is_lenient => {
+                        let holds = preparation.holds();
+                        self.warnings.once(stands_in(&invalid.to_string(), holds));
+                        stand_in(holds, path.display().to_string())
+                    }
+                    Err(invalid) => return Err(invalid.or(Remedy::Lenient).at_line(library, map.line)),
+                };
                 let (picture, has_normals) = preparation.apply(picture);
                 self.images.push(Arc::new(picture));
                 *entry.insert(Prepared { image: self.images.len() - 1, has_normals })
@@ -138,6 +151,15 @@ impl Pictures {
 }
 
 impl Preparation {
+    /// What the picture holds before.
+    fn holds(self) -> Holds {
+        match self {
+            Self::Colours(_) => Holds::Colours,
+            Self::Number(..) | Self::EncodedNumber(..) | Self::Opacity(..) | Self::Roughness(..) => Holds::Factors,
+            Self::Normals(..) | Self::Kept => Holds::Normals,
+        }
+    }
+
     /// The picture, and whether it holds normals where heights were asked for.
     fn apply(self, picture: Bitmap) -> (Bitmap, bool) {
         let made = match self {

@@ -21,7 +21,7 @@ fn folder(files: &[(&str, &[u8])]) -> TempDir {
 
 fn read_text(text: &str) -> Result<ObjFile> {
     let folder = folder(&[("scene.obj", text.as_bytes())]);
-    read(&folder.path().join("scene.obj"), MissingNormals::Flat, &Sandbox::default())
+    read(&folder.path().join("scene.obj"), &Choice::default())
 }
 
 fn scene(text: &str) -> SceneDescription {
@@ -75,8 +75,11 @@ fn smoothing_groups_smooth_within_themselves() {
     assert_eq!(half.len(), 8, "explicit flat normals beside smooth ones");
 
     let folder = folder(&[("scene.obj", format!("{roof}{up}\n{side}").as_bytes())]);
-    let file =
-        read(&folder.path().join("scene.obj"), MissingNormals::Smooth, &Sandbox::default()).expect("a valid file");
+    let file = read(
+        &folder.path().join("scene.obj"),
+        &Choice { missing_normals: MissingNormals::Smooth, ..Choice::default() },
+    )
+    .expect("a valid file");
     assert_eq!(file.scene.meshes[0].normals.len(), 6, "smooth on request");
 }
 
@@ -88,7 +91,7 @@ fn materials_come_from_the_library_and_pictures_from_beside_it() {
     let mtl = b"newmtl my wood\nKd 1 0.5 0.25\nmap_Kd -s 2 2 my pic.png\nmap_d my pic.png\n# comment\nnewmtl lamp\nKe 3 3 3\n";
     let obj = format!("mtllib my lib.mtl\n{SQUARE}vt 0 0\nusemtl my wood\nf 1/1 2/1 3/1\nusemtl lamp\nf 1 2 3\n");
     let folder = folder(&[("scene.obj", obj.as_bytes()), ("my lib.mtl", mtl), ("my pic.png", png.get_ref())]);
-    let file = read(&folder.path().join("scene.obj"), MissingNormals::Flat, &Sandbox::default()).expect("a valid file");
+    let file = read(&folder.path().join("scene.obj"), &Choice::default()).expect("a valid file");
     let scene = file.scene;
     assert!(file.undescribed_materials.is_empty());
     let wood = &scene.materials[0];
@@ -113,9 +116,7 @@ fn a_missing_library_is_a_warning_and_a_missing_picture_an_error() {
 
     let obj = format!("mtllib a.mtl\n{SQUARE}usemtl red\nf 1 2 3\n");
     let folder = folder(&[("scene.obj", obj.as_bytes()), ("a.mtl", b"newmtl red\nKd 1 0 0\nmap_Kd gone.png\n")]);
-    let error = read(&folder.path().join("scene.obj"), MissingNormals::Flat, &Sandbox::default())
-        .expect_err("no picture")
-        .to_string();
+    let error = read(&folder.path().join("scene.obj"), &Choice::default()).expect_err("no picture").to_string();
     assert!(error.contains("a.mtl:3: map_Kd: ") && error.contains("gone.png"), "{error}");
 }
 
@@ -179,4 +180,31 @@ fn tobj_reads_the_same() {
     assert_eq!((flat(&mesh.positions), flat(&mesh.normals)), (theirs.positions.clone(), theirs.normals.clone()));
     let uvs: Vec<f32> = mesh.uvs[0].iter().flat_map(|uv| [uv.x, 1.0 - uv.y]).collect();
     assert_eq!(uvs, theirs.texcoords);
+}
+
+#[test]
+fn pictures_that_cannot_be_had_get_a_stand_in_where_that_is_allowed() {
+    let library = b"newmtl a\nmap_Kd gone.png\nmap_Pr torn.png\nbump gone.png\nnorm gone.png\n";
+    let folder = folder(&[
+        ("scene.obj", b"mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n"),
+        ("scene.mtl", library),
+        ("torn.png", b"\x89PNG"),
+    ]);
+    let path = folder.path().join("scene.obj");
+    let error = read(&path, &Choice::default()).expect_err("strict").to_string();
+    assert!(error.contains("scene.mtl") && error.contains("gone.png"), "{error}");
+
+    let scene = read(&path, &Choice { is_lenient: true, ..Choice::default() }).expect("lenient").scene;
+    let first: Vec<_> = scene.images.iter().map(|image| image.linear_texel(0)).collect();
+    let close = |a: [f32; 4], b: [f32; 4]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.005);
+    // Grey is 128 of 255; the roughness is that of `Pr` alone; the normal is that of the surface.
+    let flat = [0.5, 0.5, 1.0, 1.0];
+    assert!(first.iter().zip([[0.502, 0.502, 0.502, 1.0], [1.0; 4], flat]).all(|(&a, b)| close(a, b)), "{first:?}");
+    assert_eq!(scene.warnings.len(), 3, "{:?}", scene.warnings);
+    assert!(scene.warnings[0].contains("map_Kd: cannot read") && scene.warnings[0].ends_with("grey stands for it"));
+    // What reports keep the sums of.
+    assert_eq!(scene.files, ["scene.mtl", "torn.png"].map(|name| folder.path().join(name)));
+    let outside = tempfile::tempdir().expect("a folder");
+    let sandbox = Sandbox::new(outside.path()).expect("a sandbox");
+    assert!(read(&path, &Choice { is_lenient: true, sandbox, ..Choice::default() }).is_err());
 }
