@@ -85,7 +85,7 @@ use target::place_targets;
 
 pub use dataset::DatasetFile;
 pub use develop::read_develop_settings;
-pub use schema::{capture_schema, noise_schema};
+pub use schema::{capture_schema, dataset_schema, noise_schema, sensor_schema};
 pub use sensor::{NamedSensor, read_named_sensor, read_sensor_file};
 pub use settings::{
     Bracket, ExposureSettings, ExposureTime, NextPicture, NoiseOutput, OutputSettings, SpectralBands, TruthOutput,
