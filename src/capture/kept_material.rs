@@ -1,7 +1,6 @@
 //! `[materials.NAME]` without a type: the geometry's own material, of which colour, roughness and metalness change.
 
-use super::colour::Finder;
-use super::material::unit;
+use super::colour::{Finder, unit};
 use super::tables::KeptTable;
 use crate::Invalid;
 use crate::scene::description::{MaterialModel, TexturedColour, TexturedFactor};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::colour::Finder;
+use super::colour::{Finder, unit};
 use super::kept_material::Changes;
 use super::light::emission;
 use super::tables::{
@@ -342,11 +342,4 @@ fn shine(finder: &mut Finder<'_>, table: Option<&EmissionTable>) -> Result<Optio
     let level = table.luminance_nit.map(|level| ("luminance_nit", level));
     let emission = emission(finder, table.colour(), level, "luminance_nit").map_err(|e| e.within("emission"))?;
     Ok(Some(EmissionDescription { texture, ..emission }))
-}
-
-pub(super) fn unit(key: &str, value: f64) -> Result<f32, Invalid> {
-    if (0.0..=1.0).contains(&value) {
-        return Ok(value as f32);
-    }
-    Err(Invalid::new(key, format!("must lie between 0 and 1, got {value}")))
 }

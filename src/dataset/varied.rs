@@ -47,7 +47,8 @@ fn keys_of(key: &str, tree: &Value, capture: &Capture) -> Result<Vec<String>, In
             }
         }
         if next.is_empty() {
-            let known = names_in(found.iter().filter_map(|(_, value)| *value), &more);
+            let known = found.iter().flat_map(|(_, value)| named_elements(*value, &more)).map(|(name, _)| name);
+            let known: BTreeSet<String> = known.collect();
             let message = format!("{key:?} stands for nothing: no name in {} is like {part:?}", path(&parts[..i]));
             let help = match list(part, known.iter().map(String::as_str)) {
                 names if names.is_empty() => "there are none; remove it".to_owned(),
@@ -98,10 +99,6 @@ fn named_elements<'a>(value: Option<&'a Value>, more: &[String]) -> Vec<(String,
         }
     }
     all
-}
-
-fn names_in<'a>(values: impl Iterator<Item = &'a Value>, more: &[String]) -> BTreeSet<String> {
-    values.flat_map(|value| named_elements(Some(value), more)).map(|(name, _)| name).collect()
 }
 
 /// The files that a pattern stands for, in the order of their names. It is relative to the data set file.

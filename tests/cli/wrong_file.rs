@@ -56,7 +56,7 @@ fn the_command_that_takes_it_is_named(#[case] arguments: &str, #[case] message: 
 #[test]
 fn files_of_the_right_kind_are_taken() {
     let folder = folder();
-    for arguments in ["info board.toml", "info sensor.toml", "info model.glb", "dataset set.toml -o out --quiet"] {
+    for arguments in ["info board.toml", "info model.glb", "dataset set.toml -o out --quiet"] {
         folder.succeed(arguments);
     }
     // What a name alone does not decide is read.

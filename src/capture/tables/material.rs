@@ -19,7 +19,7 @@ pub(crate) enum MaterialTable {
     /// A material described anew.
     Typed(Box<TypedMaterialTable>),
     /// The geometry's own material with changes.
-    Kept(KeptTable),
+    Kept(Box<KeptTable>),
 }
 
 /// Makes what `type` chooses among, and reads it, from a list of types and their tables.
