@@ -99,9 +99,9 @@ impl<'a> Finder<'a> {
             ReflectanceSource::Name(name) => Colour::Spectrum(
                 library::reflectance(name).ok_or_else(|| unknown_spectrum(name, library::reflectances))?,
             ),
-            ReflectanceSource::Rgb(rgb) => Colour::Rgb(decoded(unit(*rgb)?)),
+            ReflectanceSource::Rgb(rgb) => Colour::Rgb(decoded(unit_rgb(*rgb)?)),
             ReflectanceSource::Linear(linear) => {
-                Colour::Rgb(unit(linear.linear_rgb).map_err(|e| e.within("linear_rgb"))?.map(|c| c as f32))
+                Colour::Rgb(unit_rgb(linear.linear_rgb).map_err(|e| e.within("linear_rgb"))?.map(|c| c as f32))
             }
             ReflectanceSource::Texture(texture) => {
                 return Ok(TexturedColour { texture: Some(self.texture(texture)?), ..TexturedColour::white() });
@@ -159,7 +159,7 @@ impl<'a> Finder<'a> {
             return Ok(LightSpectrum { colour: Colour::Spectrum(shape), is_absolute });
         }
         let rgb = match (keys.rgb, keys.linear_rgb) {
-            (Some(rgb), _) => Some(decoded(unit(rgb).map_err(|e| e.within("rgb"))?)),
+            (Some(rgb), _) => Some(decoded(unit_rgb(rgb).map_err(|e| e.within("rgb"))?)),
             (None, Some(linear)) => Some(not_negative_rgb(linear).map_err(|e| e.within("linear_rgb"))?),
             (None, None) => None,
         };
@@ -190,8 +190,16 @@ fn unknown_spectrum<N: Iterator<Item = &'static str>>(name: &str, names: impl Fn
         .help(format!("known are {}; a file is written as {{ file = \"{name}.csv\" }}", list(name, names())))
 }
 
+/// A number 0–1.
+pub(super) fn unit(key: &str, value: f64) -> Result<f32, Invalid> {
+    if (0.0..=1.0).contains(&value) {
+        return Ok(value as f32);
+    }
+    Err(Invalid::new(key, format!("must lie between 0 and 1, got {value}")))
+}
+
 /// Colours 0–1.
-fn unit(rgb: [f64; 3]) -> Result<[f64; 3], Invalid> {
+fn unit_rgb(rgb: [f64; 3]) -> Result<[f64; 3], Invalid> {
     if rgb.iter().all(|c| (0.0..=1.0).contains(c)) {
         return Ok(rgb);
     }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::file_kind::FileKind;
 use super::source::CaptureSource;
 use super::source::shown;
 use super::text_file::read_text;
@@ -26,7 +27,18 @@ impl DatasetFile {
 
     /// Reads a data set file.
     pub fn read(path: &Path) -> Result<Self> {
+        if path.is_dir() {
+            let help = "give the data set file (.toml) that it is made from";
+            return Err(Invalid::new("", "is a folder").help(help).in_file(path));
+        }
+        if let Some(kind) = FileKind::of_name(path).filter(|_| path.is_file()) {
+            return Err(kind.instead_of("a data set file", path));
+        }
         let source = CaptureSource::parse(path, read_text(path)?)?;
+        match FileKind::of_keys(source.sections().map(|(key, _)| key)) {
+            Some(kind) if kind != FileKind::DataSet => return Err(kind.instead_of("a data set file", path)),
+            Some(_) | None => {}
+        }
         if !source.has("capture") {
             let help = "for example capture = \"capture.toml\"";
             return Err(source.error(Invalid::new("", "the key `capture` is missing").help(help)));

@@ -59,7 +59,7 @@ fn materials(source: &CaptureSource) -> Result<BTreeMap<String, MaterialTable>> 
 
 fn material(source: &CaptureSource, path: &str, node: &Node) -> Result<MaterialTable> {
     let (kind, node) = split_type(source, path, node)?;
-    let Some(kind) = kind else { return Ok(MaterialTable::Kept(source.read_node(path, &node)?)) };
+    let Some(kind) = kind else { return Ok(MaterialTable::Kept(Box::new(source.read_node(path, &node)?))) };
     let mix = |mut node: Node| {
         let mut part = |key: &str| mixed(source, path, key, node.remove(key));
         let (first, second) = (Box::new(part("first")?), Box::new(part("second")?));

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use super::file_kind::FileKind;
 use super::source::CaptureSource;
 use super::stored_report::StoredReport;
 use super::text_file::{read_text, unknown_kind};
@@ -19,9 +20,16 @@ pub(super) fn read_source(path: &Path) -> Result<CaptureSource> {
     if is_of_kind("json") {
         return Ok(StoredReport::read(path)?.source(path));
     }
+    if let Some(kind) = FileKind::of_name(path).filter(|kind| *kind != FileKind::Model && path.is_file()) {
+        return Err(kind.instead_of("a capture file or a scene", path));
+    }
     let source = CaptureSource::parse(path, read_text(path)?);
     // Syntax errors help nobody who gave a file of another kind.
-    if is_of_kind("toml") { source } else { source.map_err(|_| unknown_kind(path)) }
+    let source = if is_of_kind("toml") { source? } else { source.map_err(|_| unknown_kind(path))? };
+    match FileKind::of_keys(source.sections().map(|(key, _)| key)) {
+        Some(kind @ (FileKind::DataSet | FileKind::Sensor)) => Err(kind.instead_of("a capture file or a scene", path)),
+        Some(_) | None => Ok(source),
+    }
 }
 
 /// Focuses the lens on the middle of a scene that stands for a capture, unless something says otherwise.

@@ -41,9 +41,10 @@ pub(super) fn describe_lights(
         let light = light.map_err(|invalid| invalid.within(&path))?;
         Ok(LightDescription { name: table.name().map_or(path, str::to_owned), ..light })
     };
+    // Lights that are off are checked all the same.
     let lights: Vec<_> = tables.iter().enumerate().map(&mut describe).collect::<Result<_, Invalid>>()?;
     scene.lights.retain(|light| !replaced.contains(&light.name));
-    scene.lights.extend(lights);
+    scene.lights.extend(lights.into_iter().zip(tables).filter(|(_, table)| table.is_on()).map(|(light, _)| light));
     Ok(())
 }
 

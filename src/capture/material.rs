@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::colour::Finder;
+use super::colour::{Finder, unit};
+use super::kept_material::Changes;
 use super::light::emission;
 use super::tables::{
     CommonKeys, ConductorTable, DielectricTable, DiffuseTable, EmissionTable, IndexSource, KeptTable, MaterialTable,
@@ -37,7 +38,9 @@ pub(super) fn override_materials(
             MaterialTable::Typed(table) => typed(finder, table),
         };
         let material = material.map_err(|invalid| invalid.within(&path))?;
-        materials.iter_mut().filter(|place| place.name == *name).for_each(|place| material.clone().apply(place));
+        for place in materials.iter_mut().filter(|place| place.name == *name) {
+            material.clone().apply(place).map_err(|invalid| invalid.within(&path))?;
+        }
     }
     Ok(())
 }
@@ -55,14 +58,15 @@ fn unknown_material(path: String, name: &str, materials: &[MaterialDescription])
 /// A material as a capture file describes it.
 #[derive(Clone)]
 struct Override {
-    /// `None` keeps the model and all that belongs to it.
+    /// `None` keeps the model and all that belongs to it but for `changes`.
     model: Option<(MaterialModel, Option<TextureDescription>)>,
+    changes: Changes,
     emission: Option<EmissionDescription>,
     double_sided: Option<bool>,
 }
 
 impl Override {
-    fn apply(self, place: &mut MaterialDescription) {
+    fn apply(self, place: &mut MaterialDescription) -> Result<(), Invalid> {
         let is_new = self.model.is_some();
         if let Some((model, normal_map)) = self.model {
             place.model = model;
@@ -75,11 +79,14 @@ impl Override {
             place.emission = self.emission;
         }
         place.double_sided = self.double_sided.unwrap_or(place.double_sided);
+        self.changes.apply(&mut place.model)
     }
 }
 
 fn kept(finder: &mut Finder<'_>, table: &KeptTable) -> Result<Override, Invalid> {
-    Ok(Override { model: None, emission: shine(finder, table.emission.as_ref())?, double_sided: table.double_sided })
+    let changes = Changes::of(table, finder)?;
+    let emission = shine(finder, table.emission.as_ref())?;
+    Ok(Override { model: None, changes, emission, double_sided: table.double_sided })
 }
 
 fn typed(finder: &mut Finder<'_>, table: &TypedMaterialTable) -> Result<Override, Invalid> {
@@ -97,7 +104,8 @@ fn surface(finder: &mut Finder<'_>, model: MaterialModel, keys: SurfaceKeys<'_>)
     let normal_map =
         keys.normal_map.map(|file| finder.texture(file)).transpose().map_err(|e| e.within("normal_map"))?;
     let emission = shine(finder, keys.emission)?;
-    Ok(Override { model: Some((model, normal_map)), emission, double_sided: keys.double_sided })
+    let model = Some((model, normal_map));
+    Ok(Override { model, changes: Changes::default(), emission, double_sided: keys.double_sided })
 }
 
 impl SurfaceTable for DiffuseTable {
@@ -334,11 +342,4 @@ fn shine(finder: &mut Finder<'_>, table: Option<&EmissionTable>) -> Result<Optio
     let level = table.luminance_nit.map(|level| ("luminance_nit", level));
     let emission = emission(finder, table.colour(), level, "luminance_nit").map_err(|e| e.within("emission"))?;
     Ok(Some(EmissionDescription { texture, ..emission }))
-}
-
-fn unit(key: &str, value: f64) -> Result<f32, Invalid> {
-    if (0.0..=1.0).contains(&value) {
-        return Ok(value as f32);
-    }
-    Err(Invalid::new(key, format!("must lie between 0 and 1, got {value}")))
 }

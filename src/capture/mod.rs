@@ -12,7 +12,7 @@
 //! | `[scene]` | geometry, environment | `scene.rs`, `light.rs` |
 //! | `[[lights]]` | lights without a surface | `light.rs` |
 //! | `[[targets]]` | calibration targets | `target.rs` |
-//! | `[materials.NAME]` | materials in place of the geometry's | `material.rs` |
+//! | `[materials.NAME]` | materials in place of the geometry's | `material.rs`, `kept_material.rs` |
 //! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `focus.rs`, `lens_elements.rs`, `projection.rs`, `aberrations.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
 //! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
@@ -29,9 +29,11 @@ mod dataset;
 mod develop;
 mod environment;
 mod file;
+mod file_kind;
 mod focus;
 mod framing;
 mod input;
+mod kept_material;
 mod lens;
 mod lens_elements;
 mod light;
@@ -89,7 +91,8 @@ use target::place_targets;
 
 pub use dataset::DatasetFile;
 pub use develop::read_develop_settings;
-pub use schema::{capture_schema, noise_schema};
+pub(crate) use file_kind::FileKind;
+pub use schema::{capture_schema, dataset_schema, noise_schema, sensor_schema};
 pub use sensor::{NamedSensor, read_named_sensor, read_sensor_file};
 pub use settings::{
     Bracket, ExposureSettings, ExposureTime, NextPicture, NoiseOutput, OutputSettings, SpectralBands, TruthOutput,

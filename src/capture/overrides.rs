@@ -1,18 +1,20 @@
 //! Overrides, `key=value`: values of the caller in place of those of the file.
 
 use photosite_core::Remedy;
+use photosite_core::key_path::{has_outside_quotes, split_change};
 use toml::de::DeValue;
 
 use super::source::{CaptureSource, shown};
 use crate::{Error, Result};
 
-/// Lays `key=value` over the values of a capture file. The key is a path of keys, where elements of arrays are numbered
-/// from 0 (`lights.0.intensity_cd`); the value is TOML, or a bare word that stands for itself.
+/// Lays `key=value` over the values of a capture file. The key is a path of keys, where elements of arrays go by name or
+/// are numbered from 0 (`lights.key.intensity_cd`, `lights.0.intensity_cd`); the value is TOML, or a bare word that stands
+/// for itself.
 pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
-    let (key, value) = argument.split_once('=').unwrap_or((argument, ""));
+    let (key, value) = split_change(argument).unwrap_or((argument, ""));
     if let Some((table, key)) = key.trim().split_once('.') {
         let mut lost = Vec::new();
-        for other in alternatives(table, key, value.trim()) {
+        for other in alternatives(table, key, value) {
             let Some(node) = source.remove(table, other) else { continue };
             // Poses and focus of a file give way to those of data sets and sweeps all the time, and a time that is
             // given means that none is found.
@@ -94,12 +96,11 @@ fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &st
         let help = Some(Remedy::Example(example.to_owned()).into());
         Error::Override { argument: shown(argument), message: what, help }
     };
-    let Some((key, value)) = argument.split_once('=') else {
+    let Some((key, value)) = split_change(argument) else {
         return Err(wrong("there is no value".to_owned()));
     };
-    let (key, value) = (key.trim(), value.trim());
     // A key may not smuggle in a document of its own.
-    if key.is_empty() || key.contains(['\n', '\r', '=', '#', '[', ']']) {
+    if key.is_empty() || key.contains(['\n', '\r']) || has_outside_quotes(key, &['=', '#', '[', ']']) {
         return Err(wrong(format!("{key:?} is no key")));
     }
     let is_toml = DeValue::parse(value).is_ok() && !value.contains(['\n', '\r']);

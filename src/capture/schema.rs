@@ -1,24 +1,43 @@
-//! The JSON Schema of capture files, by which editors complete and check them.
+//! The JSON Schemas of capture, data set and sensor files, by which editors complete and check them.
 
+use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
 
 use super::tables::CaptureFile;
+use crate::calibration::dataset::DatasetDescription;
+use crate::sensor::SensorDescription;
 use crate::synthetic_noise::SyntheticNoise;
 
-/// The JSON Schema (draft 2020-12) of capture files. The committed copy is `assets/capture.schema.json`.
+/// The JSON Schema (draft 2020-12) of capture files. The committed copies of this and of the others are
+/// `assets/*.schema.json`.
 pub fn capture_schema() -> Value {
-    let schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<CaptureFile>();
-    let mut schema = schema.to_value();
+    let mut schema = schema_of::<CaptureFile>();
     make_partial(&mut schema);
-    remove_null(&mut schema);
+    schema
+}
+
+/// The JSON Schema of data set files.
+pub fn dataset_schema() -> Value {
+    schema_of::<DatasetDescription>()
+}
+
+/// The JSON Schema of sensor files.
+pub fn sensor_schema() -> Value {
+    let mut schema = schema_of::<SensorDescription>();
+    schema["title"] = "photosite sensor".into();
     schema
 }
 
 /// The JSON Schema of the keys of `photosite noise add`.
 pub fn noise_schema() -> Value {
-    let schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<SyntheticNoise>();
-    let mut schema = schema.to_value();
+    let mut schema = schema_of::<SyntheticNoise>();
+    schema["title"] = "photosite noise add".into();
+    schema
+}
+
+fn schema_of<T: JsonSchema>() -> Value {
+    let mut schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<T>().to_value();
     remove_null(&mut schema);
     schema
 }
@@ -91,16 +110,28 @@ mod tests {
 
     use super::*;
 
-    const PATH: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/capture.schema.json");
+    const ASSETS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/assets");
+
+    fn schemas() -> [(&'static str, Value); 4] {
+        [
+            ("capture", capture_schema()),
+            ("dataset", dataset_schema()),
+            ("sensor", sensor_schema()),
+            ("noise", noise_schema()),
+        ]
+    }
 
     #[test]
-    fn the_committed_schema_is_current() {
-        let current = serde_json::to_string_pretty(&capture_schema()).expect("JSON") + "\n";
-        if std::env::var_os("UPDATE_SCHEMA").is_some() {
-            std::fs::write(PATH, &current).expect("written");
+    fn the_committed_schemas_are_current() {
+        for (name, schema) in schemas() {
+            let path = format!("{ASSETS}/{name}.schema.json");
+            let current = serde_json::to_string_pretty(&schema).expect("JSON") + "\n";
+            if std::env::var_os("UPDATE_SCHEMA").is_some() {
+                std::fs::write(&path, &current).expect("written");
+            }
+            let committed = std::fs::read_to_string(&path).unwrap_or_default();
+            assert!(committed == current, "run the test with UPDATE_SCHEMA=1 and commit {path}");
         }
-        let committed = std::fs::read_to_string(PATH).unwrap_or_default();
-        assert!(committed == current, "run the test with UPDATE_SCHEMA=1 and commit assets/capture.schema.json");
     }
 
     #[test]
@@ -120,12 +151,14 @@ mod tests {
                 children.chain(listed).for_each(|(key, value)| check(&format!("{path}/{key}"), value));
             }
         }
-        check("", noise_schema().as_object().expect("an object"));
+        for (name, schema) in schemas() {
+            check(name, schema.as_object().expect("an object"));
+            assert!(schema["title"].is_string() && schema["description"].is_string(), "{name}");
+            assert!(!schema.to_string().contains("\"null\""), "{name}: TOML has no null");
+        }
         let schema = capture_schema();
-        check("", schema.as_object().expect("an object"));
         let sensor = &schema["$defs"]["SensorTable"];
         assert!(sensor.get("required").is_none() && sensor["properties"].get("adc").is_some(), "{sensor}");
         assert!(schema["$defs"]["AdcDescription"].get("required").is_none());
-        assert!(!schema.to_string().contains("\"null\""), "TOML has no null");
     }
 }

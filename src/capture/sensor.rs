@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::colour::Finder;
 use super::converter_bits::follow_bits;
+use super::file_kind::FileKind;
 use super::overrides;
 use super::source::CaptureSource;
 use super::tables::MergedSensor;
@@ -65,7 +66,7 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
             tables.iter().for_each(|table| drop(merged.remove(table)));
         }
     }
-    merged.lay_over(changes);
+    merged.lay_over(changes).map_err(|error| source.no_element("sensor", error))?;
     // The place of the table as a whole is where the capture file speaks of it.
     if let Some(node) = source.get("sensor") {
         merged.span = node.span.clone();
@@ -213,6 +214,15 @@ fn named(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) ->
             source.error(Invalid::new("sensor.preset", message).help(help))
         })?;
         let mut node = source.add_file(&path, text)?;
+        let kind = FileKind::of_keys(node.as_table().into_iter().flatten().map(|(key, _)| key.as_str()));
+        if let Some(kind @ (FileKind::Capture | FileKind::DataSet)) = kind {
+            if path == source.path() {
+                return Err(kind.instead_of("a sensor file", &path));
+            }
+            let Invalid { message, help, .. } = kind.refusal("a sensor file", &path);
+            let message = format!("{name} {message}");
+            return Err(source.error(Invalid { key: "sensor.preset".to_owned(), message, help }));
+        }
         anchor_files(&mut node, path.parent().unwrap_or(Path::new("")));
         return Ok((node, path.file_stem().unwrap_or_default().to_string_lossy().into_owned()));
     }

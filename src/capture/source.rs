@@ -14,7 +14,7 @@ use std::sync::Arc;
 use serde::de::{DeserializeOwned, DeserializeSeed};
 
 use super::reader::{ReadError, Reader};
-use super::tree::{Entry, Node, Table, Value, from_json, join, parse};
+use super::tree::{Entry, NoElement, Node, Table, Value, from_json, join, parse};
 use crate::io::file_sum::KnownSums;
 use crate::{Error, Invalid, Result};
 use photosite_core::json;
@@ -161,8 +161,13 @@ impl CaptureSource {
     /// Lays an override, written as the TOML document `toml`, over the tree.
     pub(super) fn set(&mut self, argument: &str, toml: String) -> Result<()> {
         let over = self.add(Origin::Argument(argument.to_owned()), toml)?;
-        self.root.lay_over(over);
-        Ok(())
+        self.root.lay_over(over).map_err(|error| self.no_element("", error))
+    }
+
+    /// The error of a key below `table` that addresses no element of a list.
+    pub(super) fn no_element(&self, table: &str, error: NoElement) -> Error {
+        let NoElement { path, span, message, help } = error;
+        self.error_at(Some(&span), Invalid { key: join(table, &path), message, help: Some(help.into()) })
     }
 
     /// Takes a key out of a table at the top of the tree, if it is there.

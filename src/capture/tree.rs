@@ -5,6 +5,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use photosite_core::suggest::{did_you_mean, list};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -126,29 +127,30 @@ impl Node {
         (node, rest.is_empty())
     }
 
-    /// Lays another value over this one: tables are merged, elements of an array can be addressed by their number,
-    /// everything else is replaced.
-    pub(super) fn lay_over(&mut self, over: Self) {
+    /// Lays another value over this one: tables are merged, elements of an array can be addressed by their number or
+    /// name, everything else is replaced.
+    pub(super) fn lay_over(&mut self, over: Self) -> Result<(), NoElement> {
         match (&mut self.value, over.value) {
             (Value::Table(under), Value::Table(over)) => {
+                give_way(under, &over);
                 for (key, entry) in over {
                     match under.get_mut(&key) {
-                        Some(known) => known.node.lay_over(entry.node),
+                        Some(known) => known.node.lay_over(entry.node).map_err(|error| error.within(&key))?,
                         None => {
                             under.insert(key, entry);
                         }
                     }
                 }
             }
-            (Value::Array(under), Value::Table(over)) if addresses(&over, under.len()) => {
+            (Value::Array(under), Value::Table(over)) if addresses(&over, under) => {
                 for (key, entry) in over {
-                    if let Some(element) = key.parse::<usize>().ok().and_then(|index| under.get_mut(index)) {
-                        element.lay_over(entry.node);
-                    }
+                    let index = element(under, &key, &entry.key_span)?;
+                    under[index].lay_over(entry.node).map_err(|error| error.within(&format!("[{index}]")))?;
                 }
             }
             (_, value) => *self = Self { span: over.span, value },
         }
+        Ok(())
     }
 
     /// Gives every value within this one the same place.
@@ -197,9 +199,94 @@ pub(super) fn join(table: &str, key: &str) -> String {
     }
 }
 
-/// Whether all keys of a table are numbers of elements.
-fn addresses(table: &Table, len: usize) -> bool {
-    table.keys().all(|key| key.parse::<usize>().is_ok_and(|index| index < len))
+/// A key that addresses no element of an array.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct NoElement {
+    /// Path of the array.
+    pub(super) path: String,
+    /// Where the key stands.
+    pub(super) span: Range<usize>,
+    pub(super) message: String,
+    pub(super) help: String,
+}
+
+impl NoElement {
+    fn within(self, step: &str) -> Self {
+        Self { path: join(step, &self.path), ..self }
+    }
+}
+
+/// Keys that say in another way what the first one says: it takes their place, as nothing can be taken away by what is
+/// laid over.
+const TAKES_THE_PLACE_OF: [(&str, &[&str]); 9] = [
+    ("illuminant", &["spectrum", "rgb", "linear_rgb"]),
+    ("spectrum", &["illuminant", "rgb", "linear_rgb"]),
+    ("rgb", &["illuminant", "spectrum", "linear_rgb"]),
+    ("linear_rgb", &["illuminant", "spectrum", "rgb"]),
+    ("luminance_nit", &["illuminance_lux"]),
+    ("illuminance_lux", &["luminance_nit", "nit_per_unit"]),
+    ("nit_per_unit", &["illuminance_lux"]),
+    ("direction", &["look_at_m"]),
+    ("quaternion_wxyz", &["rotation_deg", "look_at_m"]),
+];
+
+/// The kinds of colours of surfaces that are tables.
+const COLOURS: [&str; 3] = ["file", "linear_rgb", "texture"];
+/// What stands beside a texture.
+const OF_TEXTURES: [&str; 3] = ["tiles", "filter", "wrap"];
+
+/// Takes out of a table what keys of the one over it take the place of.
+fn give_way(under: &mut Table, over: &Table) {
+    let is_colour = |table: &Table| table.keys().all(|key| [COLOURS, OF_TEXTURES].concat().contains(&&**key));
+    let is_new = |key: &&str| over.contains_key(*key) && !under.contains_key(*key);
+    if is_colour(under) && is_colour(over) && COLOURS.iter().any(is_new) {
+        under.clear();
+    }
+    for (key, others) in TAKES_THE_PLACE_OF {
+        if over.contains_key(key) {
+            under.retain(|other, _| !others.contains(&&**other) || over.contains_key(other));
+        }
+    }
+}
+
+/// Whether the keys of a table are those of elements: numbers, or names of tables. Anything else than a list of tables
+/// may be replaced by a table as a whole.
+fn addresses(table: &Table, elements: &[Node]) -> bool {
+    let are_tables = !elements.is_empty() && elements.iter().all(|element| element.as_table().is_some());
+    are_tables || table.keys().all(|key| key.parse::<usize>().is_ok_and(|index| index < elements.len()))
+}
+
+/// The index of the element of that number, else of that name.
+fn element(elements: &[Node], key: &str, span: &Range<usize>) -> Result<usize, NoElement> {
+    let error =
+        |message: String, help: String| Err(NoElement { path: String::new(), span: span.clone(), message, help });
+    let count = elements.len();
+    if let Ok(index) = key.parse::<usize>() {
+        if index < count {
+            return Ok(index);
+        }
+        return error(format!("has no element {index}"), format!("there are {count}, numbered from 0"));
+    }
+    let name = |element: &Node| element.at(&["name"]).and_then(Node::as_str).map(str::to_owned);
+    let names: Vec<Option<String>> = elements.iter().map(name).collect();
+    let mut known = names.iter().enumerate().filter(|(_, name)| name.as_deref() == Some(key)).map(|(i, _)| i);
+    let named = || names.iter().flatten().map(String::as_str);
+    match (known.next(), known.next()) {
+        (Some(index), None) => Ok(index),
+        (Some(first), Some(second)) => error(
+            format!("has several elements called {key:?}"),
+            format!("write the number of one in place of its name: {first} or {second}"),
+        ),
+        (None, _) => error(
+            format!("has no element called {key:?}{}", did_you_mean(key, named())),
+            match list(key, named()) {
+                names if names.is_empty() => {
+                    format!("its elements have no names; write a number from 0 to {}", count - 1)
+                }
+                names => format!("its elements are {names}, or go by number from 0 to {}", count - 1),
+            },
+        ),
+    }
 }
 
 /// Parses a TOML document that begins at byte `start` of the imagined text. The error has its span there, too.
@@ -262,12 +349,63 @@ mod tests {
     #[test]
     fn tables_are_merged_and_other_values_replaced() {
         let mut under = tree("a = 1\nb = { c = 1, d = 2 }\ne = [{ f = 1 }, { f = 2 }]\ng = [1, 2]");
-        under.lay_over(tree("b.c = 9\ne.1.f = 8\ng = 'none'\nh.i = 3"));
+        under.lay_over(tree("b.c = 9\ne.1.f = 8\ng = 'none'\nh.i = 3")).expect("elements");
         let expected = tree("a = 1\nb = { c = 9, d = 2 }\ne = [{ f = 1 }, { f = 8 }]\ng = 'none'\nh.i = 3");
         let (mut found, mut expected) = (under, expected);
         found.place_at(&(0..0));
         expected.place_at(&(0..0));
         assert_eq!(found, expected);
+    }
+
+    #[test]
+    fn elements_go_by_number_or_name() {
+        let laid = |over: &str| {
+            let mut under =
+                tree("l = [{ name = 'key', x = 1 }, { name = '0', x = 2 }, { x = 3 }]\nm = [{ x = 4 }]\nn = [1]");
+            under.lay_over(tree(over)).map(|()| under)
+        };
+        let x = |node: &Node, path: &str| node.find(path).0.as_number();
+        let both = laid("l.key.x = 7\nl.2.x = 9").expect("elements");
+        assert_eq!(["l[0].x", "l[1].x", "l[2].x"].map(|path| x(&both, path)), [Some(7.0), Some(2.0), Some(9.0)]);
+        let numbered = laid("l.0.x = 5").expect("an element");
+        assert_eq!(["l[0].x", "l[1].x"].map(|path| x(&numbered, path)), [Some(5.0), Some(2.0)], "a number is no name");
+        for (over, path, message, help) in [
+            (
+                "l.kez.x = 1",
+                "l",
+                "has no element called \"kez\"; did you mean `key`?",
+                "key, 0, or go by number from 0 to 2",
+            ),
+            ("l.3.x = 1", "l", "has no element 3", "there are 3, numbered from 0"),
+            ("m.a.x = 1", "m", "has no element called \"a\"", "have no names; write a number from 0 to 0"),
+        ] {
+            let error = laid(over).expect_err(over);
+            assert_eq!((&*error.path, &*error.message), (path, message), "{over}");
+            assert!(error.help.contains(help), "{}", error.help);
+        }
+        assert!(laid("n.a = 1").is_ok_and(|under| under.find("n.a").0.as_number() == Some(1.0)), "numbers give way");
+        let mut twins = tree("l = [{ name = 'a' }, { name = 'a' }]");
+        let error = twins.lay_over(tree("l.a.x = 1")).expect_err("twins");
+        assert!(error.help.ends_with("0 or 1"), "{error:?}");
+    }
+
+    #[test]
+    fn a_key_takes_the_place_of_what_says_the_same() {
+        for (under, over, expected) in [
+            ("a = { file = 'x' }", "a.texture = 'y'", "a = { texture = 'y' }"),
+            ("a = { texture = 'x', tiles = [2, 2] }", "a.linear_rgb = [1, 1, 1]", "a = { linear_rgb = [1, 1, 1] }"),
+            ("a = { texture = 'x', tiles = [2, 2] }", "a.texture = 'y'", "a = { texture = 'y', tiles = [2, 2] }"),
+            ("a = [0, 1, 0]", "a.texture = 'y'", "a = { texture = 'y' }"),
+            ("l = [{ look_at_m = 1, up = 2 }]", "l.0.direction = 3", "l = [{ up = 2, direction = 3 }]"),
+            ("l = [{ rotation_deg = 1 }]", "l.0 = { quaternion_wxyz = 3 }", "l = [{ quaternion_wxyz = 3 }]"),
+            ("e = { illuminant = 'A', illuminance_lux = 1 }", "e.rgb = 3", "e = { rgb = 3, illuminance_lux = 1 }"),
+        ] {
+            let (mut laid, mut expected) = (tree(under), tree(expected));
+            laid.lay_over(tree(over)).expect("elements");
+            laid.place_at(&(0..0));
+            expected.place_at(&(0..0));
+            assert_eq!(laid, expected, "{over}");
+        }
     }
 
     #[test]

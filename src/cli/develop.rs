@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::develop_args::CommonDevelopArgs;
 use super::log::{say, warning};
 use super::print::{print_json, rounded};
+use crate::capture::FileKind;
 use crate::develop::{DevelopSettings, Development};
 use crate::io::developable::read_developable;
 use crate::io::developed::{PictureFormat, write_developed};
@@ -71,6 +72,8 @@ pub(super) fn run(args: &DevelopArgs) -> Result<()> {
     let source = args.common.settings()?;
     format.check(&source.0).map_err(|invalid| source.1.error(invalid.within("develop")))?;
     args.common.check_output(&path)?;
+    let developable = [FileKind::Raw, FileKind::Numbers, FileKind::Light, FileKind::Picture];
+    FileKind::expect(&args.raw, &developable, "a raw file or a picture")?;
     let start = Instant::now();
     let file = read_developable(&args.raw)?;
     let load_s = start.elapsed().as_secs_f64();

@@ -8,6 +8,7 @@ use super::arguments::positive;
 use super::log::say;
 use super::print::{print_json, rounded};
 use super::run_args::RunArgs;
+use crate::capture::FileKind;
 use crate::pipeline::{OutputFolder, PictureScale, StoredRender};
 use crate::report::REPORT;
 use crate::sensor::PictureUnit;
@@ -80,7 +81,10 @@ pub(super) fn run(args: &ExposeArgs, sandbox: &Sandbox) -> Result<()> {
     let RunArgs { output, quiet, json, force, .. } = &args.common;
     let overrides = args.common.overrides();
     let stored = match args.scale()? {
-        None => StoredRender::read(sandbox, &args.input, &overrides)?,
+        None => {
+            FileKind::expect(&args.input, &[FileKind::Light], "a folder of a render or stored light (.exr)")?;
+            StoredRender::read(sandbox, &args.input, &overrides)?
+        }
         Some(_) if args.input.is_dir() => {
             return Err(Error::Usage {
                 message: format!(

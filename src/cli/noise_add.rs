@@ -18,7 +18,7 @@ use crate::{Error, Invalid, Result};
 /// What noise: --set gaussian.sigma=4, laplacian.sigma, uniform.sigma (each with multiplicative=true for g = f·(1 + n)),
 /// speckle.contrast=0.5, film_grain.factor with exponent and correlation_px (g = f + c·f^γ·n), sigma_map.file=FILE,
 /// salt_and_pepper.part=0.05; several go together. Levels are in the numbers of the picture (of 8 bits 0 to 255), or
-/// with levels=full-scale in parts of white. channels=common gives all channels the same noise. photosite schema --noise
+/// with levels=full-scale in parts of white. channels=common gives all channels the same noise. photosite schema noise
 /// describes all keys. Whole numbers are rounded and clipped, and the command says how many were clipped; others stay
 /// as they are.
 #[derive(Args)]

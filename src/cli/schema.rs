@@ -1,26 +1,41 @@
-//! `photosite schema`: the JSON Schemas of capture files, by which editors complete and check them, of `capture.json`,
-//! and of the keys of `photosite noise add`.
+//! `photosite schema`: the JSON Schemas of the files that a user writes, by which editors complete and check them, and of
+//! `capture.json`.
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use super::print::println_out;
+use crate::capture::{capture_schema, dataset_schema, noise_schema, sensor_schema};
+use crate::report::report_schema;
 
-/// Print the JSON Schema of capture files, for editors.
+/// Print the JSON Schema of a kind of file, for editors.
 #[derive(Args)]
 pub(super) struct SchemaArgs {
-    /// Print that of capture.json, which each render leaves.
-    #[arg(long)]
-    report: bool,
-    /// Print that of the keys of photosite noise add.
-    #[arg(long, conflicts_with = "report")]
-    noise: bool,
+    /// The kind of file.
+    #[arg(value_enum, default_value = "capture")]
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Kind {
+    /// Capture files.
+    Capture,
+    /// Data set files.
+    Dataset,
+    /// Sensor files.
+    Sensor,
+    /// capture.json, which each render leaves.
+    Report,
+    /// The keys of photosite noise add.
+    Noise,
 }
 
 pub(super) fn run(args: &SchemaArgs) -> crate::Result<()> {
-    let schema = match (args.report, args.noise) {
-        (true, _) => crate::report::report_schema(),
-        (false, true) => crate::capture::noise_schema(),
-        (false, false) => crate::capture::capture_schema(),
+    let schema = match args.kind {
+        Kind::Capture => capture_schema(),
+        Kind::Dataset => dataset_schema(),
+        Kind::Sensor => sensor_schema(),
+        Kind::Report => report_schema(),
+        Kind::Noise => noise_schema(),
     };
     // The layout of the copies that ship, which other tools write, too.
     println_out(&serde_json::to_string_pretty(&schema).expect("a schema has string keys and finite numbers"))

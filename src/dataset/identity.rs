@@ -6,10 +6,10 @@ use std::path::Path;
 use photosite_core::input;
 use serde_json::{Map, Value, json};
 
-use crate::calibration::dataset::Plan;
+use crate::calibration::dataset::{Found, Plan, SamplingDescription};
 use crate::calibration::truth::TruthLayer;
 use crate::capture::{Capture, DatasetFile, real_path};
-use crate::pipeline::{difference, fingerprinted, keys_and_files};
+use crate::pipeline::{add_file_of, difference, fingerprinted, keys_and_files};
 use crate::{Error, Invalid, Result};
 
 /// The file that identifies the data set.
@@ -23,9 +23,15 @@ pub(super) const CAMERAS: &str = "cameras";
 /// Everything that decides what the pictures are: version, description, captures, and the files that these name. How
 /// many frames there are decides nothing of any of them, unless a key goes from one value to another over all, or flow
 /// tells of the next one.
-pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[String], plan: &Plan) -> Result<Value> {
+pub(super) fn identity(
+    file: &DatasetFile,
+    captures: &[Capture],
+    overrides: &[String],
+    (plan, found): (&Plan, &[Found]),
+) -> Result<Value> {
     let mut description = file.values.clone();
-    let sweeps = file.description.vary.iter().any(|variation| variation.sweep.is_some());
+    let sweeps = file.description.vary.iter().any(|variation| variation.sweep.is_some())
+        || file.description.sampling == SamplingDescription::LatinHypercube;
     // Flow of the last frame leads nowhere.
     let flows = captures.iter().any(|capture| capture.output.truth.layers.contains(&TruthLayer::Flow));
     if let (false, Value::Object(keys)) = (sweeps || flows, &mut description) {
@@ -35,6 +41,9 @@ pub(super) fn identity(file: &DatasetFile, captures: &[Capture], overrides: &[St
     let mut keys = Vec::new();
     for capture in captures {
         keys.push(keys_and_files(capture, &mut named)?);
+    }
+    for name in found.iter().flat_map(|found| &found.files) {
+        add_file_of(&captures[0], name, &mut named)?;
     }
     let mut identity = Value::Object(fingerprinted(json!({
         "photosite_version": env!("CARGO_PKG_VERSION"),

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use photosite_core::key_path::split_change;
 use serde_json::{Value, json};
 
 use super::calibration::write_calibration;
@@ -113,6 +114,7 @@ fn line(
         "sums": sums,
         "seed": seed,
         "overrides": overrides,
+        "varied": varied(plan, &overrides),
         "pose": {
             "rotation": pose.map(|camera| camera.rotation),
             "translation_m": pose.map(|camera| camera.translation_m),
@@ -120,6 +122,20 @@ fn line(
         "camera_matrix": pose.map(|camera| camera.camera_matrix),
         "exposure": exposure,
     }))
+}
+
+/// What the keys that vary are in a picture, as its changes say.
+fn varied(plan: &Plan, overrides: &[String]) -> Value {
+    let value = |key: &str| {
+        let of_key =
+            |change: &String| split_change(change).filter(|(other, _)| *other == key).map(|(_, v)| v.to_owned());
+        let text = overrides.iter().rev().find_map(of_key)?;
+        let read = format!("value = {text}").parse::<toml::Table>().ok();
+        let value = read.and_then(|mut table| table.remove("value")).and_then(|value| serde_json::to_value(value).ok());
+        // Words need no quotes on the command line.
+        Some((key.to_owned(), value.unwrap_or(Value::from(text))))
+    };
+    plan.varied_keys().into_iter().filter_map(value).collect()
 }
 
 /// What a reader who finds the folder has to know.
@@ -132,7 +148,8 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize, left_
             format!("- `{}`: {width} × {height} pixels", c.place.name)
         })
         .collect();
-    let varied: Vec<String> = file.description.vary.iter().map(|v| format!("- `{}`", v.key)).collect();
+    let keys = file.description.vary.iter().flat_map(|variation| variation.keys());
+    let varied: Vec<String> = keys.map(|key| format!("- `{key}`")).collect();
     let left_out: String = left_out.iter().map(|why| format!("  - not there, {why}\n")).collect();
     let varied = if varied.is_empty() { "Nothing but poses and noise.".to_owned() } else { varied.join("\n") };
     format!(
@@ -146,7 +163,9 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize, left_
          `electrons.exr` holds the mean photo-electrons without noise, `truth.*` what is really there at each pixel, \
          `capture.json` everything that is needed to use and to repeat the picture.\n\
          - `manifest.jsonl`: a line for each picture: pose (world → camera, OpenCV's axes: x right, y down, z forward), \
-         camera matrix (integer coordinates at pixel centres), exposure, changes to the capture, sizes and SHA-256 of the files.\n\
+         camera matrix (integer coordinates at pixel centres), exposure, changes to the capture and among them what was \
+         drawn (`varied`), sizes and SHA-256 of the files. `photosite render` makes the picture alone, from its \
+         `capture.json` or from the capture with each of the changes after `--set`.\n\
          - `calibration/`: the cameras for OpenCV, ROS and Kalibr, as far as these know such lenses. The first camera is the \
          reference: poses of `opencv/CAMERA.yaml` lead from it; `opencv/stereo/FIRST-CAMERA.yaml` holds a pair (R, T, E, F, \
          R1, R2, P1, P2, Q, the epipoles e1 and e2, and H1 and H2, the homographies of rectification) and `ros/` \

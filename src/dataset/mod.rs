@@ -26,6 +26,7 @@ mod rig;
 mod selection;
 mod shards;
 mod status;
+mod varied;
 mod verify;
 
 use std::collections::BTreeMap;
@@ -85,8 +86,8 @@ impl DataSet {
         let file = DatasetFile::read(input)?;
         let capture_path = input.parent().unwrap_or(Path::new("")).join(&file.description.capture);
         sandbox.check(&capture_path).map_err(|invalid| file.error(invalid.within("capture")))?;
-        let (plan, captures) = plan(&file, sandbox, &capture_path, arguments)?;
-        let identity = identity(&file, &captures, arguments, &plan)?;
+        let (plan, captures, found) = plan(&file, sandbox, &capture_path, arguments)?;
+        let identity = identity(&file, &captures, arguments, (&plan, &found))?;
         Ok(Self {
             file,
             capture_path,
@@ -199,7 +200,8 @@ impl DataSet {
     /// Samples of each pixel that all pictures have.
     pub fn samples(&self) -> Result<u32> {
         let samples = self.captures[0].render.samples_per_pixel;
-        let is_varied = self.file.description.vary.iter().any(|v| v.key.trim() == "render.samples_per_pixel");
+        let decides = |key: &str| key == "render.samples_per_pixel" || key == "render";
+        let is_varied = self.plan.varied_keys().into_iter().any(decides);
         if is_varied || self.captures.iter().any(|capture| capture.render.samples_per_pixel != samples) {
             let help = "write one number of samples, or share the work by frames";
             let invalid = Invalid::new("render.samples_per_pixel", "differs from picture to picture");

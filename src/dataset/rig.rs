@@ -5,7 +5,8 @@ use std::path::Path;
 
 use glam::DVec2;
 
-use crate::calibration::dataset::{Plan, RigCamera, Subject};
+use super::varied;
+use crate::calibration::dataset::{Found, Plan, RigCamera, Subject};
 use crate::calibration::targets::PlacedTarget;
 use crate::calibration::truth::TruthLayer;
 use crate::capture::{Capture, DatasetFile};
@@ -14,13 +15,14 @@ use crate::pipeline::standalone_camera;
 use crate::sensor::SensorModel;
 use crate::{Invalid, Result, Sandbox};
 
-/// What frames there are, and the capture of each camera as it is before anything is varied.
+/// What frames there are, the capture of each camera as it is before anything is varied, and what the patterns of
+/// variations stand for.
 pub(super) fn plan(
     file: &DatasetFile,
     sandbox: &Sandbox,
     capture_path: &Path,
     overrides: &[String],
-) -> Result<(Plan, Vec<Capture>)> {
+) -> Result<(Plan, Vec<Capture>, Vec<Found>)> {
     let description = &file.description;
     let rig = description.rig().map_err(|invalid| file.error(invalid))?;
     let mut cameras = Vec::new();
@@ -49,7 +51,7 @@ pub(super) fn plan(
         let serial = capture.sensor.serial.saturating_add(if place.is_numbered { 0 } else { captures.len() as u64 });
         let seed = capture.render.seed;
         // A variation may ask for flow in some frames.
-        let varies_truth = description.vary.iter().any(|variation| variation.key.trim().starts_with("output"));
+        let varies_truth = description.vary.iter().any(|d| d.keys().any(|key| key.starts_with("output")));
         let flows = varies_truth || capture.output.truth.layers.contains(&TruthLayer::Flow);
         cameras.push(RigCamera { place, camera, serial, seed, flows });
         captures.push(capture);
@@ -77,8 +79,9 @@ pub(super) fn plan(
     }
     let subjects = subjects(&captures[0]);
     let start = captures[0].camera_to_world;
-    let plan = Plan::new(description, cameras, &subjects, start).map_err(|invalid| file.error(invalid))?;
-    Ok((plan, captures))
+    let found = varied::find(file, sandbox, &captures[0])?;
+    let plan = Plan::new(description, cameras, &subjects, start, &found).map_err(|invalid| file.error(invalid))?;
+    Ok((plan, captures, found))
 }
 
 /// The targets that poses can be taken around: those who look for one want all of its sheet.

@@ -64,7 +64,7 @@ pub use options::Options;
 pub use output_folder::OutputFolder;
 pub use parts::{Parts, check_samples};
 pub use prepare::Prepared;
-pub(crate) use provenance::{difference, fingerprinted, keys_and_files};
+pub(crate) use provenance::{add_file_of, difference, fingerprinted, keys_and_files};
 pub use reexpose::StoredRender;
 pub use render::{ReadyRender, Rendered, render_into};
 pub use request::{LightSource, Request};

@@ -35,6 +35,12 @@ pub(crate) fn keys_and_files(capture: &Capture, hashes: &mut Map<String, Value>)
     Ok(values)
 }
 
+/// Adds the hash of a file by its name, which is relative to the folder of a capture.
+pub(crate) fn add_file_of(capture: &Capture, name: &str, hashes: &mut Map<String, Value>) -> Result<()> {
+    let folder = capture.source.path().parent().unwrap_or(Path::new(""));
+    add_file(name, &folder.join(name), &capture.source, hashes)
+}
+
 fn add_files(
     values: &Value,
     place @ (folder, source): (&Path, &CaptureSource),

@@ -22,13 +22,18 @@ fn readme() -> String {
 
 /// What the schema has against a capture file.
 fn complaint(capture: &str) -> Option<String> {
-    let schema = Folder::new([]).succeed("schema").stdout;
+    complaint_of("capture", capture)
+}
+
+/// What the schema of a kind of file has against one.
+fn complaint_of(kind: &str, file: &str) -> Option<String> {
+    let schema = Folder::new([]).succeed(&format!("schema {kind}")).stdout;
     let mut compiler = Compiler::new();
     compiler.add_resource("schema.json", serde_json::from_str(&schema).expect("JSON")).expect("a new name");
     let mut schemas = Schemas::new();
     let index = compiler.compile("schema.json", &mut schemas).expect("a valid schema");
-    let capture: Value = toml::from_str(capture).expect("TOML");
-    schemas.validate(&capture, index).err().map(|error| error.to_string())
+    let file: Value = toml::from_str(file).expect("TOML");
+    schemas.validate(&file, index).err().map(|error| error.to_string())
 }
 
 /// All capture files in `scenes`.
@@ -41,9 +46,43 @@ fn captures() -> Vec<PathBuf> {
 }
 
 #[test]
-fn the_schema_is_the_one_that_is_shipped() {
-    let printed = Folder::new([]).succeed("schema").stdout;
-    assert_eq!(printed, fs::read_to_string(repository().join("assets/capture.schema.json")).expect("the schema"));
+fn the_schemas_are_those_that_are_shipped() {
+    for kind in ["capture", "dataset", "sensor", "report", "noise"] {
+        let printed = Folder::new([]).succeed(&format!("schema {kind}")).stdout;
+        let shipped = fs::read_to_string(repository().join(format!("assets/{kind}.schema.json")));
+        assert_eq!(printed, shipped.expect("the schema"), "{kind}");
+    }
+    let unnamed = Folder::new([]).succeed("schema").stdout;
+    assert_eq!(unnamed, Folder::new([]).succeed("schema capture").stdout);
+}
+
+#[test]
+fn the_data_sets_of_the_documents_fit_their_schema() {
+    let of_readme = readme();
+    let guide = fs::read_to_string(repository().join("docs/data-sets.md")).expect("docs/data-sets.md");
+    let blocks = [&of_readme, &guide].into_iter().flat_map(|text| text.split("```toml\n").skip(1));
+    let examples = blocks.map(|rest| rest.split("```").next().unwrap_or_default());
+    let data_sets: Vec<&str> = examples.filter(|text| text.contains("[[vary]]")).collect();
+    assert!(data_sets.len() >= 2);
+    for data_set in data_sets {
+        assert_eq!(complaint_of("dataset", data_set), None, "{data_set}");
+    }
+}
+
+/// What the program refuses of a data set for its shape, its schema refuses too.
+#[rstest]
+#[case::good("frames = 2\n", true)]
+#[case::key("frame = 2\n", false)]
+#[case::kind("frames = 'two'\n", false)]
+#[case::nested("[[vary]]\nkey = 'exposure.gain_db'\nuniform = [0, 1]\nsweeep = [0, 1]\n", false)]
+#[case::too_few("[[vary]]\nkey = 'exposure.gain_db'\nuniform = [0]\n", false)]
+#[case::pose("[poses]\nlist = [{ position_m = [0, 0, 1] }]\n", false)]
+fn the_schema_of_data_sets_judges_as_the_program_does(#[case] more: &str, #[case] is_good: bool) {
+    let data_set = format!("capture = 'board.toml'\n{more}");
+    assert_eq!(complaint_of("dataset", &data_set).is_none(), is_good, "{:?}", complaint_of("dataset", &data_set));
+    let folder = crate::dataset::folder(more);
+    let outcome = folder.run("dataset set.toml -o out");
+    assert_eq!(outcome.status == Some(0), is_good, "{}", outcome.stderr);
 }
 
 #[test]

@@ -57,4 +57,6 @@ mod submit;
 mod targets;
 mod together;
 mod truth;
+mod variation;
 mod wavelengths;
+mod wrong_file;

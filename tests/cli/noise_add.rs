@@ -183,6 +183,6 @@ fn keys_without_effect_are_named_and_all_are_described() {
     let folder = folder();
     let said = folder.succeed("noise add grey.png -o x.png --set gaussian.sigma=1 --set film_grain.correlation_px=3");
     assert!(said.text().contains("film_grain changes nothing without film_grain.factor"), "{}", said.text());
-    let schema: Value = serde_json::from_str(&folder.succeed("schema --noise").stdout).expect("JSON");
+    let schema: Value = serde_json::from_str(&folder.succeed("schema noise").stdout).expect("JSON");
     assert!(schema["properties"]["film_grain"].is_object());
 }

@@ -51,7 +51,9 @@ impl Invalid {
     /// Places the key inside a table: `within("lens")` turns `f_number` into `lens.f_number`.
     #[must_use]
     pub fn within(mut self, table: &str) -> Self {
-        self.key = if self.key.is_empty() { table.to_owned() } else { format!("{table}.{}", self.key) };
+        // Elements of lists need no dot.
+        let dot = if self.key.is_empty() || self.key.starts_with('[') { "" } else { "." };
+        self.key = format!("{table}{dot}{}", self.key);
         self
     }
 

@@ -15,6 +15,7 @@ pub mod help;
 pub mod image;
 pub mod input;
 pub mod json;
+pub mod key_path;
 pub mod math;
 pub mod memory;
 pub mod output;

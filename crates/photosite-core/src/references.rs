@@ -220,6 +220,17 @@
 //! ## Varshni67
 //! Y. P. Varshni, "Temperature dependence of the energy gap in semiconductors", Physica 34(1), 149–154 (1967).
 //!
+//! ## McKay79
+//! M. D. McKay, R. J. Beckman, W. J. Conover, "A Comparison of Three Methods for Selecting Values of Input Variables in
+//! the Analysis of Output from a Computer Code", Technometrics 21(2), 239–245 (1979): Latin hypercubes.
+//!
+//! ## LubyRackoff88
+//! M. Luby, C. Rackoff, "How to Construct Pseudorandom Permutations from Pseudorandom Functions", SIAM Journal on
+//! Computing 17(2), 373–386 (1988): Feistel networks.
+//!
+//! ## Shoemake92
+//! K. Shoemake, "Uniform Random Rotations", Graphics Gems III, 124–132 (1992).
+//!
 //! ## Shoemake85
 //! K. Shoemake, "Animating Rotation with Quaternion Curves", Proc. SIGGRAPH, 245–254 (1985).
 //!

@@ -135,14 +135,14 @@ pub(crate) enum LensType {
     None,
 }
 
-/// A distance in metres, or "infinity".
+/// A distance in metres, "infinity" or "scene".
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "expected a distance in metres, or \"infinity\"")]
+#[serde(untagged, expecting = "expected a distance in metres, \"infinity\" or \"scene\"")]
 pub(crate) enum FocusDistance {
     /// m.
     Metres(f64),
-    /// "infinity".
-    Name(#[schemars(extend("const" = "infinity"))] String),
+    /// "infinity" or "scene".
+    Name(#[schemars(extend("enum" = ["infinity", "scene"]))] String),
 }
 
 /// A pixel: column and row from the top-left corner, or "centre".

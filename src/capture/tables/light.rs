@@ -44,6 +44,13 @@ macro_rules! light_types {
                     $(Self::$kind(table) => table.name.as_deref(),)*
                 }
             }
+
+            /// Whether the light shines.
+            pub(crate) fn is_on(&self) -> bool {
+                match self {
+                    $(Self::$kind(table) => table.on.unwrap_or(true),)*
+                }
+            }
         }
     };
 }
@@ -70,8 +77,10 @@ macro_rules! light_table {
         #[derive(Debug, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
         pub(crate) struct $name {
-            /// Name, for messages.
+            /// Name, for messages and to change its keys by: `--set lights.NAME.on=false`.
             pub(crate) name: Option<String>,
+            /// Whether it shines. Left out: true.
+            pub(crate) on: Option<bool>,
             $($(#[doc = $doc])* pub(crate) $key: $kind,)*
             /// Name of an illuminant: "D65", "A", "F11", "LED-B3", "3000K" (a blackbody) … Left out, as are the other
             /// colours: "D65".

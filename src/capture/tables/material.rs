@@ -19,7 +19,7 @@ pub(crate) enum MaterialTable {
     /// A material described anew.
     Typed(Box<TypedMaterialTable>),
     /// The geometry's own material with changes.
-    Kept(KeptTable),
+    Kept(Box<KeptTable>),
 }
 
 /// Makes what `type` chooses among, and reads it, from a list of types and their tables.
@@ -146,6 +146,12 @@ macro_rules! surface_table {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct KeptTable {
+    /// Its colour, in place of that or of the texture that the geometry's file gives it.
+    pub(crate) base_colour: Option<ReflectanceSource>,
+    /// Its roughness, 0–1, likewise.
+    pub(crate) roughness: Option<f64>,
+    /// Whether it is metal, 0–1, likewise.
+    pub(crate) metallic: Option<f64>,
     /// Light that the surface gives.
     pub(crate) emission: Option<EmissionTable>,
     /// Whether the back scatters and shines like the front.

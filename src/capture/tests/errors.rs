@@ -58,7 +58,7 @@ use super::*;
 #[case::wrong_shape(
     "[lens]\nfocus_distance_m = [1]",
     5,
-    "lens.focus_distance_m: expected a distance in metres, or \"infinity\""
+    "lens.focus_distance_m: expected a distance in metres, \"infinity\" or \"scene\""
 )]
 #[case::wrong_table("[[lens]]\nf_number = 2", 4, "lens: expected a table, found a list")]
 #[case::wrong_lights("[lights]\ntype = 'point'", 4, "lights: expected a list of tables")]

@@ -27,6 +27,22 @@ pub struct DatasetDescription {
     /// Keys of the capture that differ from frame to frame.
     #[serde(default)]
     pub vary: Vec<VariationDescription>,
+    /// How the values of `vary` lie together over the frames. Left out: "independent".
+    #[serde(default)]
+    pub sampling: SamplingDescription,
+}
+
+/// How random values lie together over the frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum SamplingDescription {
+    /// Each by itself, whatever other frames have. A longer set begins with the frames of a shorter one.
+    #[default]
+    Independent,
+    /// A Latin hypercube: the range of every number that is drawn is cut into as many equally likely parts as there are
+    /// frames, and each part is that of one frame. Few frames cover their ranges evenly; another number of frames makes
+    /// other ones. Sweeps and poses stay as they are.
+    LatinHypercube,
 }
 
 /// A camera of a rig. Its place is that in the rig: x right, y up, and the rig looks along −z.
@@ -147,12 +163,14 @@ pub struct TimedPoseDescription {
     pub focal_length_mm: Option<f64>,
 }
 
-/// A key that differs from frame to frame, by one of these.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+/// Keys that differ from frame to frame, by one of these laws.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VariationDescription {
-    /// The key of the capture, such as "exposure.gain_db".
-    pub key: String,
+    /// The key of the capture, such as "exposure.gain_db". Elements of lists go by name or number, as in
+    /// "lights.key.intensity_cd". A part with `*` (any letters) or `?` (one letter) stands for all names that are like it,
+    /// as in "materials.paint-*.roughness", and each of these keys gets a value of its own. Not with choices.
+    pub key: Option<String>,
     /// Numbers drawn evenly between two.
     pub uniform: Option<[f64; 2]>,
     /// Numbers whose logarithm is drawn evenly between those of two.
@@ -161,11 +179,70 @@ pub struct VariationDescription {
     pub normal: Option<[f64; 2]>,
     /// Values of any kind, one of which is drawn.
     pub choice: Option<Vec<serde_json::Value>>,
+    /// Tables of keys and their values, one of which is drawn, so that several keys vary together. All have the same keys:
+    /// [{ "lights.key.intensity_cd" = 100, "lights.key.illuminant" = "A" }, …].
+    pub choices: Option<Vec<serde_json::Map<String, serde_json::Value>>>,
+    /// Files, one of which is drawn: a pattern such as "textures/*.png", relative to this file; `**` stands for folders of
+    /// any depth. The key is one that names a file, such as "materials.wall.reflectance.texture" or
+    /// "scene.environment.image".
+    pub files: Option<String>,
+    /// How likely each of choice, choices or files is, in their order, as numbers of any sum. Left out: all alike.
+    pub weights: Option<Vec<f64>>,
     /// Numbers from the first to the last, evenly over the frames: focus and zoom sweeps.
     pub sweep: Option<[f64; 2]>,
+    /// Lists of numbers, such as positions, drawn evenly between two corners: [[-1, 0, -1], [1, 2, 1]].
+    pub r#box: Option<[Vec<f64>; 2]>,
+    /// Positions on a sphere or a part of it, or directions: {} are all directions.
+    pub sphere: Option<SphereDescription>,
+    /// Rotations as quaternions w, x, y, z, for keys such as `quaternion_wxyz`: {} are all rotations, evenly.
+    pub rotation: Option<RotationDescription>,
+    /// Colours as displayed (sRGB), for keys such as `reflectance` and `rgb`.
+    pub hsv: Option<HsvDescription>,
+    /// Least and largest number of the keys that a pattern stands for which are true, and the others false. How many is
+    /// drawn, then which: of "lights.*.on", how many lamps are lit.
+    pub count: Option<[u32; 2]>,
+    /// Whether all keys that a pattern stands for have the same value. Left out: false.
+    #[serde(default)]
+    pub together: bool,
     /// Whether each camera of the rig has a value of its own. Left out: false.
     #[serde(default)]
     pub per_camera: bool,
+}
+
+/// Points drawn evenly over a sphere, or a part of one.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SphereDescription {
+    /// Its middle, m. Left out: [0, 0, 0].
+    pub center_m: Option<[f64; 3]>,
+    /// Least and largest radius, m; between two that differ, points are drawn evenly over the volume. Left out: [1, 1].
+    pub radius_m: Option<[f64; 2]>,
+    /// The direction that angles are measured from. Left out: [0, 1, 0].
+    pub up: Option<[f64; 3]>,
+    /// Least and largest angle from `up`, degrees, 0–180: [0, 90] is the upper half. Left out: [0, 180].
+    pub angle_deg: Option<[f64; 2]>,
+}
+
+/// Rotations drawn evenly.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RotationDescription {
+    /// The axis of all of them. Left out: any.
+    pub axis: Option<[f64; 3]>,
+    /// Least and largest angle about the axis, degrees. Left out: [0, 360].
+    pub angle_deg: Option<[f64; 2]>,
+}
+
+/// Colours drawn evenly in hue, saturation and value, those of sRGB as displayed.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct HsvDescription {
+    /// Least and largest hue, degrees: 0 is red, 120 green, 240 blue; [330, 390] is red on both sides. Left out: [0, 360].
+    pub hue_deg: Option<[f64; 2]>,
+    /// Least and largest saturation, 0–1. Left out: [0, 1].
+    pub saturation: Option<[f64; 2]>,
+    /// Least and largest value, the largest of R, G and B, 0–1. Left out: [0, 1].
+    pub value: Option<[f64; 2]>,
 }
 
 impl DatasetDescription {

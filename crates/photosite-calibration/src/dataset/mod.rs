@@ -6,16 +6,21 @@
 //! the description and its number alone, so that any of them can be made by anyone, in any order.
 
 mod description;
+mod draws;
+mod law;
 mod origin;
 mod plan;
 mod poses;
 mod rig;
+mod toml_value;
 mod variation;
 
 pub use description::{
-    DatasetDescription, GridPoses, PoseDescription, PosesDescription, RandomPoses, RigCameraDescription,
-    TimedPoseDescription, TrajectoryPoses, VariationDescription,
+    DatasetDescription, GridPoses, HsvDescription, PoseDescription, PosesDescription, RandomPoses,
+    RigCameraDescription, RotationDescription, SamplingDescription, SphereDescription, TimedPoseDescription,
+    TrajectoryPoses, VariationDescription,
 };
 pub use plan::{CALIBRATION_FOLDER, Plan};
 pub use poses::Subject;
 pub use rig::{RigCamera, RigPlace};
+pub use variation::Found;

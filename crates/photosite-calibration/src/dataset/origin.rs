@@ -1,12 +1,13 @@
 //! Which key of a data set file asks for a change to the capture.
 
 use super::DatasetDescription;
+use photosite_core::key_path::{path_matches, split_change};
 
 impl DatasetDescription {
     /// The key that asks for a change (`key=value`) to the capture of the camera of that number in the rig. `None` for
     /// changes that every data set makes.
     pub fn key_of(&self, camera: usize, change: &str) -> Option<String> {
-        let key = change.split_once('=').map_or(change, |(key, _)| key).trim();
+        let key = split_change(change).map_or(change, |(key, _)| key);
         let of_rig = self.cameras.get(camera);
         let among = |set: &[String]| set.iter().rposition(|other| other == change);
         if let Some(i) = of_rig.and_then(|camera| among(&camera.set)) {
@@ -15,7 +16,7 @@ impl DatasetDescription {
         if let Some(i) = among(&self.set) {
             return Some(format!("set[{i}]"));
         }
-        if let Some(i) = self.vary.iter().rposition(|variation| variation.key.trim() == key) {
+        if let Some(i) = self.vary.iter().rposition(|v| v.keys().any(|pattern| path_matches(pattern, key))) {
             return Some(format!("vary[{i}]"));
         }
         match key {
@@ -57,13 +58,19 @@ mod tests {
             "set": ["a.b=1", "a.c=2"],
             "cameras": [{ "name": "left" }, { "name": "right", "disparity_to": "left", "set": ["a.c=2"] }],
             "poses": { "trajectory": { "frame_rate_hz": 10, "poses": [] } },
-            "vary": [{ "key": "a.d", "uniform": [0, 1] }],
+            "vary": [
+                { "key": "a.d", "uniform": [0, 1] },
+                { "key": "m.paint-*.x", "uniform": [0, 1] },
+                { "choices": [{ "b.c": 1, "b.d": 2 }] },
+            ],
         }))
         .expect("a description");
         for (camera, change, key) in [
             (0, "a.c=2", Some("set[1]")),
             (1, "a.c=2", Some("cameras[1].set[0]")),
             (1, "a.d=0.25", Some("vary[0]")),
+            (0, "m.\"paint-a=b\".x=0.25", Some("vary[1]")),
+            (0, "b.d=2", Some("vary[2]")),
             (0, "camera.motion={ poses = [] }", Some("poses.trajectory")),
             (0, "exposure.frame_interval_s=0.1", Some("poses.trajectory")),
             (1, "output.truth_partner={ up = [0, 1, 0] }", Some("cameras[1].disparity_to")),

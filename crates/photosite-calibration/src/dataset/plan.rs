@@ -6,7 +6,8 @@ use glam::{DAffine3, DVec3};
 
 use super::poses::{Poses, Way};
 use super::rig::{RigCamera, RigPlace};
-use super::variation::{Variation, number, toml};
+use super::toml_value::{self, list, number, toml};
+use super::variation::{Found, Variation};
 use super::{DatasetDescription, Subject};
 use photosite_core::Invalid;
 use photosite_core::math::hash::hash64;
@@ -40,25 +41,27 @@ enum Purpose {
 }
 
 impl Plan {
-    /// Checks a description against the rig and what there is to look at. `start` is camera → world of the capture.
+    /// Checks a description against the rig and what there is to look at. `start` is camera → world of the capture,
+    /// `found` what the patterns of each variation stand for.
     pub fn new(
         description: &DatasetDescription,
         cameras: Vec<RigCamera>,
         subjects: &[Subject],
         start: DAffine3,
+        found: &[Found],
     ) -> Result<Self, Invalid> {
         let poses = match &description.poses {
             None => Poses::Fixed(start),
             Some(poses) => Poses::new(poses, subjects, start).map_err(|invalid| invalid.within("poses"))?,
         };
-        let variation = |(i, d): (usize, &super::VariationDescription)| {
-            Variation::new(d).map_err(|invalid| invalid.within(&format!("vary[{i}]")))
+        let variation = |(i, (d, found))| {
+            Variation::new(d, found, description.sampling).map_err(|invalid| invalid.within(&format!("vary[{i}]")))
         };
-        let variations: Vec<Variation> =
-            description.vary.iter().enumerate().map(variation).collect::<Result<_, _>>()?;
+        let variations = description.vary.iter().zip(found).enumerate().map(variation);
+        let variations: Vec<Variation> = variations.collect::<Result<_, _>>()?;
         check_variations(&variations, &cameras)?;
-        if let (Some(i), Some(_)) = (variations.iter().position(|v| v.key() == FOCAL_LENGTH), poses.focal_length_mm(0))
-        {
+        let zooming = variations.iter().position(|variation| variation.keys().any(|key| key == FOCAL_LENGTH));
+        if let (Some(i), Some(_)) = (zooming, poses.focal_length_mm(0)) {
             let message = format!("{FOCAL_LENGTH}: poses.trajectory says what it is in each frame");
             return Err(Invalid::new(format!("vary[{i}].key"), message).help("remove one of them"));
         }
@@ -88,6 +91,11 @@ impl Plan {
         &self.cameras
     }
 
+    /// The keys that vary, each once.
+    pub fn varied_keys(&self) -> BTreeSet<&str> {
+        self.variations.iter().flat_map(Variation::keys).collect()
+    }
+
     /// When a frame is taken, from the start of the first, s; along a trajectory alone.
     pub fn time_s(&self, number: u32) -> Option<f64> {
         self.poses.time_s(number)
@@ -111,7 +119,7 @@ impl Plan {
             }
             // A camera alone is the specimen that its capture says.
             let is_alone = self.cameras.len() == 1;
-            let varies = self.variations.iter().any(|variation| variation.key() == SERIAL);
+            let varies = self.variations.iter().any(|variation| variation.keys().any(|key| key == SERIAL));
             if !is_alone && (!varies || arguments.iter().any(|argument| names_serial(argument))) {
                 set.push(format!("{SERIAL}={}", camera.serial));
             }
@@ -145,10 +153,10 @@ impl Plan {
                 }
             }
             set.extend(
-                self.poses.focal_length_mm(number).map(|mm| format!("{FOCAL_LENGTH}={}", super::variation::number(mm))),
+                self.poses.focal_length_mm(number).map(|mm| format!("{FOCAL_LENGTH}={}", toml_value::number(mm))),
             );
             for (i, variation) in self.variations.iter().enumerate() {
-                set.push(variation.set(self.seed_for(Purpose::Variation, i), number, self.frames, index));
+                set.extend(variation.set(self.seed_for(Purpose::Variation, i), number, self.frames, index));
             }
             set
         };
@@ -170,20 +178,21 @@ const SEED: &str = "render.seed";
 /// Refuses keys that cannot be varied so.
 fn check_variations(variations: &[Variation], cameras: &[RigCamera]) -> Result<(), Invalid> {
     let is_pair = cameras.iter().any(|camera| camera.place.partner.is_some());
-    for (i, variation) in variations.iter().enumerate() {
-        let refuse = |key: &str, message: &str, help: &str| {
-            Err(Invalid::new(format!("vary[{i}].{key}"), format!("{}: {message}", variation.key())).help(help))
+    let keys = |(i, variation)| Variation::keys(variation).map(move |key| (i, variation, key));
+    for (i, variation, key) in variations.iter().enumerate().flat_map(keys) {
+        let refuse = |of_table: &str, message: &str, help: &str| {
+            Err(Invalid::new(format!("vary[{i}].{of_table}"), format!("{key}: {message}")).help(help))
         };
-        if variation.key() == SEED {
+        if key == SEED {
             let message = "every picture has a seed of its own, made from the data set's";
             return refuse("key", message, "remove it; for other noise write seed = 1, without a table");
         }
-        if variation.key() == SERIAL && cameras.len() > 1 && !variation.is_per_camera() {
+        if key == SERIAL && cameras.len() > 1 && !variation.is_per_camera() {
             return refuse("per_camera", "all cameras of the rig would be one specimen", "add per_camera = true");
         }
         let decides_geometry =
             ["lens.", "sensor.resolution_px", "sensor.pixel_pitch_um", "sensor.format", "sensor.preset"];
-        let parts_pair = decides_geometry.iter().any(|key| variation.key().starts_with(key));
+        let parts_pair = decides_geometry.iter().any(|start| key.starts_with(start));
         if is_pair && variation.is_per_camera() && parts_pair {
             let message = "disparity is that of two cameras of one kind, and these would differ";
             return refuse("per_camera", message, "remove per_camera, or disparity_to of the cameras");
@@ -306,5 +315,5 @@ fn on_the_way(way: &Way, frame: u32, camera: &RigCamera) -> [String; 2] {
 }
 
 fn vector(v: DVec3) -> String {
-    format!("[{}]", v.to_array().map(|x| number(x + 0.0)).join(", "))
+    list(v.to_array())
 }

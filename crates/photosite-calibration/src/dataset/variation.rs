@@ -1,177 +1,167 @@
-//! The value of a varied key in a frame.
+//! The values of the keys that a `[[vary]]` speaks of, in a frame.
 
-use rand::RngExt;
-use rand_distr::{Distribution, StandardNormal};
-use serde_json::Value;
-
-use super::VariationDescription;
+use super::draws::Draws;
+use super::law::Law;
+use super::toml_value::toml;
+use super::{SamplingDescription, VariationDescription};
 use photosite_core::Invalid;
+use photosite_core::key_path;
 use photosite_core::math::hash::hash64;
-use photosite_core::math::philox::Philox;
 
-/// How values are found.
-#[derive(Clone, Debug)]
-enum Law {
-    Uniform([f64; 2]),
-    LogUniform([f64; 2]),
-    Normal([f64; 2]),
-    Choice(Vec<Value>),
-    Sweep([f64; 2]),
+/// What a pattern of a `[[vary]]` stands for in the capture and on the disk.
+#[derive(Clone, Debug, Default)]
+pub struct Found {
+    /// The keys that its key stands for, which are one where it is no pattern.
+    pub keys: Vec<String>,
+    /// The files of its pattern of files, relative to the capture.
+    pub files: Vec<String>,
 }
 
-/// A key with its law.
+/// Keys with the law of their values.
 #[derive(Clone, Debug)]
 pub(super) struct Variation {
-    key: String,
+    keys: Vec<String>,
     law: Law,
+    sampling: SamplingDescription,
+    /// Whether each key has a value of its own.
+    is_of_pattern: bool,
     per_camera: bool,
+}
+
+impl VariationDescription {
+    /// The keys that it names, as they are written.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        let of_tables = self.choices.iter().flatten().next().into_iter().flat_map(|table| table.keys());
+        self.key.as_deref().into_iter().chain(of_tables.map(String::as_str)).map(str::trim)
+    }
 }
 
 impl Variation {
     /// Checks a description.
-    pub(super) fn new(d: &VariationDescription) -> Result<Self, Invalid> {
-        let numbers = |law: fn([f64; 2]) -> Law, range: &Option<[f64; 2]>| range.map(law);
-        let given = [
-            ("uniform", numbers(Law::Uniform, &d.uniform)),
-            ("log_uniform", numbers(Law::LogUniform, &d.log_uniform)),
-            ("normal", numbers(Law::Normal, &d.normal)),
-            ("choice", d.choice.clone().map(Law::Choice)),
-            ("sweep", numbers(Law::Sweep, &d.sweep)),
-        ];
-        let mut laws = given.into_iter().filter_map(|(name, law)| law.map(|law| (name, law)));
-        let Some((name, law)) = laws.next() else {
-            return Err(Invalid::new("", "does not say how the key varies").help("for example uniform = [0, 12]"));
+    pub(super) fn new(d: &VariationDescription, found: &Found, sampling: SamplingDescription) -> Result<Self, Invalid> {
+        let law = Law::new(d, &found.files)?;
+        let refuse = |key: &str, message: &str, help: &str| Err(Invalid::new(key, message).help(help));
+        match (&d.key, &d.choices) {
+            (None, None) => {
+                return refuse("", "the key `key` is missing", "for example key = \"exposure.time_s\"");
+            }
+            (Some(_), Some(_)) => {
+                return refuse("key", "cannot go with choices, whose tables name their keys", "remove one of them");
+            }
+            (Some(_), None) | (None, Some(_)) => {}
+        }
+        let is_pattern =
+            d.key.as_ref().is_some_and(|key| key_path::keys(key).iter().any(|key| key_path::is_pattern(key)));
+        if d.together && !(is_pattern && matches!(law, Law::Value(_))) {
+            let message = "goes only with a key that stands for several, such as \"materials.paint-*.roughness\"";
+            return refuse("together", message, "remove it");
+        }
+        if let Law::Count([_, most]) = law {
+            let keys = found.keys.len();
+            if !is_pattern {
+                let message = "goes only with a key that stands for several, such as \"lights.*.on\"";
+                return refuse("count", message, "choice = [true, false] varies one key");
+            }
+            if most as usize > keys {
+                let message = format!("asks for {most}, and the key stands for {keys}");
+                return refuse("count", &message, "write a number that there are");
+            }
+        }
+        let keys = match &law {
+            Law::Choices(choice) => choice.things()[0].keys().cloned().collect(),
+            Law::Value(_) | Law::Count(_) => found.keys.clone(),
         };
-        if let Some((other, _)) = laws.next() {
-            return Err(Invalid::new(other, format!("cannot go with {name}")).help("keep one of them"));
-        }
-        let wrong = |message: String, help: &str| Err(Invalid::new(name, message).help(help));
-        match &law {
-            Law::Uniform([a, b]) | Law::Sweep([a, b]) if !(a.is_finite() && b.is_finite()) => {
-                wrong(format!("must be two numbers, got {a} and {b}"), "for example [0, 12]")
-            }
-            Law::Uniform([a, b]) if a > b => wrong(format!("{a} is above {b}"), "write the smaller number first"),
-            Law::LogUniform([a, b]) if !(*a > 0.0 && a <= b && b.is_finite()) => {
-                wrong(format!("must be two numbers above 0 in order, got {a} and {b}"), "for example [100, 10000]")
-            }
-            Law::Normal([mean, deviation]) if !(mean.is_finite() && *deviation >= 0.0 && deviation.is_finite()) => {
-                wrong(format!("must be a mean and a deviation, got {mean} and {deviation}"), "for example [20, 5]")
-            }
-            Law::Choice(values) if values.is_empty() => {
-                wrong("has nothing to choose from".to_owned(), "for example [\"D65\", \"A\"]")
-            }
-            Law::Uniform(_) | Law::LogUniform(_) | Law::Normal(_) | Law::Choice(_) | Law::Sweep(_) => {
-                Ok(Self { key: d.key.clone(), law, per_camera: d.per_camera })
-            }
-        }
+        Ok(Self { keys, law, sampling, is_of_pattern: is_pattern && !d.together, per_camera: d.per_camera })
     }
 
-    /// The key that varies.
-    pub(super) fn key(&self) -> &str {
-        self.key.trim()
+    /// The keys that vary.
+    pub(super) fn keys(&self) -> impl Iterator<Item = &str> {
+        self.keys.iter().map(|key| key.trim())
     }
 
-    /// Whether each camera has a value of its own.
+    /// Whether each camera has values of its own.
     pub(super) fn is_per_camera(&self) -> bool {
         self.per_camera
     }
 
-    /// `key=value` in a frame of so many, for a camera. `seed` is this variation's own.
-    pub(super) fn set(&self, seed: u64, frame: u32, frames: u32, camera: usize) -> String {
-        let who = if self.per_camera { camera as u64 + 1 } else { 0 };
-        let mut random = Philox::new(hash64(seed, who), u64::from(frame));
-        let value = match &self.law {
-            Law::Uniform([a, b]) => number(a + (b - a) * random.random::<f64>()),
-            Law::LogUniform([a, b]) => number(a * (b / a).powf(random.random::<f64>())),
-            Law::Normal([mean, deviation]) => {
-                let z: f64 = StandardNormal.sample(&mut random);
-                number(mean + deviation * z)
+    /// `key=value` of each key in a frame of so many, for a camera. `seed` is this variation's own.
+    pub(super) fn set(&self, seed: u64, frame: u32, frames: u32, camera: usize) -> Vec<String> {
+        let seed = hash64(seed, if self.per_camera { camera as u64 + 1 } else { 0 });
+        let draws = |seed| Draws::new(self.sampling, seed, frame, frames);
+        match &self.law {
+            Law::Choices(choice) => {
+                let table = choice.draw(&mut draws(seed));
+                table.iter().map(|(key, value)| format!("{key}={}", toml(value))).collect()
             }
-            Law::Choice(values) => toml(&values[random.random_range(0..values.len())]),
-            Law::Sweep([first, last]) => {
-                let part = f64::from(frame) / f64::from(frames.max(2) - 1);
-                number(first + (last - first) * part)
+            Law::Count([least, most]) => {
+                let mut draws = draws(seed);
+                let count = *least as usize + draws.index((most - least) as usize + 1);
+                let is_chosen = draws.subset(count, self.keys.len());
+                self.keys.iter().zip(is_chosen).map(|(key, is_chosen)| format!("{key}={is_chosen}")).collect()
             }
-        };
-        format!("{}={value}", self.key)
-    }
-}
-
-/// A number as TOML has it, with all digits that tell it from others.
-pub(super) fn number(x: f64) -> String {
-    format!("{x:?}")
-}
-
-/// A value as TOML writes it in a line.
-pub(super) fn toml(value: &Value) -> String {
-    match value {
-        // Null cannot come from TOML.
-        Value::Null => "false".to_owned(),
-        Value::Bool(_) | Value::Number(_) => value.to_string(),
-        Value::String(text) => text_in_quotes(text),
-        Value::Array(values) => format!("[{}]", values.iter().map(toml).collect::<Vec<_>>().join(", ")),
-        Value::Object(table) => {
-            let pairs = table.iter().map(|(key, value)| format!("{} = {}", text_in_quotes(key), toml(value)));
-            format!("{{ {} }}", pairs.collect::<Vec<_>>().join(", "))
+            Law::Value(law) => {
+                // A key that comes to be, as of another material, leaves the values of the others as they are.
+                let seed_of = |key: &str| if self.is_of_pattern { hash64(seed, hash_of(key)) } else { seed };
+                let value = |key: &String| law.draw(&mut draws(seed_of(key)), frame, frames);
+                self.keys.iter().map(|key| format!("{key}={}", value(key))).collect()
+            }
         }
     }
 }
 
-/// JSON's strings are TOML's basic ones.
-fn text_in_quotes(text: &str) -> String {
-    Value::from(text).to_string()
+fn hash_of(text: &str) -> u64 {
+    text.bytes().fold(text.len() as u64, |hash, byte| hash64(hash, u64::from(byte)))
 }
 
 #[cfg(test)]
 mod tests {
-    use serde_json::json;
+    use serde_json::{Value, json};
 
     use super::*;
 
-    fn nothing(key: &str) -> VariationDescription {
-        VariationDescription {
-            key: key.to_owned(),
-            uniform: None,
-            log_uniform: None,
-            normal: None,
-            choice: None,
-            sweep: None,
-            per_camera: false,
-        }
+    fn described(d: Value) -> VariationDescription {
+        serde_json::from_value(d).expect("a description")
     }
 
-    fn values(d: VariationDescription) -> Vec<f64> {
-        let variation = Variation::new(&d).expect("a law");
-        let value = |frame| variation.set(7, frame, 1000, 0).split_once('=').and_then(|(_, v)| v.parse().ok());
-        (0..1000).map(|frame| value(frame).expect("a number")).collect()
+    fn found(keys: &[&str]) -> Found {
+        Found { keys: keys.iter().map(|key| (*key).to_owned()).collect(), files: vec!["a.png".into(), "b.png".into()] }
     }
 
+    fn variation(d: Value, keys: &[&str]) -> Variation {
+        Variation::new(&described(d), &found(keys), SamplingDescription::Independent).expect("a variation")
+    }
+
+    /// What the first version with data sets drew for a set of seed 5 and three frames: sets keep their pictures.
     #[test]
-    fn numbers_follow_their_law() {
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-        // Five standard deviations of the mean of a thousand.
-        let near = |found: f64, wanted: f64, deviation: f64| {
-            assert!((found - wanted).abs() < 5.0 * deviation / 1000f64.sqrt(), "{found}, not {wanted}");
-        };
-        let uniform = values(VariationDescription { uniform: Some([-2.0, 6.0]), ..nothing("a") });
-        assert!(uniform.iter().all(|v| (-2.0..6.0).contains(v)));
-        near(mean(&uniform), 2.0, 8.0 / 12f64.sqrt());
-        let logs = values(VariationDescription { log_uniform: Some([0.01, 100.0]), ..nothing("a") });
-        let logs: Vec<f64> = logs.iter().map(|v| v.log10()).collect();
-        assert!(logs.iter().all(|v| (-2.0..2.0).contains(v)));
-        near(mean(&logs), 0.0, 4.0 / 12f64.sqrt());
-        let normal = values(VariationDescription { normal: Some([20.0, 3.0]), ..nothing("a") });
-        near(mean(&normal), 20.0, 3.0);
-        let sweep = values(VariationDescription { sweep: Some([1.0, 3.0]), ..nothing("a") });
-        assert_eq!((sweep[0], sweep[999]), (1.0, 3.0));
-        assert!(sweep.windows(2).all(|pair| pair[0] < pair[1]));
+    fn draws_stay_what_they_were() {
+        let cases = [
+            (
+                json!({ "log_uniform": [0.002, 0.006] }),
+                0,
+                ["0.0027582668479332116", "0.0035291849130929813", "0.0020969476181414374"],
+            ),
+            (json!({ "normal": [20, 5] }), 0, ["17.218666398696268", "20.604232729777408", "23.23595738726561"]),
+            (json!({ "uniform": [300, 900] }), 0, ["527.1123591872968", "744.1957515156539", "893.1357231786767"]),
+            (json!({ "choice": ["D65", "A", "D50"], "per_camera": true }), 0, ["\"D65\"", "\"A\"", "\"D65\""]),
+            (json!({ "sweep": [2, 4] }), 0, ["2.0", "3.0", "4.0"]),
+        ];
+        for (i, (mut law, camera, golden)) in cases.into_iter().enumerate() {
+            law["key"] = "k".into();
+            let variation = variation(law, &["k"]);
+            let seed = hash64(hash64(5, 2), i as u64);
+            let drawn = [0, 1, 2].map(|frame| variation.set(seed, frame, 3, camera));
+            assert_eq!(drawn, golden.map(|value| vec![format!("k={value}")]));
+        }
+        let own = variation(json!({ "key": "k", "choice": ["D65", "A", "D50"], "per_camera": true }), &["k"]);
+        let drawn = [0, 1, 2].map(|frame| own.set(hash64(hash64(5, 2), 3), frame, 3, 1).remove(0));
+        assert_eq!(drawn, ["k=\"A\"", "k=\"D50\"", "k=\"A\""]);
     }
 
     #[test]
     fn values_of_any_kind_are_written_as_toml() {
-        let choice = vec![json!("D65"), json!([1, 2.5]), json!({ "file": "a \"b\".csv" })];
-        let variation = Variation::new(&VariationDescription { choice: Some(choice), ..nothing("k") }).expect("a law");
-        let mut found: Vec<String> = (0..50).map(|frame| variation.set(1, frame, 50, 0)).collect();
+        let choice = json!(["D65", [1, 2.5], { "file": "a \"b\".csv" }]);
+        let variation = variation(json!({ "key": "k", "choice": choice }), &["k"]);
+        let mut found: Vec<String> = (0..50).flat_map(|frame| variation.set(1, frame, 50, 0)).collect();
         found.sort();
         found.dedup();
         assert_eq!(found, ["k=\"D65\"", "k=[1, 2.5]", r#"k={ "file" = "a \"b\".csv" }"#]);
@@ -179,20 +169,84 @@ mod tests {
 
     #[test]
     fn cameras_share_a_value_unless_told_otherwise() {
-        let uniform = VariationDescription { uniform: Some([0.0, 1.0]), ..nothing("a") };
-        let own = VariationDescription { per_camera: true, ..uniform.clone() };
-        let [shared, own] = [uniform, own].map(|d| Variation::new(&d).expect("a law"));
+        let shared = variation(json!({ "key": "a", "uniform": [0, 1] }), &["a"]);
+        let own = variation(json!({ "key": "a", "uniform": [0, 1], "per_camera": true }), &["a"]);
         assert_eq!(shared.set(1, 3, 9, 0), shared.set(1, 3, 9, 1));
         assert_ne!(own.set(1, 3, 9, 0), own.set(1, 3, 9, 1));
         assert_ne!(shared.set(1, 3, 9, 0), shared.set(1, 4, 9, 0));
     }
 
     #[test]
-    fn one_law_and_one_only() {
-        assert!(Variation::new(&nothing("a")).is_err());
-        let two = VariationDescription { uniform: Some([0.0, 1.0]), sweep: Some([0.0, 1.0]), ..nothing("a") };
-        assert_eq!(Variation::new(&two).expect_err("two laws").key, "sweep");
-        let back = VariationDescription { uniform: Some([1.0, 0.0]), ..nothing("a") };
-        assert_eq!(Variation::new(&back).expect_err("backwards").key, "uniform");
+    fn keys_of_a_pattern_have_values_of_their_own_or_one() {
+        let own = variation(json!({ "key": "m.*.x", "uniform": [0, 1] }), &["m.a.x", "m.b.x"]);
+        let [a, b] = own.set(1, 0, 9, 0).try_into().expect("two");
+        assert_ne!(a.strip_prefix("m.a.x="), b.strip_prefix("m.b.x="));
+        // Another key leaves them as they are.
+        let more = variation(json!({ "key": "m.*.x", "uniform": [0, 1] }), &["m.0.x", "m.a.x", "m.b.x"]);
+        assert_eq!(more.set(1, 0, 9, 0)[1..], [a, b]);
+        let one = variation(json!({ "key": "m.*.x", "uniform": [0, 1], "together": true }), &["m.a.x", "m.b.x"]);
+        let [a, b] = one.set(1, 0, 9, 0).try_into().expect("two");
+        assert_eq!(a.strip_prefix("m.a.x=").expect("its key"), b.strip_prefix("m.b.x=").expect("its key"));
+    }
+
+    #[test]
+    fn keys_of_a_table_vary_together() {
+        let tables = json!([{ "a": 1, "b": "x" }, { "a": 2, "b": "y" }]);
+        let variation = variation(json!({ "choices": tables, "weights": [1, 0] }), &[]);
+        assert_eq!(variation.keys().collect::<Vec<_>>(), ["a", "b"]);
+        assert!((0..20).all(|frame| variation.set(1, frame, 20, 0) == ["a=1", "b=\"x\""]));
+    }
+
+    #[test]
+    fn so_many_of_the_keys_are_true() {
+        let variation =
+            variation(json!({ "key": "l.*.on", "count": [1, 3] }), &["l.0.on", "l.1.on", "l.2.on", "l.3.on"]);
+        let mut counts = [0; 5];
+        for frame in 0..3000 {
+            let set = variation.set(4, frame, 3000, 0);
+            assert!(set.iter().enumerate().all(|(i, change)| change.starts_with(&format!("l.{i}.on="))));
+            counts[set.iter().filter(|change| change.ends_with("=true")).count()] += 1;
+        }
+        // Five standard deviations of a third of 3000.
+        assert!(
+            counts[0] == 0 && counts[4] == 0 && counts[1..4].iter().all(|n: &i32| n.abs_diff(1000) < 130),
+            "{counts:?}"
+        );
+    }
+
+    #[test]
+    fn what_cannot_be_varied_so_is_refused_at_its_key() {
+        for (d, key) in [
+            (json!({ "key": "a" }), ""),
+            (json!({ "uniform": [0, 1] }), ""),
+            (json!({ "key": "a", "uniform": [0, 1], "sweep": [0, 1] }), "sweep"),
+            (json!({ "key": "a", "uniform": [1, 0] }), "uniform"),
+            (json!({ "key": "a", "log_uniform": [0, 1] }), "log_uniform"),
+            (json!({ "key": "a", "normal": [0, -1] }), "normal"),
+            (json!({ "key": "a", "choice": [] }), "choice"),
+            (json!({ "key": "a", "choice": [1, 2], "weights": [1] }), "weights"),
+            (json!({ "key": "a", "choice": [1, 2], "weights": [0, 0] }), "weights"),
+            (json!({ "key": "a", "choice": [1, 2], "weights": [2, -1] }), "weights"),
+            (json!({ "key": "a", "uniform": [1, 2], "weights": [1, 1] }), "weights"),
+            (json!({ "key": "a", "choices": [{ "b": 1 }] }), "key"),
+            (json!({ "choices": [{ "b": 1 }, { "c": 1 }] }), "choices[1]"),
+            (json!({ "choices": [{ "b": 1 }, { "b": 1, "c": 1 }] }), "choices[1]"),
+            (json!({ "choices": [{}] }), "choices[0]"),
+            (json!({ "key": "a", "box": [[0, 1], [1, 0]] }), "box"),
+            (json!({ "key": "a", "box": [[0], [1, 1]] }), "box"),
+            (json!({ "key": "a", "sphere": { "radius_m": [-1, 1] } }), "sphere.radius_m"),
+            (json!({ "key": "a", "sphere": { "up": [0, 0, 0] } }), "sphere.up"),
+            (json!({ "key": "a", "sphere": { "angle_deg": [0, 200] } }), "sphere.angle_deg"),
+            (json!({ "key": "a", "rotation": { "angle_deg": [0, 20] } }), "rotation.angle_deg"),
+            (json!({ "key": "a", "hsv": { "value": [0, 2] } }), "hsv.value"),
+            (json!({ "key": "a", "count": [0, 1] }), "count"),
+            (json!({ "key": "a.*", "count": [0, 2] }), "count"),
+            (json!({ "key": "a.*", "count": [1, 0] }), "count"),
+            (json!({ "key": "a", "uniform": [0, 1], "together": true }), "together"),
+        ] {
+            let refused = Variation::new(&described(d.clone()), &found(&["a"]), SamplingDescription::Independent);
+            let invalid = refused.expect_err(&d.to_string());
+            assert!(invalid.key == key && invalid.help.is_some() || key == "count", "{d}: {invalid:?}");
+        }
     }
 }

@@ -28,6 +28,24 @@ pub fn two_sided_bound(p_value: f64) -> f64 {
     low
 }
 
+/// The z up to which a number has the probability `p`, in (0, 1): the inverse of [`cdf`], by bisection.
+pub fn quantile(p: f64) -> f64 {
+    // Small probabilities have digits that those near 1 have lost.
+    if p > 0.5 {
+        return -quantile(1.0 - p);
+    }
+    let (mut low, mut high) = (-40.0, 0.0);
+    for _ in 0..64 {
+        let middle = 0.5 * (low + high);
+        if cdf(middle) < p {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
 #[cfg(test)]
 mod tests {
     use approx::assert_relative_eq;
@@ -41,6 +59,17 @@ mod tests {
         for z in [-30.0, -6.0, -2.5, -1.0, -1e-3, 0.0, 0.5, 1.96, 4.0, 8.0] {
             assert_relative_eq!(cdf(z), reference.cdf(z), max_relative = 1e-9);
             assert_relative_eq!(two_sided_p_value(z), 2.0 * reference.cdf(-f64::abs(z)), max_relative = 1e-9);
+        }
+    }
+
+    #[test]
+    fn quantiles_are_those_of_another_implementation() {
+        let reference = Normal::new(0.0, 1.0).expect("a spread above 0");
+        for p in [1e-12, 1e-3, 0.1, 0.3, 0.5, 0.7, 0.975, 1.0 - 1e-9] {
+            assert_relative_eq!(quantile(p), reference.inverse_cdf(p), max_relative = 1e-6, epsilon = 1e-9);
+        }
+        for z in [-30.0, -5.0, -0.1, 0.1, 5.0] {
+            assert_relative_eq!(quantile(cdf(z)), z, max_relative = 1e-9);
         }
     }
 

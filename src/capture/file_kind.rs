@@ -1,0 +1,121 @@
+//! What a file is that was given to a command for another kind, and which command takes it.
+
+use std::path::Path;
+
+use super::source::CaptureSource;
+use super::tables::SECTIONS;
+use super::text_file::read_text;
+use crate::{Error, Invalid, Result};
+
+/// A kind of file that some command takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FileKind {
+    /// A capture file.
+    Capture,
+    /// A data set file.
+    DataSet,
+    /// A sensor file.
+    Sensor,
+    /// `capture.json`.
+    Report,
+    /// A scene in a format of its own.
+    Model,
+    /// Digital numbers of a sensor.
+    Raw,
+    /// Numbers in columns and rows that may be those of a sensor.
+    Numbers,
+    /// Light, stored or developed.
+    Light,
+    /// A picture for the eye.
+    Picture,
+}
+
+impl FileKind {
+    /// The kind that the name of a file tells; TOML files may be several.
+    pub(super) fn of_name(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();
+        match extension.as_str() {
+            "json" => Some(Self::Report),
+            "gltf" | "glb" | "obj" | "ply" | "stl" => Some(Self::Model),
+            "dng" => Some(Self::Raw),
+            "tif" | "tiff" | "pbm" | "pgm" | "ppm" | "pnm" | "npy" => Some(Self::Numbers),
+            "exr" | "hdr" => Some(Self::Light),
+            "png" | "jpg" | "jpeg" | "webp" => Some(Self::Picture),
+            _ => None,
+        }
+    }
+
+    /// The kind that the keys at the top of a TOML file tell.
+    pub(super) fn of_keys<'a>(keys: impl Iterator<Item = &'a str>) -> Option<Self> {
+        let keys: Vec<&str> = keys.collect();
+        if keys.contains(&"capture") {
+            return Some(Self::DataSet);
+        }
+        // A sensor file has no tables of captures but those that mean something else in it.
+        if keys.contains(&"adc") {
+            return Some(Self::Sensor);
+        }
+        keys.iter().any(|key| SECTIONS.contains(key)).then_some(Self::Capture)
+    }
+
+    /// The kind of a file, by its name or what it holds.
+    fn of_file(path: &Path) -> Option<Self> {
+        if !path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml")) {
+            return Self::of_name(path);
+        }
+        let source = CaptureSource::parse(path, read_text(path).ok()?).ok()?;
+        Self::of_keys(source.sections().map(|(key, _)| key))
+    }
+
+    /// What such a file is.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Capture => "a capture file",
+            Self::DataSet => "a data set file",
+            Self::Sensor => "a sensor file",
+            Self::Report => "the report of a render",
+            Self::Model => "a scene",
+            Self::Raw => "a raw file",
+            Self::Numbers => "a raw file, or a picture",
+            Self::Light => "a picture of light",
+            Self::Picture => "a picture",
+        }
+    }
+
+    /// Which command takes it.
+    fn command(self, path: &Path) -> String {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        match self {
+            Self::Capture | Self::Model | Self::Report => {
+                format!("`photosite render` makes its picture; a data set file names it by capture = {name:?}")
+            }
+            Self::DataSet => "`photosite dataset` makes its pictures".to_owned(),
+            Self::Sensor => {
+                format!("a capture names it by [sensor] preset = {name:?}; `photosite info` says what it holds")
+            }
+            Self::Raw => "`photosite develop` makes a picture of it".to_owned(),
+            Self::Numbers | Self::Light => "`photosite develop` makes a picture of a raw file or of light, and \
+                                            `photosite expose` takes light or, with --unit, a picture"
+                .to_owned(),
+            Self::Picture => "`photosite expose` takes it with --unit, as light on the sensor".to_owned(),
+        }
+    }
+
+    /// What is wrong with such a file where `wanted` is.
+    pub(super) fn refusal(self, wanted: &str, path: &Path) -> Invalid {
+        Invalid::new("", format!("is {}, and {wanted} is wanted here", self.name())).help(self.command(path))
+    }
+
+    /// The error of such a file where `wanted` is.
+    pub(super) fn instead_of(self, wanted: &str, path: &Path) -> Error {
+        self.refusal(wanted, path).in_file(path)
+    }
+
+    /// Refuses a file that is certainly none of these kinds.
+    pub(crate) fn expect(path: &Path, kinds: &[Self], wanted: &str) -> Result<()> {
+        match Self::of_file(path).filter(|kind| path.is_file() && !kinds.contains(kind)) {
+            Some(other) => Err(other.instead_of(wanted, path)),
+            None => Ok(()),
+        }
+    }
+}
