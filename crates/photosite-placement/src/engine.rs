@@ -1,7 +1,8 @@
 //! The rigid-body engine, rapier: objects under gravity, first as convex parts that fall, then as exact meshes that settle.
 
+use parry3d_f64::bounding_volume::{Aabb, BoundingVolume};
 use parry3d_f64::math::{Pose3, Vector};
-use parry3d_f64::shape::SharedShape;
+use parry3d_f64::shape::{SharedShape, TriMesh};
 use rapier3d_f64::prelude::{
     ColliderBuilder, FrictionModel, MassProperties, PhysicsWorld, RigidBodyBuilder, RigidBodyHandle,
 };
@@ -15,16 +16,19 @@ use crate::shape::Hull;
 const GRAVITY: f64 = 9.80665;
 /// The gap that the engine keeps between objects that touch, m: so far they may sink into each other and still not meet.
 const GAP_M: f64 = 4e-5;
-/// How fast everything slows down while it settles, 1/s. Whatever is not held moves with a speed of its acceleration over this.
-const VISCOSITY: f64 = 200.0;
+/// How fast everything slows down while it settles, 1/s, at first and then. Whatever is not held moves with a speed of its
+/// acceleration over this.
+const VISCOSITY: [f64; 2] = [200.0, 30.0];
 /// How long movements are looked at, s.
 const WINDOW_S: f64 = 0.1;
 /// How far objects that settled may move in that time, m: what holds them then takes all but a thousandth of their weight.
-const STILL_M: f64 = 5e-6;
+const STILL_M: f64 = 1e-5;
 /// How much of their size objects that fell may move in that time, and how long they get, s.
 const SLOW: f64 = 0.002;
 const LONGEST_FALL_S: f64 = 8.0;
-const LONGEST_SETTLING_S: f64 = 2.0;
+const LONGEST_SETTLING_S: f64 = 3.0;
+/// How much lighter than the heaviest an object may be: beyond, the engine does not find the forces of what lies on it.
+const LIGHTEST: f64 = 0.03;
 
 /// What there is besides the objects that move.
 pub(crate) struct Surroundings<'a> {
@@ -48,6 +52,7 @@ struct Manner {
     gap: f64,
     prediction: f64,
     damping: [f64; 2],
+    fastest: f64,
     restitution: f64,
     is_exact: bool,
 }
@@ -63,10 +68,13 @@ pub(crate) fn fall(surroundings: &Surroundings<'_>, bodies: &[Body], poses: &[Po
         prediction: 0.04 * smallest,
         // What rolls comes to rest, too.
         damping: [0.2, 2.0],
+        fastest: 100.0,
         restitution: surroundings.contact.restitution,
         is_exact: false,
     };
-    let mut run = Run::new(surroundings, bodies, poses, &manner);
+    let parts = |body: &Body| body.shape.parts().iter().filter_map(|part| convex(part, body.scale)).collect();
+    let shapes: Vec<Vec<SharedShape>> = bodies.iter().map(parts).collect();
+    let mut run = Run::new(surroundings, bodies, poses, &shapes, &manner);
     let mut time = 0.0;
     while time < LONGEST_FALL_S {
         let moved = run.advance(WINDOW_S);
@@ -80,32 +88,90 @@ pub(crate) fn fall(surroundings: &Surroundings<'_>, bodies: &[Body], poses: &[Po
     run.poses()
 }
 
-/// Lets objects that do not meet settle as through honey, with all triangles, until what holds them takes their weight.
+/// Lets objects that do not meet settle as through honey, with their triangles, until what holds them takes their weight.
 /// None where they do not come to rest.
 pub(crate) fn settle(surroundings: &Surroundings<'_>, bodies: &[Body], poses: &[Pose]) -> Option<Vec<Pose>> {
-    let manner = Manner {
-        time_step: 1.0 / 240.0,
-        gap: GAP_M,
-        // Farther than anything sinks in a step: gravity / viscosity · time step.
-        prediction: 2.5e-4,
-        damping: [VISCOSITY; 2],
-        restitution: 0.0,
-        is_exact: true,
-    };
-    let mut run = Run::new(surroundings, bodies, poses, &manner);
+    let largest = bodies.iter().map(|body| body.radius).fold(0.0, f64::max);
+    // Triangles that are farther than this from everything are left out until something moved half as far.
+    let margin = 0.001 + 0.04 * largest;
+    let mut poses = poses.to_vec();
     let mut time = 0.0;
     while time < LONGEST_SETTLING_S {
-        let moved = run.advance(WINDOW_S);
-        time += WINDOW_S;
-        if moved.iter().all(|moved| *moved <= STILL_M) {
-            return Some(run.poses());
+        let viscosity = VISCOSITY[usize::from(time > 1.5 * WINDOW_S)];
+        let manner = Manner {
+            time_step: 1.0 / 240.0,
+            gap: GAP_M,
+            prediction: 2.5e-4,
+            damping: [viscosity; 2],
+            fastest: 2.5e-4 * 240.0,
+            restitution: 0.0,
+            is_exact: true,
+        };
+        let shapes = near_triangles(surroundings, bodies, &poses, margin);
+        let mut run = Run::new(surroundings, bodies, &poses, &shapes, &manner);
+        let mut way = vec![0.0; bodies.len()];
+        let mut is_first = time == 0.0;
+        while way.iter().all(|way| *way < margin / 2.0) && time < LONGEST_SETTLING_S {
+            let moved = run.advance(WINDOW_S);
+            time += WINDOW_S;
+            if moved.iter().all(|moved| *moved <= STILL_M) {
+                return Some(run.poses());
+            }
+            way.iter_mut().zip(&moved).for_each(|(way, moved)| *way += moved);
+            if std::mem::take(&mut is_first) {
+                break;
+            }
         }
+        poses = run.poses();
     }
     None
 }
 
+/// Of each object the triangles that are near to anything.
+fn near_triangles(
+    surroundings: &Surroundings<'_>,
+    bodies: &[Body],
+    poses: &[Pose],
+    margin: f64,
+) -> Vec<Vec<SharedShape>> {
+    let of = |i: usize| {
+        let (body, pose) = (&bodies[i], &poses[i]);
+        let others = (bodies.iter().zip(poses).enumerate()).filter(|(j, _)| *j != i).map(|(_, other)| other);
+        let bounds = body.bounds(pose).loosened(margin);
+        let others: Vec<(&Body, Pose3)> = others
+            .chain(surroundings.fixed.iter().map(|(other, at)| (other, at)))
+            .filter(|(other, at)| other.bounds(at).intersects(&bounds))
+            .map(|(other, at)| (other, at.to_parry().inverse() * pose.to_parry()))
+            .collect();
+        let up = pose.rotation.inverse() * glam::DVec3::Y;
+        let is_near = |t: &[u32; 3]| {
+            let corners = t.map(|v| body.mesh.vertices()[v as usize]);
+            let is_low = surroundings.ground_height.is_some_and(|height| {
+                corners.iter().any(|p| up.dot(crate::pose::point(*p)) + pose.position.y <= height + margin)
+            });
+            is_low
+                || others.iter().any(|(other, to_other)| {
+                    let corners = corners.map(|p| *to_other * p);
+                    let around = Aabb::from_points(corners).loosened(margin);
+                    other.mesh.bvh().intersect_aabb(&around).next().is_some()
+                })
+        };
+        let triangles: Vec<[u32; 3]> = body.mesh.indices().iter().filter(|t| is_near(t)).copied().collect();
+        // Vertices that are left over do no harm.
+        let mesh = TriMesh::new(body.mesh.vertices().to_vec(), triangles);
+        mesh.into_iter().map(SharedShape::new).collect()
+    };
+    (0..bodies.len()).map(of).collect()
+}
+
 impl Run {
-    fn new(surroundings: &Surroundings<'_>, bodies: &[Body], poses: &[Pose], manner: &Manner) -> Self {
+    fn new(
+        surroundings: &Surroundings<'_>,
+        bodies: &[Body],
+        poses: &[Pose],
+        shapes: &[Vec<SharedShape>],
+        manner: &Manner,
+    ) -> Self {
         let mut world = PhysicsWorld { gravity: Vector::Y * -GRAVITY, ..PhysicsWorld::default() };
         let size = 2.0 * bodies.iter().map(|body| body.radius).fold(f64::INFINITY, f64::min);
         let parameters = &mut world.integration_parameters;
@@ -117,6 +183,7 @@ impl Run {
         parameters.contact_softness.natural_frequency = 1.0 / manner.time_step;
         parameters.static_contact_softness.natural_frequency = 1.0 / manner.time_step;
         parameters.friction_model = FrictionModel::Coulomb;
+        parameters.normalized_max_linear_velocity = manner.fastest / size;
         // Contacts are found anew in each step, and of exact meshes all count.
         parameters.contact_recycling = false;
         parameters.contact_clustering = !manner.is_exact;
@@ -137,20 +204,19 @@ impl Run {
             world.insert_collider(collider(shape).position(pose.to_parry()), None);
         }
         let mut handles = Vec::new();
-        for (body, pose) in bodies.iter().zip(poses) {
+        let heaviest = bodies.iter().map(|body| mass(body).mass()).fold(0.0, f64::max);
+        for ((body, pose), shapes) in bodies.iter().zip(poses).zip(shapes) {
+            let mut mass = mass(body);
+            mass.set_mass(mass.mass().max(LIGHTEST * heaviest), true);
             let moving = RigidBodyBuilder::dynamic()
                 .pose(pose.to_parry())
                 .can_sleep(false)
-                .additional_mass_properties(mass(body))
+                .additional_mass_properties(mass)
                 .linear_damping(manner.damping[0])
                 .angular_damping(manner.damping[1]);
             let handle = world.insert_body(moving);
-            if manner.is_exact {
-                world.insert_collider(collider(SharedShape(body.mesh.clone())), Some(handle));
-            } else {
-                for part in body.shape.parts().iter().filter_map(|part| convex(part, body.scale)) {
-                    world.insert_collider(collider(part), Some(handle));
-                }
+            for shape in shapes {
+                world.insert_collider(collider(shape.clone()), Some(handle));
             }
             handles.push(handle);
         }

@@ -71,6 +71,7 @@ fn main() -> Result<(), Invalid> {
             contact: Contact::default(),
             seed,
         };
+        eprintln!("draw {draw} {:?}", which);
         let start = Instant::now();
         let placed = place(&request);
         seconds[kind].push(start.elapsed().as_secs_f64());
