@@ -26,7 +26,7 @@ const STILL_M: f64 = 1e-5;
 /// How much of their size objects that fell may move in that time, and how long they get, s.
 const SLOW: f64 = 0.002;
 const LONGEST_FALL_S: f64 = 8.0;
-const LONGEST_SETTLING_S: f64 = 3.0;
+const LONGEST_SETTLING_S: f64 = 1.2;
 /// How much lighter than the heaviest an object may be: beyond, the engine does not find the forces of what lies on it.
 const LIGHTEST: f64 = 0.03;
 

@@ -11,7 +11,7 @@ use glam::DVec3;
 use photosite_core::Invalid;
 use photosite_core::math::hash::hash64;
 use photosite_placement::{
-    Bin, Contact, Fixed, Item, Method, Pose, Region, Request, Shape, Support, Turn, cuboid, place,
+    Bin, Contact, Fixed, Item, Method, Pose, Region, Request, RestingPose, Shape, Support, Turn, cuboid, place,
 };
 use serde_json::{Value, json};
 
@@ -71,7 +71,6 @@ fn main() -> Result<(), Invalid> {
             contact: Contact::default(),
             seed,
         };
-        eprintln!("draw {draw} {:?}", which);
         let start = Instant::now();
         let placed = place(&request);
         seconds[kind].push(start.elapsed().as_secs_f64());
@@ -103,7 +102,14 @@ fn main() -> Result<(), Invalid> {
         let positions: Vec<[f64; 3]> = positions.iter().map(|p| p.to_array()).collect();
         json!({ "name": name, "positions": positions, "triangles": triangles })
     };
-    let all: Vec<Value> = meshes.iter().map(shape).collect();
+    let mut all: Vec<Value> = meshes.iter().map(shape).collect();
+    for (told, shape) in all.iter_mut().zip(&shapes) {
+        let resting = |pose: &RestingPose| {
+            let down = pose.rotation.inverse() * DVec3::NEG_Y;
+            json!({ "down": down.to_array(), "probability": pose.probability })
+        };
+        told["resting"] = shape.resting_poses().iter().map(resting).collect();
+    }
     println!("{}", json!({ "shapes": all, "draws": told }));
     Ok(())
 }
