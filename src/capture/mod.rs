@@ -36,9 +36,12 @@ mod lens;
 mod lens_elements;
 mod light;
 mod material;
+mod models;
 mod motion;
+mod objects;
 mod overrides;
 mod projection;
+mod quadrics;
 mod reader;
 mod relocate;
 mod scene;
@@ -65,7 +68,6 @@ use glam::DAffine3;
 use crate::calibration::targets::PlacedTarget;
 use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
-use crate::io::gltf::Moment;
 use crate::optics::{LensDescription, LensKind, Recording};
 use crate::scene::description::SceneDescription;
 use crate::sensor::SensorModel;
@@ -76,6 +78,8 @@ use photosite_core::warnings::Warnings;
 use camera::place_camera;
 use colour::Finder;
 use input::{focus_on_scene, is_scene_file, read_source};
+use models::KnownModels;
+use motion::Moments;
 use relocate::keys_of;
 pub use relocate::{real_path, relative_path};
 use scene::ReadScene;
@@ -128,6 +132,8 @@ pub struct Capture {
     pub source: CaptureSource,
     /// What the scene was read from, and the scene itself as long as somebody holds it; `None` where no tables say it.
     known_scene: Option<(TablesOfScene, Weak<SceneDescription>)>,
+    /// What files of geometry hold that its scene or those of related captures were made of.
+    models: KnownModels,
     /// What it was read from, to be read again with changes; `None` where no file and no values hold its scene.
     origin: Option<Origin>,
 }
@@ -148,14 +154,14 @@ struct Origin {
 #[derive(Clone, Debug, PartialEq)]
 struct TablesOfScene {
     tables: [Option<serde_json::Value>; 4],
-    moment: Option<Moment>,
+    moments: Moments,
 }
 
 impl TablesOfScene {
-    fn of(source: &CaptureSource, moment: Option<&Moment>) -> Result<Self> {
+    fn of(source: &CaptureSource, moments: Moments) -> Result<Self> {
         let [scene, targets, lights, materials] = ["scene", "targets", "lights", "materials"];
         let tables = [source.read(scene)?, source.read(targets)?, source.read(lights)?, source.read(materials)?];
-        Ok(Self { tables, moment: moment.cloned() })
+        Ok(Self { tables, moments })
     }
 }
 
@@ -227,6 +233,7 @@ impl Capture {
 
     /// Takes the scene out; its files still tell what results are made of.
     pub(crate) fn take_scene(&mut self) -> Arc<SceneDescription> {
+        self.models = KnownModels::default();
         let left = SceneDescription { files: self.scene.files.clone(), ..SceneDescription::default() };
         std::mem::replace(&mut self.scene, Arc::new(left))
     }
@@ -270,14 +277,19 @@ impl Capture {
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut file = CaptureFile::read(&mut source, folder)?;
-        let moment = motion::moment(&file, frame, source.sandbox()).map_err(|invalid| source.error(invalid))?;
-        let tables = TablesOfScene::of(&source, moment.as_ref())?;
+        let moments = Moments::of(&file, frame, source.sandbox()).map_err(|invalid| source.error(invalid))?;
+        let tables = TablesOfScene::of(&source, moments)?;
+        let models = match earlier {
+            Some(earlier) => earlier.models.clone(),
+            None if origin.is_of_set => KnownModels::kept(),
+            None => KnownModels::default(),
+        };
         // A scene file gets its surroundings from what it holds.
         let earlier = earlier.filter(|_| !is_scene_file(path));
         let (scene, targets) = match earlier.and_then(|earlier| Some((earlier.scene_of(&tables)?, &earlier.targets))) {
             Some((scene, targets)) => (scene, targets.clone()),
             None => {
-                let geometry = ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?;
+                let geometry = ReadScene::of_capture(&source, &file, &tables.moments, folder, &models)?;
                 if is_scene_file(path) {
                     geometry.surround(&mut source)?;
                     file.scene = source.read("scene")?.unwrap_or_default();
@@ -288,7 +300,7 @@ impl Capture {
         let read = Self::assemble(&file, scene, targets, &source, folder, frame);
         let read = read.map_err(|invalid| source.error(invalid))?;
         let known_scene = Some((tables, Arc::downgrade(&read.scene)));
-        Ok(Self { origin: Some(origin), known_scene, ..read })
+        Ok(Self { origin: Some(origin), known_scene, models, ..read })
     }
 
     /// The scene, if these tables are what it was read from.
@@ -336,7 +348,7 @@ impl Capture {
         source.displaced().iter().for_each(|message| warnings.once(message));
         let (camera_to_world, lens) = place_camera(file, motion.as_ref(), &finder, &scene, &sensor, &mut warnings)?;
         let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
-        let scene_moves = file.scene.animation.is_some();
+        let scene_moves = file.scene.is_animated();
         let mover = if motion.is_some() { "camera.motion" } else { "scene.animation" };
         let moves = motion.is_some() || scene_moves;
         if moves && exposure.bracket.is_some() {
@@ -394,6 +406,7 @@ impl Capture {
             warnings,
             source: source.clone(),
             known_scene: None,
+            models: KnownModels::default(),
             origin: None,
         })
     }

@@ -210,7 +210,7 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
         "meshes": scene.meshes.len(),
         "triangles": (0..scene.meshes.len()).map(triangles).sum::<usize>(),
         "instances": scene.instances.len(),
-        "triangles_of_instances": scene.instances.iter().map(|i| triangles(i.mesh)).sum::<usize>(),
+        "triangles_of_instances": scene.instances.iter().flat_map(|i| i.meshes.clone()).map(triangles).sum::<usize>(),
         "textures": scene.images.len(),
         "materials": scene.materials.iter().map(|m| named(&m.name)).collect::<Vec<_>>(),
         "emitting_materials": scene.materials.iter().filter(emits).map(|m| named(&m.name)).collect::<Vec<_>>(),

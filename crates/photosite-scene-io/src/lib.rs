@@ -3,6 +3,7 @@
 
 #![forbid(unsafe_code)]
 
+mod changed_meshes;
 mod complete;
 mod environment;
 pub mod gltf;
@@ -12,6 +13,7 @@ pub mod obj;
 mod picture;
 mod tangents;
 
+pub use changed_meshes::{ChangedMeshes, MeshChange};
 pub use complete::complete;
 pub use environment::{decode_environment, read_environment};
 pub use ies::{parse_ies, read_ies};
