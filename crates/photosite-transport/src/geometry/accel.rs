@@ -111,7 +111,7 @@ struct PrimitiveBvh<const SHAPES: usize> {
 struct Tlas {
     bvh: WideBvh,
     /// Instances of each leaf.
-    leaves: Vec<[Option<u32>; LEAF_SIZE]>,
+    leaves: Box<[[Option<u32>; LEAF_SIZE]]>,
 }
 
 impl Accel {
@@ -301,7 +301,7 @@ impl Tlas {
                 (leaves.len() - 1) as u32
             },
         );
-        Self { bvh, leaves }
+        Self { bvh: bvh.compact(), leaves: leaves.into_boxed_slice() }
     }
 }
 

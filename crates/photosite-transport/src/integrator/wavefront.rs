@@ -233,7 +233,7 @@ mod tests {
     fn add(scene: &mut SceneDescription, material: MaterialDescription, mesh: MeshDescription) {
         let (name, index) = (material.name.clone(), scene.materials.len());
         scene.materials.push(material);
-        scene.meshes.push(Arc::new(MeshDescription { name: name.clone(), material: index, ..mesh }));
+        scene.meshes.push(MeshDescription { name: name.clone(), material: index, ..mesh }.into());
         scene.instances.push(InstanceDescription::of_mesh(name, index, DAffine3::IDENTITY));
     }
 

@@ -334,7 +334,11 @@ impl MapAll<Described, Tabled> for Builder<'_> {
 /// Index of the object of each instance.
 fn objects_of_instances(description: &SceneDescription) -> Vec<u32> {
     let objects = description.all_objects();
-    (0..).zip(&objects).flat_map(|(index, object)| object.instances.clone().map(move |_| index)).collect()
+    let mut of_instances = Vec::with_capacity(description.instances.len());
+    for (index, object) in (0..).zip(&objects) {
+        of_instances.extend(object.instances.clone().map(|_| index));
+    }
+    of_instances
 }
 
 /// Area of the disk through which a scene of that radius is lit from afar.

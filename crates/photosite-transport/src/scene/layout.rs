@@ -317,3 +317,111 @@ fn append(
     geometry.meshes.push(range);
     first_triangle..geometry.triangles.len() as u32
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::super::description::{
+        Colour, Diffuse, EmissionDescription, MaterialDescription, MaterialModel, SceneDescription, TexturedColour,
+    };
+    use super::super::{build, build_after};
+    use super::*;
+    use crate::geometry::Ray;
+    use photosite_core::math::hash::{hash64, unit_f32};
+    use photosite_core::spectrum::Spectrum;
+
+    fn triangle(material: usize, at: f32) -> Arc<MeshDescription> {
+        Arc::new(MeshDescription {
+            material,
+            positions: [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]].map(|[x, y]| Vec3::new(x, y, at)).to_vec(),
+            triangles: vec![[0, 1, 2]],
+            ..MeshDescription::default()
+        })
+    }
+
+    /// A wall in the world, two triangles that are one instance and can move, another instance of them, and one that
+    /// is alone.
+    fn description(meshes: &[Arc<MeshDescription>], moved: f64, shines: bool) -> SceneDescription {
+        let reflectance = TexturedColour::plain(Colour::Rgb([0.5; 3]));
+        let model = MaterialModel::Diffuse(Diffuse { reflectance });
+        let emission =
+            shines.then(|| EmissionDescription { colour: Colour::Rgb([1.0; 3]), level: Some(1.0), texture: None });
+        let at = |x: f64| DAffine3::from_translation(DVec3::new(x, moved, 0.0));
+        let movable = |meshes: Range<usize>, x: f64| InstanceDescription {
+            meshes,
+            is_movable: true,
+            ..InstanceDescription::of_mesh("movable", 0, at(x))
+        };
+        SceneDescription {
+            materials: vec![
+                MaterialDescription::new("wall", model.clone()),
+                MaterialDescription { emission, ..MaterialDescription::new("other", model) },
+            ],
+            meshes: meshes.to_vec(),
+            instances: vec![
+                InstanceDescription::of_mesh("wall", 0, DAffine3::IDENTITY),
+                movable(1..3, 0.5),
+                movable(1..3, -1.5),
+                movable(3..4, 2.0),
+            ],
+            ..SceneDescription::default()
+        }
+    }
+
+    fn built(description: SceneDescription, earlier: Option<&Scene>) -> Scene {
+        build_after(description, &Spectrum::constant(1.0), earlier)
+    }
+
+    /// The same rays find the same surfaces in both.
+    fn assert_same_hits(found: &Scene, expected: &Scene) {
+        let mut hits = 0;
+        for i in 0..2000 {
+            let random = |dimension| 6.0 * unit_f32(hash64(i, dimension) as u32) - 3.0;
+            let ray = Ray::new(Vec3::new(random(0), random(1), 5.0), Vec3::new(0.1 * random(2), 0.1 * random(3), -1.0));
+            let facts = |scene: &Scene| {
+                scene.closest(&ray).map(|hit| (hit.t.to_bits(), scene.object(&hit), scene.point(&hit, 0.0).material))
+            };
+            assert_eq!(facts(found), facts(expected), "ray {i}");
+            hits += usize::from(facts(found).is_some());
+        }
+        assert!(hits > 200, "{hits}");
+    }
+
+    #[test]
+    fn a_scene_that_moved_shares_geometry_and_is_as_if_it_were_new() {
+        let meshes = [triangle(0, -2.0), triangle(0, 0.0), triangle(1, -0.5), triangle(1, 0.5)];
+        let first = build(description(&meshes, 0.0, false), &Spectrum::constant(1.0));
+        let next = built(description(&meshes, 0.7, false), Some(&first));
+        assert!(Arc::ptr_eq(&first.geometry, &next.geometry));
+        assert_same_hits(&next, &built(description(&meshes, 0.7, false), None));
+        // A point of the first scene has gone along in the next.
+        let ray = Ray::new(Vec3::new(0.5, 0.1, 5.0), Vec3::NEG_Z);
+        let hit = first.closest(&ray).expect("an instance in front of the wall");
+        let moved = next.point(&first.hit_in(&hit, &next).expect("it is there"), 0.0);
+        let way = moved.position - first.point(&hit, 0.0).position;
+        assert!((way - Vec3::Y * 0.7).length() < 1e-6, "{way}");
+    }
+
+    #[test]
+    fn what_differs_is_built_anew() {
+        let meshes = [triangle(0, -2.0), triangle(0, 0.0), triangle(1, -0.5), triangle(1, 0.5)];
+        let first = build(description(&meshes, 0.0, false), &Spectrum::constant(1.0));
+        let others = [triangle(0, -2.0), triangle(0, 0.0), triangle(1, -0.5), triangle(1, 0.4)];
+        let mut wall_moved = description(&meshes, 0.0, false);
+        wall_moved.instances[0].to_world = DAffine3::from_translation(DVec3::X);
+        let mut one_more = description(&meshes, 0.0, false);
+        one_more.instances.push(InstanceDescription::of_mesh("more", 0, DAffine3::from_translation(DVec3::Y)));
+        for (what, changed) in [
+            ("other meshes", description(&others, 0.0, false)),
+            ("a lamp", description(&meshes, 0.0, true)),
+            ("the wall", wall_moved),
+            ("the wall twice", one_more),
+        ] {
+            let expected = built(changed.clone(), None);
+            let found = built(changed, Some(&first));
+            assert!(!Arc::ptr_eq(&first.geometry, &found.geometry), "{what}");
+            assert_same_hits(&found, &expected);
+        }
+    }
+}
