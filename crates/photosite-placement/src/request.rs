@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::DVec3;
 use photosite_core::Invalid;
 
-use crate::pose::{Pose, Turn};
+use crate::body::Body;
+use crate::pose::{Pose, Turn, point};
 use crate::shape::Shape;
 
 /// Objects that want places.
@@ -124,6 +125,14 @@ impl Item {
     /// An object as its shape has it, of the density of water.
     pub fn new(shape: Arc<Shape>) -> Self {
         Self { shape, scale: 1.0, density_kg_m3: 1000.0 }
+    }
+}
+
+impl Fixed {
+    /// The box around it, along the axes of the world.
+    pub fn bounds(&self) -> Region {
+        let bounds = Body::new(&self.shape, self.scale, 1.0).bounds(&self.pose);
+        Region { min: point(bounds.mins), max: point(bounds.maxs) }
     }
 }
 

@@ -10,11 +10,13 @@ use crate::body::{Body, distance};
 use crate::pose::{Pose, Turn, between};
 use crate::request::{Method, Region, Request, Support};
 use crate::shape::Shape;
-use crate::surface::Surface;
+use crate::surface::{Surface, TOUCH_M};
 
 /// How often a place is drawn for one object, and how often all objects start anew.
 const TRIES: usize = 500;
 const STARTS: u64 = 10;
+/// How far things are from each other at least, m.
+const APART_M: f64 = 1e-7;
 
 /// Where objects may be.
 enum Place<'a> {
@@ -54,11 +56,16 @@ pub(crate) fn scatter(request: &Request, bodies: &[Body], fixed: &[(Body, Pose)]
             let body = &bodies[i];
             let is_free = |pose: &Pose| {
                 let above = request.ground_height_m.is_none_or(|height| body.lowest(pose) >= height);
-                let least = request.min_distance_m.max(1e-7);
+                let least = request.min_distance_m.max(APART_M);
                 let clear = |other: &Body, at: &Pose| distance((body, pose), (other, at), least) >= least;
+                // A floor in the plane of the ground is stood on, too.
+                let is_floor = |other: &Body, at: &Pose| {
+                    request.ground_height_m.is_some_and(|height| other.highest(at) <= height)
+                        && distance((body, pose), (other, at), APART_M) >= APART_M
+                };
                 let earlier = poses.iter().zip(bodies).filter_map(|(pose, other)| Some((other, pose.as_ref()?)));
                 above
-                    && others.iter().all(|(other, at)| clear(other, at))
+                    && others.iter().all(|(other, at)| clear(other, at) || is_floor(other, at))
                     && earlier.into_iter().all(|(o, at)| clear(o, at))
             };
             let found = (0..TRIES).find_map(|_| place.draw(body, &mut random).filter(is_free));
@@ -94,9 +101,7 @@ impl Place<'_> {
             Self::RestOnGround(region, height) => {
                 let centre = draw_in(region, random);
                 let mut pose = body.centred(draw_resting(&body.shape, random), centre);
-                pose.position.y += height - body.lowest(&pose);
-                // Rounding must not push it below.
-                pose.position.y += (height - body.lowest(&pose)).max(0.0);
+                pose.position.y += height + TOUCH_M - body.lowest(&pose);
                 Some(pose)
             }
             Self::RestOnSurface(surface) => {

@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::PlaceDescription;
+
 /// A data set: a capture, and what differs from frame to frame.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -27,6 +29,10 @@ pub struct DatasetDescription {
     /// Keys of the capture that differ from frame to frame.
     #[serde(default)]
     pub vary: Vec<VariationDescription>,
+    /// Objects that get other places in each frame, one table after the other: those of later tables keep clear of those
+    /// of earlier ones.
+    #[serde(default)]
+    pub place: Vec<PlaceDescription>,
 }
 
 /// A camera of a rig. Its place is that in the rig: x right, y up, and the rig looks along −z.

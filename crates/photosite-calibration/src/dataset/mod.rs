@@ -7,6 +7,7 @@
 
 mod description;
 mod origin;
+mod place;
 mod plan;
 mod poses;
 mod rig;
@@ -16,6 +17,8 @@ pub use description::{
     DatasetDescription, GridPoses, PoseDescription, PosesDescription, RandomPoses, RigCameraDescription,
     TimedPoseDescription, TrajectoryPoses, VariationDescription,
 };
+pub use place::{BinDescription, CountDescription, PlaceDescription, PlaceMethod, PlaceRotation, RegionDescription};
 pub use plan::{CALIBRATION_FOLDER, Plan};
 pub use poses::Subject;
 pub use rig::{RigCamera, RigPlace};
+pub use variation::toml;

@@ -25,6 +25,11 @@ impl DatasetDescription {
                 self.key_of_pose().or_else(|| of_rig.map(|_| format!("cameras[{camera}]")))
             }
             "lens.focal_length_mm" => self.key_of_pose(),
+            "scene.objects" => match self.place.len() {
+                0 => None,
+                1 => Some("place[0]".to_owned()),
+                _ => Some("place".to_owned()),
+            },
             _ => None,
         }
     }
@@ -58,6 +63,7 @@ mod tests {
             "cameras": [{ "name": "left" }, { "name": "right", "disparity_to": "left", "set": ["a.c=2"] }],
             "poses": { "trajectory": { "frame_rate_hz": 10, "poses": [] } },
             "vary": [{ "key": "a.d", "uniform": [0, 1] }],
+            "place": [{ "objects": ["a.glb"], "method": "drop" }],
         }))
         .expect("a description");
         for (camera, change, key) in [
@@ -68,6 +74,7 @@ mod tests {
             (0, "exposure.frame_interval_s=0.1", Some("poses.trajectory")),
             (1, "output.truth_partner={ up = [0, 1, 0] }", Some("cameras[1].disparity_to")),
             (0, "render.seed=17", Some("seed")),
+            (1, "scene.objects=[]", Some("place[0]")),
             (0, "develop.distortion=false", None),
         ] {
             assert_eq!(description.key_of(camera, change).as_deref(), key, "{change}");

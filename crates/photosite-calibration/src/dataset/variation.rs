@@ -103,7 +103,7 @@ pub(super) fn number(x: f64) -> String {
 }
 
 /// A value as TOML writes it in a line.
-pub(super) fn toml(value: &Value) -> String {
+pub fn toml(value: &Value) -> String {
     match value {
         // Null cannot come from TOML.
         Value::Null => "false".to_owned(),
