@@ -38,6 +38,7 @@
 //! | `photosite-imaging` | [`raw`], [`sensor`], [`develop`], [`measure`], [`validation`], [`characterisation`], [`synthetic_noise`] | core |
 //! | `photosite-scene-io` | glTF, OBJ, environments, IES | core, transport |
 //! | `photosite-calibration` | [`calibration`]: targets, poses, ground truth, camera files | core, transport |
+//! | `photosite-placement` | [`placement`]: places of rigid objects, dropped or standing | core |
 //! | `photosite` | this crate: the [`capture`] language, the [`pipeline`], [`report`]s, files ([`io`]), and the command | all |
 //!
 //! Transport and imaging do not know each other. Only this crate, the readers of scenes and those of raw files touch
@@ -73,6 +74,7 @@ pub use photosite_calibration as calibration;
 pub use photosite_core::{Error, Help, Invalid, Remedy, Result, Sandbox};
 pub use photosite_core::{cells, colour, error, image, math, memory, projection, references, spectrum, units};
 pub use photosite_imaging::{characterisation, develop, measure, raw, sensor, synthetic_noise, validation};
+pub use photosite_placement as placement;
 pub use photosite_transport::{bsdf, film, geometry, integrator, light, optics, sampler, scene, texture};
 pub use picture::{DevelopedFile, Picture};
 pub use pipeline::{Options, Shot, render};

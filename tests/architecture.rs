@@ -306,6 +306,16 @@ fn only_one_file_knows_obvhs() {
 }
 
 #[test]
+fn only_placement_knows_the_rigid_body_engine() {
+    for folder in crates().iter().filter(|folder| !folder.ends_with("photosite-placement/src")) {
+        for path in sources(folder) {
+            let code = code(&path);
+            assert!(!code.contains("rapier3d") && !code.contains("parry3d"), "{} uses the engine", path.display());
+        }
+    }
+}
+
+#[test]
 fn braces_and_paths_are_told_apart() {
     let found = paths("crate::{Invalid, raw::Cfa, math::{pdf, warp as w}}");
     assert_eq!(found, ["crate::Invalid", "crate::raw::Cfa", "crate::math::pdf", "crate::math::warp"]);

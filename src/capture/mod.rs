@@ -246,6 +246,11 @@ impl Capture {
         self.origin.as_ref().ok_or_else(|| self.source.error(none()))
     }
 
+    /// The value of a key such as `scene.ground.height_m`, as it was given.
+    pub(crate) fn value(&self, key: &str) -> Result<Option<serde_json::Value>> {
+        self.source.read(key)
+    }
+
     /// The changes to keys that it was read with, `key=value`.
     pub fn overrides(&self) -> &[String] {
         self.origin.as_ref().map_or(&[], |origin| &origin.overrides)

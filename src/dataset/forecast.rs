@@ -76,7 +76,8 @@ impl DataSet {
         let mut is_at_most = false;
         for (number, camera, changes) in self.pictures(frames) {
             pictures += 1;
-            match self.capture(camera, number, changes) {
+            // Objects are placed when the picture is made.
+            match self.described(camera, number, changes) {
                 Ok(_) if damage(&picture(path, camera, number), Look::Sizes).is_none() => present += 1,
                 Ok(capture) => {
                     is_at_most |= capture.render.noise_target.is_some();

@@ -23,9 +23,9 @@ pub(super) const CAMERAS: &str = "cameras";
 /// Everything that decides what the pictures are: version, description, captures, and the files that these name. How
 /// many frames there are decides nothing of any of them, unless a key goes from one value to another over all, or flow
 /// tells of the next one.
-pub(super) fn identity(
+pub(super) fn identity<'a>(
     file: &DatasetFile,
-    captures: &[Capture],
+    captures: impl Iterator<Item = &'a Capture> + Clone,
     overrides: &[String],
     (plan, found): (&Plan, &[Found]),
 ) -> Result<Value> {
@@ -33,7 +33,7 @@ pub(super) fn identity(
     let sweeps = file.description.vary.iter().any(|variation| variation.sweep.is_some())
         || file.description.sampling == SamplingDescription::LatinHypercube;
     // Flow of the last frame leads nowhere.
-    let flows = captures.iter().any(|capture| capture.output.truth.layers.contains(&TruthLayer::Flow));
+    let flows = captures.clone().any(|capture| capture.output.truth.layers.contains(&TruthLayer::Flow));
     if let (false, Value::Object(keys)) = (sweeps || flows, &mut description) {
         keys.remove("frames");
     }

@@ -19,11 +19,13 @@ mod make;
 mod merge;
 mod parts;
 mod picture;
+mod place;
 mod presence;
 mod rectified_truth;
 mod rectify;
 mod rig;
 mod selection;
+mod shapes;
 mod shards;
 mod status;
 mod varied;
@@ -56,6 +58,7 @@ pub use shards::{Progress, ShardFormat, ShardSize, Shards};
 pub use status::{PictureState, PictureStatus, Status};
 
 use identity::{identity, part_identity};
+use place::Places;
 use presence::{damage, picture};
 use rig::plan;
 
@@ -72,6 +75,8 @@ pub struct DataSet {
     plan: Plan,
     /// Of each camera, before anything is varied.
     captures: Vec<Capture>,
+    /// What has other places in each frame.
+    places: Places,
     /// Changes to the capture, after those of the file.
     arguments: Vec<String>,
     film_memory: FilmMemory,
@@ -87,12 +92,14 @@ impl DataSet {
         let capture_path = input.parent().unwrap_or(Path::new("")).join(&file.description.capture);
         sandbox.check(&capture_path).map_err(|invalid| file.error(invalid.within("capture")))?;
         let (plan, captures, found) = plan(&file, sandbox, &capture_path, arguments)?;
-        let identity = identity(&file, &captures, arguments, (&plan, &found))?;
+        let places = Places::read(&file, sandbox, &captures[0])?;
+        let identity = identity(&file, captures.iter().chain(places.all()), arguments, (&plan, &found))?;
         Ok(Self {
             file,
             capture_path,
             plan,
             captures,
+            places,
             arguments: arguments.to_vec(),
             film_memory,
             identity,
@@ -137,8 +144,26 @@ impl DataSet {
         self.plan.cameras().iter().map(|camera| &*camera.place.name)
     }
 
-    /// The capture of a camera in a frame. What is wrong with a change is wrong with the key that asks for it.
+    /// The capture of a camera in a frame, with all objects in their places.
     fn capture(&self, camera: &str, number: u32, overrides: &[String]) -> Result<Capture> {
+        // All cameras of a rig see what the first one sees.
+        let before = || {
+            let changes = self.plan.frame(number, &self.arguments).map_err(|invalid| self.file.error(invalid))?;
+            self.cameras()
+                .zip(changes)
+                .map(|(camera, changes)| self.described(camera, number, &changes))
+                .next()
+                .unwrap_or_else(|| self.described(camera, number, overrides))
+        };
+        match self.places.change(&self.plan, number, &self.file, before)? {
+            None => self.described(camera, number, overrides),
+            Some(change) => self.described(camera, number, &[overrides, &[change]].concat()),
+        }
+    }
+
+    /// The capture of a camera in a frame, before objects are placed. What is wrong with a change is wrong with the key
+    /// that asks for it.
+    fn described(&self, camera: &str, number: u32, overrides: &[String]) -> Result<Capture> {
         let before = self.cameras().position(|name| name == camera).unwrap_or(0);
         let capture = self.captures[before].with_all(overrides);
         capture.map_err(|error| self.error_of_change(error, camera, number, overrides))

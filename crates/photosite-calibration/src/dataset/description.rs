@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::PlaceDescription;
+
 /// A data set: a capture, and what differs from frame to frame.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -30,6 +32,10 @@ pub struct DatasetDescription {
     /// How the values of `vary` lie together over the frames. Left out: "independent".
     #[serde(default)]
     pub sampling: SamplingDescription,
+    /// Objects that get other places in each frame, one table after the other: those of later tables keep clear of those
+    /// of earlier ones.
+    #[serde(default)]
+    pub place: Vec<PlaceDescription>,
 }
 
 /// How random values lie together over the frames.

@@ -9,6 +9,7 @@ mod description;
 mod draws;
 mod law;
 mod origin;
+mod place;
 mod plan;
 mod poses;
 mod rig;
@@ -20,7 +21,9 @@ pub use description::{
     RigCameraDescription, RotationDescription, SamplingDescription, SphereDescription, TimedPoseDescription,
     TrajectoryPoses, VariationDescription,
 };
+pub use place::{BinDescription, CountDescription, PlaceDescription, PlaceMethod, PlaceRotation, RegionDescription};
 pub use plan::{CALIBRATION_FOLDER, Plan};
 pub use poses::Subject;
 pub use rig::{RigCamera, RigPlace};
+pub use toml_value::toml;
 pub use variation::Found;

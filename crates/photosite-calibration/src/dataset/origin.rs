@@ -26,6 +26,11 @@ impl DatasetDescription {
                 self.key_of_pose().or_else(|| of_rig.map(|_| format!("cameras[{camera}]")))
             }
             "lens.focal_length_mm" => self.key_of_pose(),
+            "scene.objects" => match self.place.len() {
+                0 => None,
+                1 => Some("place[0]".to_owned()),
+                _ => Some("place".to_owned()),
+            },
             _ => None,
         }
     }
@@ -63,6 +68,7 @@ mod tests {
                 { "key": "m.paint-*.x", "uniform": [0, 1] },
                 { "choices": [{ "b.c": 1, "b.d": 2 }] },
             ],
+            "place": [{ "objects": ["a.glb"], "method": "drop" }],
         }))
         .expect("a description");
         for (camera, change, key) in [
@@ -75,6 +81,7 @@ mod tests {
             (0, "exposure.frame_interval_s=0.1", Some("poses.trajectory")),
             (1, "output.truth_partner={ up = [0, 1, 0] }", Some("cameras[1].disparity_to")),
             (0, "render.seed=17", Some("seed")),
+            (1, "scene.objects=[]", Some("place[0]")),
             (0, "develop.distortion=false", None),
         ] {
             assert_eq!(description.key_of(camera, change).as_deref(), key, "{change}");

@@ -38,6 +38,7 @@ enum Purpose {
     Light,
     Poses,
     Variation,
+    Places,
 }
 
 impl Plan {
@@ -135,6 +136,11 @@ impl Plan {
         let seed = hash64(self.seed_for(Purpose::Light, camera), u64::from(number));
         let stated = self.cameras[camera].seed;
         (if stated == 0 { seed } else { hash64(seed, stated) }) >> 11
+    }
+
+    /// The seed of the places that a table of `[[place]]` gives in a frame.
+    pub fn places_seed(&self, table: usize, number: u32) -> u64 {
+        hash64(self.seed_for(Purpose::Places, table), u64::from(number))
     }
 
     /// What the description says of a frame: the same keys in the same order in each.

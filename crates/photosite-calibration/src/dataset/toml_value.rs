@@ -13,7 +13,7 @@ pub(super) fn list(numbers: impl IntoIterator<Item = f64>) -> String {
 }
 
 /// A value as TOML writes it in a line.
-pub(super) fn toml(value: &Value) -> String {
+pub fn toml(value: &Value) -> String {
     match value {
         // Null cannot come from TOML.
         Value::Null => "false".to_owned(),

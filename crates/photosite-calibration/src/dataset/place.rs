@@ -1,0 +1,120 @@
+//! `[[place]]` of a data set file.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Objects with places of their own in each frame. No object meets another, or anything else of the scene, by any of its
+/// triangles.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlaceDescription {
+    /// Files of geometry, relative to this file, or patterns such as "models/*.glb": which of them is drawn for each object.
+    pub objects: Vec<String>,
+    /// How many objects there are, or the least and the largest number, of which one is drawn. Left out: 1.
+    pub count: Option<CountDescription>,
+    /// What kind of objects they are, for ground truth. Left out: the name of the file without its extension.
+    pub category: Option<String>,
+    /// How they get their places.
+    pub method: PlaceMethod,
+    /// The box in which their centres of mass lie, or where they start to fall. Left out: above the surface, or in the bin.
+    pub region: Option<RegionDescription>,
+    /// Name of an object of the capture that they lie or stand on, such as a table or a tray. Those that fall beside are
+    /// dropped again.
+    pub surface: Option<String>,
+    /// A box without a lid that objects are dropped into. It holds them and is not seen.
+    pub bin: Option<BinDescription>,
+    /// The height of the ground that they lie or stand on, m. Left out: that of the capture's ground, if it states one;
+    /// otherwise there is none.
+    pub ground_height_m: Option<f64>,
+    /// How they are turned in a box or on a surface. Left out: any way round in a box, about the vertical on a surface.
+    pub rotation: Option<PlaceRotation>,
+    /// Makes them larger by factors drawn evenly between these two. Left out: [1, 1].
+    pub scale: Option<[f64; 2]>,
+    /// How far they are from each other and from all that they do not stand on, m; not of objects that fall. Left out: 0.
+    pub min_distance_m: Option<f64>,
+    /// Names of materials of the capture, of which one is drawn for each object. Left out: those of the files.
+    #[serde(default)]
+    pub materials: Vec<String>,
+    /// Whether the files have z up in place of y. Left out: false.
+    #[serde(default)]
+    pub z_up: bool,
+    /// Length of the unit of the files, m. Left out: 1.
+    pub meters_per_unit: Option<f64>,
+    /// Coulomb's coefficient of friction between objects that fall and all else. Left out: 0.5.
+    pub friction: Option<f64>,
+    /// The part of their speed with which objects that fall bounce, 0–1. Left out: 0.1.
+    pub restitution: Option<f64>,
+    /// How many frames in a row have the same places: all of the set, seen from a camera that moves, or 10. Left out: 1.
+    pub frames: Option<u32>,
+}
+
+/// How objects get their places.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlaceMethod {
+    /// Anywhere in the region; nothing holds them.
+    Box,
+    /// On points of the surface, spread evenly over its upward faces, turned as `rotation` has it.
+    Surface,
+    /// Standing or lying as they do by themselves, on the ground or the surface, turned about the vertical: how probable
+    /// each way is follows from the convex hull.
+    Rest,
+    /// Dropped any way round, one over the other, until all are at rest: heaps, and objects in bins.
+    Drop,
+    /// One upon the other in the middle of the region, in the order in which they are drawn.
+    Stack,
+}
+
+/// How objects are turned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlaceRotation {
+    /// Any way round, evenly.
+    Any,
+    /// About the vertical, evenly.
+    Vertical,
+    /// As their files have them.
+    None,
+}
+
+/// A number of objects, or a range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected a number of objects, or the least and the largest such as [3, 8]")]
+pub enum CountDescription {
+    /// So many.
+    Exact(u32),
+    /// From the least to the largest.
+    Range([u32; 2]),
+}
+
+/// A box along the axes of the world.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RegionDescription {
+    /// Its lowest coordinates, m.
+    pub min_m: [f64; 3],
+    /// Its highest coordinates, m.
+    pub max_m: [f64; 3],
+}
+
+/// A box without a lid.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BinDescription {
+    /// Its inner width, height and depth, m.
+    pub size_m: [f64; 3],
+    /// The middle of its floor, m. Left out: [0, 0, 0].
+    pub position_m: Option<[f64; 3]>,
+    /// How thick its walls are, m. Left out: 0.01.
+    pub wall_m: Option<f64>,
+}
+
+impl CountDescription {
+    /// The least and the largest number.
+    pub fn range(self) -> [u32; 2] {
+        match self {
+            Self::Exact(count) => [count; 2],
+            Self::Range(range) => range,
+        }
+    }
+}

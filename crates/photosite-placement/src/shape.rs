@@ -1,0 +1,250 @@
+//! The shape of a rigid object, and what all questions about it need.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
+
+use glam::DVec3;
+use parry3d_f64::mass_properties::MassProperties;
+use parry3d_f64::math::Vector;
+use parry3d_f64::shape::TriMesh;
+use parry3d_f64::transformation::try_convex_hull;
+use photosite_core::Invalid;
+
+use crate::parts;
+use crate::pose::{point, vector};
+use crate::resting::{RestingPose, resting_poses};
+
+/// Half the thickness that flat things have where a volume is needed, m: a tenth of what placement is exact to.
+const HALF_SHEET_M: f64 = 5e-6;
+
+/// A rigid object: triangles in metres, +Y up, as the object has them before scale and pose.
+#[derive(Debug)]
+pub struct Shape {
+    /// Its triangles, as given but for those without area.
+    pub(crate) mesh: Arc<TriMesh>,
+    /// Whether the triangles close a volume.
+    pub(crate) is_closed: bool,
+    /// One point of each piece that hangs together.
+    pub(crate) pieces: Vec<DVec3>,
+    /// The convex hull; of flat things one as thick as a foil.
+    pub(crate) hull: Hull,
+    /// Mass, centre and inertia at a density of 1 kg/m³.
+    pub(crate) mass: MassProperties,
+    parts: OnceLock<Vec<Hull>>,
+    resting: OnceLock<Vec<RestingPose>>,
+}
+
+/// A convex solid.
+#[derive(Clone, Debug)]
+pub(crate) struct Hull {
+    pub(crate) points: Vec<Vector>,
+    /// Turning left as seen from outside.
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
+impl Shape {
+    /// The shape of a mesh. It need not be closed or in one piece; of those that are not closed, mass and centre are those of
+    /// the convex hull.
+    pub fn new(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<Self, Invalid> {
+        if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
+            return Err(Invalid::new("", format!("position {i} of the mesh is not finite")));
+        }
+        let count = positions.len();
+        if let Some(i) = triangles.iter().position(|t| t.iter().any(|&v| v as usize >= count)) {
+            return Err(Invalid::new("", format!("triangle {i} of the mesh names a vertex beyond its {count}")));
+        }
+        let (points, mut triangles) = joined(positions, triangles);
+        if triangles.is_empty() {
+            let help = "only meshes with triangles that have an area can be placed";
+            return Err(Invalid::new("", "the mesh has no surface").help(help));
+        }
+        let is_closed = is_closed(&triangles);
+        if is_closed && volume(&points, &triangles) < 0.0 {
+            // Inside out.
+            triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        let hull = Hull::around(&points, &triangles)?;
+        let is_solid = is_closed && volume(&points, &triangles) > 1e-3 * volume(&hull.points, &hull.triangles);
+        let mass = if is_solid {
+            MassProperties::from_trimesh(1.0, &points, &triangles)
+        } else {
+            MassProperties::from_trimesh(1.0, &hull.points, &hull.triangles)
+        };
+        let pieces = pieces(&points, &triangles);
+        let mesh = TriMesh::new(points, triangles)
+            .map_err(|error| Invalid::new("", format!("the mesh cannot be used: {error}")))?;
+        Ok(Self {
+            mesh: Arc::new(mesh),
+            is_closed: is_solid,
+            pieces,
+            hull,
+            mass,
+            parts: OnceLock::new(),
+            resting: OnceLock::new(),
+        })
+    }
+
+    /// The same from numbers as files have them.
+    pub fn from_f32(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, Invalid> {
+        let positions: Vec<DVec3> = positions.iter().map(|p| glam::Vec3::from_array(*p).as_dvec3()).collect();
+        Self::new(&positions, triangles)
+    }
+
+    /// The ways that it stands on a plane by itself, the most probable first.
+    pub fn resting_poses(&self) -> &[RestingPose] {
+        self.resting.get_or_init(|| resting_poses(&self.hull, self.centre_of_mass()))
+    }
+
+    /// Where its mass is on average, m.
+    pub fn centre_of_mass(&self) -> DVec3 {
+        point(self.mass.local_com)
+    }
+
+    /// How far its farthest point is from the centre of mass, m.
+    pub fn radius(&self) -> f64 {
+        let centre = self.centre_of_mass();
+        self.hull.points.iter().map(|p| point(*p).distance(centre)).fold(0.0, f64::max)
+    }
+
+    /// Convex solids that together contain the mesh.
+    pub(crate) fn parts(&self) -> &[Hull] {
+        self.parts.get_or_init(|| if self.is_convex() { vec![self.hull.clone()] } else { parts::parts(self) })
+    }
+
+    /// Whether it is its own convex hull.
+    pub(crate) fn is_convex(&self) -> bool {
+        let hull = volume(&self.hull.points, &self.hull.triangles);
+        let is_flat = hull <= 4.0 * HALF_SHEET_M * self.area();
+        let own = volume(self.mesh.vertices(), self.mesh.indices());
+        is_flat || self.is_closed && hull - own <= 1e-6 * hull
+    }
+
+    fn area(&self) -> f64 {
+        self.mesh.triangles().map(|t| t.area()).sum()
+    }
+}
+
+impl Hull {
+    /// The hull of the points of some triangles; of flat ones a foil around them.
+    fn around(points: &[Vector], triangles: &[[u32; 3]]) -> Result<Self, Invalid> {
+        Self::of(points).or_else(|| Self::foil(points, triangles)).ok_or_else(|| {
+            Invalid::new("", "the mesh has no convex hull").help("it must have an extent in two directions at least")
+        })
+    }
+
+    /// The hull of some points, where they have one.
+    pub(crate) fn of(points: &[Vector]) -> Option<Self> {
+        let (points, triangles) = try_convex_hull(points).ok()?;
+        let is_solid = volume(&points, &triangles) > 0.0;
+        is_solid.then_some(Self { points, triangles })
+    }
+
+    /// The outline of flat triangles, made as thick as a foil.
+    fn foil(points: &[Vector], triangles: &[[u32; 3]]) -> Option<Self> {
+        let area_vector = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| points[i as usize]);
+            (b - a).cross(c - a)
+        };
+        let larger = |a: Vector, b: Vector| if b.length_squared() > a.length_squared() { b } else { a };
+        let up = triangles.iter().map(area_vector).fold(Vector::ZERO, larger).try_normalize()?;
+        let heights = || points.iter().map(|p| p.dot(up));
+        let (low, high) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
+        let right = up.any_orthonormal_vector();
+        let forward = up.cross(right);
+        let outline = outline(points.iter().map(|p| [p.dot(right), p.dot(forward)]).collect());
+        let n = outline.len() as u32;
+        if n < 3 {
+            return None;
+        }
+        let at = |height: f64| move |&[x, y]: &[f64; 2]| right * x + forward * y + up * height;
+        let bottom = outline.iter().map(at(low - HALF_SHEET_M));
+        let points = bottom.chain(outline.iter().map(at(high + HALF_SHEET_M))).collect();
+        let caps = (2..n).flat_map(|i| [[0, i, i - 1], [n, n + i - 1, n + i]]);
+        let sides = (0..n).map(|i| (i, (i + 1) % n)).flat_map(|(i, j)| [[i, j, j + n], [i, j + n, i + n]]);
+        Some(Self { points, triangles: caps.chain(sides).collect() })
+    }
+}
+
+/// The convex outline of points of a plane, turning left (Andrew's monotone chain).
+fn outline(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
+    points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    points.dedup();
+    let turn =
+        |[ax, ay]: [f64; 2], [bx, by]: [f64; 2], [cx, cy]: [f64; 2]| (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+    let half = |points: &mut dyn Iterator<Item = [f64; 2]>| {
+        let mut chain: Vec<[f64; 2]> = Vec::new();
+        for point in points {
+            while let [.., a, b] = chain[..]
+                && turn(a, b, point) <= 0.0
+            {
+                chain.pop();
+            }
+            chain.push(point);
+        }
+        chain.pop();
+        chain
+    };
+    let lower = half(&mut points.iter().copied());
+    let upper = half(&mut points.iter().rev().copied());
+    [lower, upper].concat()
+}
+
+/// The mesh with one vertex for each place and without triangles that have no area.
+fn joined(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<Vector>, Vec<[u32; 3]>) {
+    let mut numbers: BTreeMap<[u64; 3], u32> = BTreeMap::new();
+    let mut points = Vec::new();
+    let mut number = |i: u32| {
+        // −0 is 0.
+        let p = positions[i as usize] + DVec3::ZERO;
+        *numbers.entry(p.to_array().map(f64::to_bits)).or_insert_with(|| {
+            points.push(vector(p));
+            points.len() as u32 - 1
+        })
+    };
+    let triangles: Vec<[u32; 3]> = triangles
+        .iter()
+        .filter(|t| {
+            let [a, b, c] = t.map(|i| positions[i as usize]);
+            (b - a).cross(c - a).length_squared() > 0.0
+        })
+        .map(|t| t.map(&mut number))
+        .collect();
+    (points, triangles)
+}
+
+/// Whether every edge is passed once each way.
+fn is_closed(triangles: &[[u32; 3]]) -> bool {
+    let mut edges: Vec<(u32, u32)> = triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
+    edges.sort_unstable();
+    let is_once = edges.windows(2).all(|pair| pair[0] != pair[1]);
+    is_once && edges.iter().all(|&(a, b)| edges.binary_search(&(b, a)).is_ok())
+}
+
+/// The volume that triangles enclose, below 0 where they are inside out.
+pub(crate) fn volume(points: &[Vector], triangles: &[[u32; 3]]) -> f64 {
+    let origin = points.first().copied().unwrap_or_default();
+    let of = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|i| points[i as usize] - origin);
+        a.dot(b.cross(c)) / 6.0
+    };
+    triangles.iter().map(of).sum()
+}
+
+/// A point of each piece of a mesh whose triangles hang together.
+fn pieces(points: &[Vector], triangles: &[[u32; 3]]) -> Vec<DVec3> {
+    let mut leader: Vec<u32> = (0..points.len() as u32).collect();
+    fn find(leader: &mut [u32], mut i: u32) -> u32 {
+        while leader[i as usize] != i {
+            leader[i as usize] = leader[leader[i as usize] as usize];
+            i = leader[i as usize];
+        }
+        i
+    }
+    for &[a, b, c] in triangles {
+        for (a, b) in [(a, b), (b, c)] {
+            let (a, b) = (find(&mut leader, a), find(&mut leader, b));
+            leader[a.max(b) as usize] = a.min(b);
+        }
+    }
+    (0..points.len()).filter(|&i| leader[i] == i as u32).map(|i| point(points[i])).collect()
+}

@@ -1,0 +1,408 @@
+//! `[[place]]`: objects that get other places in each frame, drawn when a picture of it is made.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+
+use glam::DVec3;
+use glob::{MatchOptions, Pattern};
+use rand::RngExt;
+use serde_json::{Value, json};
+
+use super::picture::locked;
+use super::shapes::{shape, shapes};
+use crate::calibration::dataset::{PlaceDescription, PlaceMethod, PlaceRotation, Plan, RegionDescription, toml};
+use crate::capture::{Capture, DatasetFile, relative_path};
+use crate::math::philox::Philox;
+use crate::placement::{Bin, Contact, Fixed, Item, Method, Pose, Region, Request, Shape, Support, Turn, place};
+use crate::scene::description::{ObjectDescription, SceneDescription};
+use crate::{Invalid, Result, Sandbox};
+use photosite_core::math::hash::hash64;
+use photosite_core::suggest::{did_you_mean, list};
+
+/// The places of how many frames are kept for the other cameras of a rig.
+const MOST_KEPT: usize = 16;
+
+/// The tables of a data set.
+#[derive(Debug, Default)]
+pub(super) struct Places {
+    tables: Vec<Table>,
+    /// A capture of all their files.
+    probe: Option<Capture>,
+    /// What was drawn last, by frame.
+    drawn: Mutex<BTreeMap<u32, String>>,
+    /// What stands in the way in a scene, of the scene that was asked for last.
+    obstacles: Mutex<Option<Obstacles>>,
+}
+
+/// A scene, and what is in it.
+type Obstacles = (Arc<SceneDescription>, Arc<Vec<(String, Arc<Shape>)>>);
+
+/// One table.
+#[derive(Debug)]
+struct Table {
+    description: PlaceDescription,
+    files: Vec<Template>,
+}
+
+/// A file that objects are of.
+#[derive(Debug)]
+struct Template {
+    /// Relative to the capture.
+    file: String,
+    /// In its own frame, at the size that it has there.
+    shape: Arc<Shape>,
+}
+
+/// An object that has its place.
+struct Placed {
+    table: usize,
+    file: usize,
+    scale: f64,
+    material: Option<String>,
+    pose: Pose,
+}
+
+impl Places {
+    /// Reads the files that are placed.
+    pub(super) fn read(file: &DatasetFile, sandbox: &Sandbox, capture: &Capture) -> Result<Self> {
+        let tables = &file.description.place;
+        if tables.is_empty() {
+            return Ok(Self::default());
+        }
+        // All files as objects of one capture.
+        let (mut names, mut objects) = (Vec::new(), Vec::new());
+        for (i, description) in tables.iter().enumerate() {
+            let at = |invalid: Invalid| file.error(invalid.within(&format!("place[{i}]")));
+            check(description).map_err(at)?;
+            for (number, pattern) in description.objects.iter().enumerate() {
+                let within = |invalid: Invalid| at(invalid.within(&format!("objects[{number}]")));
+                for name in files_of(pattern, file.path(), capture, sandbox).map_err(within)? {
+                    let mut object = of_file(description, &name);
+                    object["name"] = probe_name(objects.len()).into();
+                    objects.push(object);
+                    names.push((i, number, name));
+                }
+            }
+        }
+        let change = format!("scene.objects={}", toml(&objects.into()));
+        let probe = capture.with_all(&[capture.overrides(), std::slice::from_ref(&change)].concat());
+        let probe = probe.map_err(|error| file.error_of_change(error, "", None, &[change]))?;
+        let of_scene: BTreeMap<&str, &ObjectDescription> =
+            probe.scene.objects.iter().map(|object| (object.name.as_str(), object)).collect();
+        let mut read: Vec<Table> = tables.iter().map(|d| Table { description: d.clone(), files: Vec::new() }).collect();
+        for (number, (table, pattern, name)) in names.into_iter().enumerate() {
+            let object = of_scene.get(&*probe_name(number));
+            let own = object.map_or(Ok(None), |object| shape(&probe.scene, object));
+            let own =
+                own.and_then(|own| own.ok_or_else(|| Invalid::new("", "it has no triangles"))).map_err(|invalid| {
+                    let key = format!("place[{table}].objects[{pattern}]");
+                    file.error(Invalid { key, message: format!("{name}: {}", invalid.message), ..invalid })
+                })?;
+            read[table].files.push(Template { file: name, shape: Arc::new(own) });
+        }
+        Ok(Self { tables: read, probe: Some(probe), ..Self::default() })
+    }
+
+    /// A capture of all files that are placed; none where none are.
+    pub(super) fn all(&self) -> Option<&Capture> {
+        self.probe.as_ref()
+    }
+
+    /// The change to the capture that puts all objects to their places in a frame. `before` makes the capture without them.
+    pub(super) fn change(
+        &self,
+        plan: &Plan,
+        number: u32,
+        file: &DatasetFile,
+        before: impl FnOnce() -> Result<Capture>,
+    ) -> Result<Option<String>> {
+        if self.tables.is_empty() {
+            return Ok(None);
+        }
+        if let Some(drawn) = locked(&self.drawn).get(&number) {
+            return Ok(Some(drawn.clone()));
+        }
+        let capture = before()?;
+        let objects = capture.value("scene.objects")?.and_then(|value| value.as_array().cloned()).unwrap_or_default();
+        let ground = capture.value("scene.ground.height_m")?.and_then(|value| value.as_f64());
+        let change = self.draw(plan, number, (&capture.scene, objects, ground)).map_err(|e| file.error(e))?;
+        let mut drawn = locked(&self.drawn);
+        drawn.insert(number, change.clone());
+        while drawn.len() > MOST_KEPT {
+            drawn.pop_first();
+        }
+        Ok(Some(change))
+    }
+
+    /// Adds to the objects of a scene those that are drawn in a frame.
+    fn draw(
+        &self,
+        plan: &Plan,
+        number: u32,
+        (scene, mut objects, ground): (&Arc<SceneDescription>, Vec<Value>, Option<f64>),
+    ) -> Result<String, Invalid> {
+        let obstacles = self.obstacles(scene)?;
+        let mut fixed: Vec<(String, Fixed)> = obstacles
+            .iter()
+            .map(|(name, shape)| (name.clone(), Fixed { shape: shape.clone(), scale: 1.0, pose: Pose::IDENTITY }))
+            .collect();
+        let mut placed: Vec<Placed> = Vec::new();
+        for (i, table) in self.tables.iter().enumerate() {
+            let repeats = table.description.frames.unwrap_or(1);
+            let seed = plan.places_seed(i, number / repeats);
+            let new = table.draw(i, seed, &fixed, ground).map_err(|invalid| {
+                let message = format!("in frame {number}: {}", invalid.message);
+                Invalid { message, ..invalid }.within(&format!("place[{i}]"))
+            })?;
+            fixed.extend(new.iter().map(|object| {
+                let shape = table.files[object.file].shape.clone();
+                (String::new(), Fixed { shape, scale: object.scale, pose: object.pose })
+            }));
+            placed.extend(new);
+        }
+        let mut taken: BTreeSet<String> = scene.all_objects().into_iter().map(|object| object.name).collect();
+        let mut next: BTreeMap<String, usize> = BTreeMap::new();
+        for object in &placed {
+            let description = &self.tables[object.table].description;
+            let file = &self.tables[object.table].files[object.file].file;
+            let stem = Path::new(file).file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let next = next.entry(stem.clone()).or_default();
+            let name = loop {
+                let name = format!("{stem}-{next}");
+                *next += 1;
+                if taken.insert(name.clone()) {
+                    break name;
+                }
+            };
+            let (q, p) = (object.pose.rotation, object.pose.position);
+            let mut table = of_file(description, file);
+            table["name"] = name.into();
+            table["category"] = description.category.clone().unwrap_or(stem).into();
+            table["position_m"] = json!(p.to_array().map(|x| x + 0.0));
+            table["quaternion_wxyz"] = json!([q.w, q.x, q.y, q.z].map(|x| x + 0.0));
+            table["scale"] = json!(object.scale);
+            if let Some(material) = &object.material {
+                table["material"] = json!(material);
+            }
+            objects.push(table);
+        }
+        Ok(format!("scene.objects={}", toml(&objects.into())))
+    }
+
+    /// What stands in the way.
+    fn obstacles(&self, scene: &Arc<SceneDescription>) -> Result<Arc<Vec<(String, Arc<Shape>)>>, Invalid> {
+        let mut known = locked(&self.obstacles);
+        if let Some((of, obstacles)) = known.as_ref()
+            && Arc::ptr_eq(of, scene)
+        {
+            return Ok(obstacles.clone());
+        }
+        let obstacles = Arc::new(shapes(scene)?);
+        *known = Some((scene.clone(), obstacles.clone()));
+        Ok(obstacles)
+    }
+}
+
+impl Table {
+    /// Which objects there are, how large, of what, and where.
+    fn draw(
+        &self,
+        table: usize,
+        seed: u64,
+        obstacles: &[(String, Fixed)],
+        ground: Option<f64>,
+    ) -> Result<Vec<Placed>, Invalid> {
+        let d = &self.description;
+        let mut random = Philox::new(seed, 0);
+        let [least, most] = d.count.map_or([1, 1], |count| count.range());
+        let count = random.random_range(least..=most);
+        let [small, large] = d.scale.unwrap_or([1.0, 1.0]);
+        let mut placed: Vec<Placed> = Vec::new();
+        for _ in 0..count {
+            let file = random.random_range(0..self.files.len());
+            let scale = small + (large - small) * random.random::<f64>();
+            let material =
+                (!d.materials.is_empty()).then(|| d.materials[random.random_range(0..d.materials.len())].clone());
+            placed.push(Placed { table, file, scale, material, pose: Pose::IDENTITY });
+        }
+        let items =
+            placed.iter().map(|o| Item { scale: o.scale, ..Item::new(self.files[o.file].shape.clone()) }).collect();
+        let mut fixed: Vec<Fixed> = obstacles.iter().map(|(_, fixed)| fixed.clone()).collect();
+        let how = self.method(obstacles, &mut fixed)?;
+        let contact = Contact::default();
+        let request = Request {
+            items,
+            how,
+            fixed,
+            ground_height_m: d.ground_height_m.or(ground),
+            min_distance_m: d.min_distance_m.unwrap_or(0.0),
+            contact: Contact {
+                friction: d.friction.unwrap_or(contact.friction),
+                restitution: d.restitution.unwrap_or(contact.restitution),
+            },
+            seed: hash64(seed, 1),
+        };
+        let poses = place(&request)?;
+        placed.iter_mut().zip(poses).for_each(|(object, pose)| object.pose = pose);
+        Ok(placed)
+    }
+
+    /// How the crate is asked for it. A bin adds its walls to what stands still.
+    fn method(&self, obstacles: &[(String, Fixed)], fixed: &mut Vec<Fixed>) -> Result<Method, Invalid> {
+        let d = &self.description;
+        let surface = d.surface.as_ref().map(|name| named(name, obstacles)).transpose()?;
+        let region = d.region.as_ref().map(region);
+        let above = |on: usize| {
+            let bounds = obstacles[on].1.bounds();
+            let inside = Region { min: bounds.min, max: DVec3 { y: f64::INFINITY, ..bounds.max } };
+            (Region { min: DVec3 { y: bounds.max.y, ..bounds.min }, ..bounds }, inside)
+        };
+        let turn = |default: Turn| match d.rotation {
+            None => default,
+            Some(PlaceRotation::Any) => Turn::Any,
+            Some(PlaceRotation::Vertical) => Turn::Vertical,
+            Some(PlaceRotation::None) => Turn::None,
+        };
+        let missing = |key: &str, example: &str| Invalid::new(key, "missing").help(format!("for example {example}"));
+        let region_needed = || missing("region", "region = { min_m = [-0.2, 0, -0.2], max_m = [0.2, 0.3, 0.2] }");
+        Ok(match d.method {
+            PlaceMethod::Box => Method::Box { region: region.ok_or_else(region_needed)?, turn: turn(Turn::Any) },
+            PlaceMethod::Surface => {
+                let on = surface.ok_or_else(|| missing("surface", "surface = \"table\""))?;
+                Method::Surface { on, turn: turn(Turn::Vertical) }
+            }
+            PlaceMethod::Rest => Method::Rest {
+                on: match surface {
+                    Some(on) => Support::Fixed(on),
+                    None => Support::Ground(region.ok_or_else(region_needed)?),
+                },
+            },
+            PlaceMethod::Drop => {
+                if let Some(bin) = &d.bin {
+                    let bin = Bin {
+                        size: bin.size_m.into(),
+                        position: bin.position_m.unwrap_or_default().into(),
+                        wall: bin.wall_m.unwrap_or(0.01),
+                    };
+                    fixed.extend(bin.fixed().map_err(|invalid| invalid.within("bin"))?);
+                    Method::Drop { region: region.unwrap_or(bin.region()), keep_in: Some(bin.inside()) }
+                } else if let Some(on) = surface {
+                    let (start, keep_in) = above(on);
+                    Method::Drop { region: region.unwrap_or(start), keep_in: Some(keep_in) }
+                } else {
+                    Method::Drop { region: region.ok_or_else(region_needed)?, keep_in: None }
+                }
+            }
+            PlaceMethod::Stack => {
+                let (start, _) = match (region, surface) {
+                    (Some(region), _) => (region, region),
+                    (None, Some(on)) => above(on),
+                    (None, None) => return Err(region_needed()),
+                };
+                let middle = (start.min + start.max) / 2.0;
+                Method::Stack { position: DVec3 { y: start.min.y, ..middle } }
+            }
+        })
+    }
+}
+
+fn region(d: &RegionDescription) -> Region {
+    Region { min: d.min_m.into(), max: d.max_m.into() }
+}
+
+/// The number of the object that is called so.
+fn named(name: &str, obstacles: &[(String, Fixed)]) -> Result<usize, Invalid> {
+    obstacles.iter().position(|(other, _)| other == name).ok_or_else(|| {
+        let names: Vec<&str> =
+            obstacles.iter().map(|(name, _)| name.as_str()).filter(|name| !name.is_empty()).collect();
+        let message = format!("the capture has no object {name:?}{}", did_you_mean(name, names.iter().copied()));
+        let help = match names[..] {
+            [] => "the capture has no objects".to_owned(),
+            _ => format!("its objects are {}", list(name, names)),
+        };
+        Invalid::new("surface", message).help(help)
+    })
+}
+
+/// Whether what a table says can be meant, as far as it shows without the capture.
+fn check(d: &PlaceDescription) -> Result<(), Invalid> {
+    if d.objects.is_empty() {
+        return Err(Invalid::new("objects", "has no files").help("for example objects = [\"models/*.glb\"]"));
+    }
+    if let Some([least, most]) = d.count.map(|count| count.range())
+        && least > most
+    {
+        return Err(Invalid::new("count", format!("{least} is above {most}")).help("write the smaller number first"));
+    }
+    if let Some([small, large]) = d.scale
+        && !(small > 0.0 && small <= large && large.is_finite())
+    {
+        let message = format!("must be two factors above 0 in order, got {small} and {large}");
+        return Err(Invalid::new("scale", message).help("for example [0.8, 1.2]"));
+    }
+    if d.frames == Some(0) {
+        return Err(Invalid::new("frames", "must be at least 1, got 0"));
+    }
+    let is_dropped = matches!(d.method, PlaceMethod::Drop | PlaceMethod::Stack);
+    let unused = [
+        ("bin", d.bin.is_some() && d.method != PlaceMethod::Drop, "is for method = \"drop\""),
+        ("bin", d.bin.is_some() && d.surface.is_some(), "cannot go with surface"),
+        ("surface", d.surface.is_some() && d.method == PlaceMethod::Box, "is not for method = \"box\""),
+        (
+            "rotation",
+            d.rotation.is_some() && !matches!(d.method, PlaceMethod::Box | PlaceMethod::Surface),
+            "is for method = \"box\" and \"surface\"; objects that lie or fall are turned as they come to rest",
+        ),
+        ("min_distance_m", d.min_distance_m.is_some() && is_dropped, "is not for objects that fall, which touch"),
+        ("friction", d.friction.is_some() && !is_dropped, "is for method = \"drop\" and \"stack\""),
+        ("restitution", d.restitution.is_some() && !is_dropped, "is for method = \"drop\" and \"stack\""),
+    ];
+    match unused.into_iter().find(|(_, is_wrong, _)| *is_wrong) {
+        Some((key, _, message)) => Err(Invalid::new(key, message).help("remove it")),
+        None => Ok(()),
+    }
+}
+
+/// An object of a file, without a pose.
+fn of_file(d: &PlaceDescription, file: &str) -> Value {
+    let mut table = json!({ "file": file });
+    if d.z_up {
+        table["up"] = "z".into();
+    }
+    if let Some(unit) = d.meters_per_unit {
+        table["meters_per_unit"] = unit.into();
+    }
+    table
+}
+
+/// What an object is called in the capture of all files.
+fn probe_name(number: usize) -> String {
+    format!("placed-{number}")
+}
+
+/// The files that a pattern stands for, in the order of their names, relative to the capture.
+fn files_of(pattern: &str, dataset: &Path, capture: &Capture, sandbox: &Sandbox) -> Result<Vec<String>, Invalid> {
+    let folder = dataset.parent().unwrap_or(Path::new(""));
+    let is_whole = Path::new(pattern).is_absolute() || folder.as_os_str().is_empty();
+    let whole =
+        if is_whole { pattern.to_owned() } else { format!("{}/{pattern}", Pattern::escape(&folder.to_string_lossy())) };
+    let options = MatchOptions { require_literal_leading_dot: true, ..MatchOptions::new() };
+    let found = glob::glob_with(&whole, options).map_err(|error| {
+        Invalid::new("", format!("{pattern:?} is no pattern: {}", error.msg)).help("for example \"models/*.glb\"")
+    })?;
+    let from = capture.source.path().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut names = BTreeSet::new();
+    for path in found {
+        let path = path.map_err(|error| Invalid::new("", format!("cannot be looked for: {error}")))?;
+        if path.is_file() {
+            sandbox.check(&path)?;
+            names.insert(relative_path(&path, from));
+        }
+    }
+    if names.is_empty() {
+        let help = "paths are relative to the data set file; * stands for any letters of a name";
+        return Err(Invalid::new("", format!("no file is like {pattern:?}")).help(help));
+    }
+    Ok(names.into_iter().collect())
+}
