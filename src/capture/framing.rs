@@ -6,7 +6,7 @@ use crate::scene::description::{SceneDescription, look_at};
 use crate::sensor::SensorModel;
 
 /// From the centre of the scene towards the camera: glTF's models face +Z.
-const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.35, 1.0);
+pub(super) const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.35, 1.0);
 /// Part of the picture's shorter side that the scene's bounding sphere fills.
 const FILLED: f64 = 0.9;
 
@@ -18,20 +18,14 @@ pub(super) struct Sphere {
     pub(super) radius: f64,
 }
 
-/// The sphere around the centre of the bounding box that holds all triangles; `None` without geometry.
+/// The sphere around the centre of the bounding box that holds all of the subject; `None` without geometry.
 pub(super) fn bounding_sphere(scene: &SceneDescription) -> Option<Sphere> {
-    let points = || {
-        scene.instances.iter().flat_map(|instance| {
-            let positions = scene.meshes[instance.mesh].positions.iter();
-            positions.map(|p| instance.to_world.transform_point3(p.as_dvec3()))
-        })
-    };
-    let (low, high) = points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let (low, high) = scene.subject_bounds()?;
     let centre = (low + high) / 2.0;
     if !centre.is_finite() {
         return None;
     }
-    let radius = points().map(|p| p.distance(centre)).fold(0.0, f64::max);
+    let radius = scene.subject_points().map(|p| p.distance(centre)).fold(0.0, f64::max);
     Some(Sphere { centre, radius: radius.max(f64::MIN_POSITIVE.sqrt()) })
 }
 

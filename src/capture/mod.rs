@@ -9,7 +9,7 @@
 //!
 //! | table | holds | given its meaning in |
 //! |---|---|---|
-//! | `[scene]` | geometry, environment | `scene.rs`, `light.rs` |
+//! | `[scene]` | geometry, environment, ground | `scene.rs`, `environment.rs`, `surroundings.rs`, `default_light.rs` |
 //! | `[[lights]]` | lights without a surface | `light.rs` |
 //! | `[[targets]]` | calibration targets | `target.rs` |
 //! | `[materials.NAME]` | materials in place of the geometry's | `material.rs` |
@@ -22,15 +22,18 @@
 //! Rendering is left to others.
 
 mod aberrations;
+mod backdrop;
 mod camera;
 mod colour;
 mod converter_bits;
 mod dataset;
+mod default_light;
 mod develop;
 mod environment;
 mod file;
 mod focus;
 mod framing;
+mod ground;
 mod input;
 mod lens;
 mod lens_elements;
@@ -48,6 +51,7 @@ mod settings;
 mod source;
 mod stored;
 mod stored_report;
+mod surroundings;
 mod synthetic_noise;
 mod tables;
 mod target;
@@ -308,6 +312,7 @@ impl Capture {
             let targets = place_targets(&file.targets)?;
             geometry.add_quadrics(&file.scene, &file.materials)?;
             geometry.add_targets(&targets)?;
+            surroundings::add(&mut geometry, file, folder, source.sandbox())?;
             Ok((Arc::new(geometry.with_tables(file, folder, source.sandbox())?), targets))
         };
         described().map_err(|invalid| source.error(invalid))

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
-use serde_json::json;
 
 use super::colour::Finder;
+use super::default_light;
 use super::environment::describe_environment;
 use super::light::describe_lights;
 use super::material::override_materials;
@@ -26,9 +26,6 @@ use crate::{Invalid, Result};
 use photosite_core::Sandbox;
 use photosite_core::suggest::{did_you_mean, list};
 use photosite_core::warnings::Warnings;
-
-/// Illuminance of the surroundings of scenes that have no light, lux: a bright room.
-const DEFAULT_ILLUMINANCE_LUX: f64 = 500.0;
 
 /// Geometry as read, before the tables of a capture file change it.
 #[derive(Debug, Default)]
@@ -75,15 +72,14 @@ impl ReadScene {
         Self { scene, ..Self::default() }
     }
 
-    /// Gives a scene that stands for a capture its surroundings, unless its files have lights of their own.
+    /// Gives a scene that stands for a capture its light, unless its files have lights of their own.
     pub(super) fn surround(&self, source: &mut CaptureSource) -> Result<()> {
         if self.scene.meshes.is_empty() {
             let help = "give a scene with geometry, or a capture file";
             return Err(Invalid::new("", "has no triangles").help(help).in_file(source.path()));
         }
         if self.scene.lights.is_empty() {
-            let daylight = json!({ "illuminant": "D65", "illuminance_lux": DEFAULT_ILLUMINANCE_LUX });
-            source.set_default("scene", "environment", &daylight);
+            default_light::set(source, &self.scene);
         }
         Ok(())
     }
@@ -196,8 +192,8 @@ impl ReadScene {
         Ok(())
     }
 
-    /// Index of a material that a quadric names; one that the geometry lacks is added if the capture describes it.
-    fn material_of(
+    /// Index of a material that a quadric or the ground names; one that the geometry lacks is added if the capture describes it.
+    pub(super) fn material_of(
         &mut self,
         name: &str,
         described: &BTreeMap<String, MaterialTable>,
@@ -363,10 +359,10 @@ fn check_name(key: &str, kind: &str, name: Option<&str>, known: &[String]) -> Re
 }
 
 /// Coordinates beyond this have squares, such as areas, that come close to the largest number of single precision.
-const FARTHEST_M: f64 = 1e18;
+pub(super) const FARTHEST_M: f64 = 1e18;
 
 /// Smaller radii and lengths, m, have squares without digits of single precision.
-const SMALLEST_SIZE_M: f64 = 1e-15;
+pub(super) const SMALLEST_SIZE_M: f64 = 1e-15;
 
 /// Whether all geometry lies within [`FARTHEST_M`] of the origin along each axis.
 fn within_reach(scene: &SceneDescription) -> bool {

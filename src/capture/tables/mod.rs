@@ -10,6 +10,7 @@ mod light;
 mod material;
 mod scene;
 mod settings;
+mod surroundings;
 mod target;
 
 use std::collections::BTreeMap;
@@ -40,6 +41,7 @@ pub(super) use settings::{
     ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, RenderTable,
     SamplerName, TruthSource, WavelengthsName,
 };
+pub(super) use surroundings::{BackdropTable, GroundSource, GroundTable};
 pub(super) use target::{PlacementTable, TargetTable};
 
 /// A capture: a scene, the camera that looks at it, and what to make of it. All quantities are in the unit that their

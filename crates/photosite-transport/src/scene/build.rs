@@ -27,6 +27,8 @@ use photosite_core::spectrum::{Dispersion, Spectrum, SpectrumId, SpectrumTable, 
 /// are chosen by their power weighed with it. Coordinates must lie within 10¹⁸ m of the origin, as those that
 /// `photosite::Capture::load` returns do.
 pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
+    // Those of a scene without surroundings are known of its hierarchy.
+    let subject = (!description.surroundings.is_empty()).then(|| description.subject_bounds());
     let SceneDescription { images, materials, meshes, instances, lights, environment, .. } = description;
     let mut builder = Builder {
         images,
@@ -44,10 +46,14 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
 
     let (geometry, accel, instance_table, emitters) =
         lay_out(meshes, &instances, |material| emissions[material].is_some());
-    let (low, high) = accel.bounds();
+    let bounds = match subject {
+        Some(bounds) => bounds,
+        None if accel.instances().is_empty() => None,
+        None => Some(accel.bounds()).map(|(low, high)| (low.as_dvec3(), high.as_dvec3())),
+    };
     // The size weighs light from afar against that of lights in the scene. Without geometry there is none, and any
     // will do.
-    let radius = if accel.instances().is_empty() { 1.0 } else { f64::from((high - low).length()) * 0.5 };
+    let radius = bounds.map_or(1.0, |(low, high)| f64::from((high - low).as_vec3().length()) * 0.5);
 
     let mut all =
         LightList { lights: Vec::new(), motions: Vec::new(), powers: Vec::new(), spectrum: Spectrum::constant(0.0) };
