@@ -34,6 +34,7 @@ mod file;
 mod focus;
 mod framing;
 mod ground;
+mod init;
 mod input;
 mod lens;
 mod lens_elements;
@@ -47,6 +48,7 @@ mod relocate;
 mod scene;
 mod schema;
 mod sensor;
+mod sensor_size;
 mod settings;
 mod source;
 mod stored;
@@ -81,6 +83,7 @@ use camera::place_camera;
 use colour::Finder;
 use input::{focus_on_scene, is_scene_file, read_source};
 use relocate::keys_of;
+pub use init::{InitialCapture, initial_capture};
 pub use relocate::{real_path, relative_path};
 use scene::ReadScene;
 use sensor::sensor_model;
@@ -285,6 +288,7 @@ impl Capture {
                 if is_scene_file(path) {
                     geometry.surround(&mut source)?;
                     file.scene = source.read("scene")?.unwrap_or_default();
+                    file.exposure = source.read("exposure")?.unwrap_or_default();
                 }
                 Self::describe(&file, geometry, &source, folder)?
             }

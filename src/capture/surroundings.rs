@@ -9,7 +9,7 @@ use glam::{DAffine3, DVec3, Vec2, Vec3};
 
 use super::colour::Finder;
 use super::environment::DEFAULT_GROUND_ALBEDO;
-use super::framing::{Sphere, bounding_sphere};
+use super::framing::{Sphere, bounding_sphere, to_power};
 use super::scene::{FARTHEST_M, ReadScene, SMALLEST_SIZE_M};
 use super::tables::{
     BackdropTable, CaptureFile, EnvironmentSource, GroundSource, GroundTable, ReflectanceSource, SceneTable,
@@ -123,15 +123,9 @@ impl Subject {
     /// The height of a floor that no face of the subject lies in: from 1/10000 to 2/10000 of the radius below it, with
     /// as few digits as that takes.
     pub(super) fn floor_m(&self) -> f64 {
-        let step = 10f64.powf((self.sphere.radius * 1e-4).log10().floor());
-        let below = self.lowest_m - self.sphere.radius * 1e-4;
-        // By a whole number of steps, in the form that prints shortest.
-        if step < 1.0 {
-            let per_unit = (1.0 / step).round();
-            (below * per_unit).floor() / per_unit
-        } else {
-            (below / step).floor() * step
-        }
+        let power = (self.sphere.radius * 1e-4).log10().floor() as i32;
+        // Half a step lower, so that rounding leaves it below.
+        to_power(self.lowest_m - self.sphere.radius * 1e-4 - 0.5 * 10f64.powi(power), power)
     }
 }
 

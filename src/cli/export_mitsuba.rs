@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::log::{say, warning};
+use super::shorthands::Shorthands;
 use crate::capture::Capture;
 use crate::io::lock::Lock;
 use crate::io::mitsuba::export;
@@ -30,6 +31,8 @@ pub(super) struct ExportMitsubaArgs {
     /// Change a key of the capture file, for example --set lens.falloff=none.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+    #[command(flatten)]
+    shorthands: Shorthands,
     /// Take the nearest that Mitsuba has where there is no exact counterpart, and list what is approximated.
     #[arg(long)]
     approximate: bool,
@@ -46,7 +49,8 @@ const RENDER: &[u8] = include_bytes!("../../tests/mitsuba/render.py");
 
 pub(super) fn run(args: &ExportMitsubaArgs, sandbox: &Sandbox) -> Result<()> {
     refuse_scene(&args.output, args.force)?;
-    let capture = Capture::load_within(sandbox, &args.input, &args.overrides)?;
+    let overrides = args.shorthands.around(args.overrides.clone(), &args.input);
+    let capture = Capture::load_within(sandbox, &args.input, &overrides)?;
     let warnings = capture.warnings();
     let warnings = warnings.iter().filter(|_| !args.quiet);
     warnings.for_each(|warning| warning!("{warning}"));

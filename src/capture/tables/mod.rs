@@ -110,6 +110,11 @@ struct SensorTable {
     /// Keys and tables of the preset that this sensor does not have, such as ["filter", "channels.G",
     /// "noise.prnu_percent"]. They are taken away before the keys here are laid over the preset.
     without: Option<Vec<String>>,
+    /// The same sensor with so many columns and rows of pixels in place of its own, for a picture of the same view at
+    /// another size. The sensor keeps its size (with another shape of the picture, it grows at two sides); pixels get
+    /// larger or smaller, full well and conversion gain with their area, so that the same exposure gives as bright a
+    /// picture. Left out: its own pixels.
+    scaled_to_px: Option<[u32; 2]>,
     #[schemars(flatten)]
     changes: SensorDescription,
 }
