@@ -15,8 +15,10 @@ use crate::Invalid;
 const PIECES: u32 = 64;
 /// Lengths that nothing states, in radii of the subject.
 const DISTANCE: f64 = 4.0;
-const WIDTH: f64 = 20.0;
+const WIDTH: f64 = 40.0;
 const WALL_HEIGHT: f64 = 10.0;
+/// How far the floor reaches to the front, in widths: what is polished shall not see its rim.
+const FRONT: f64 = 5.0;
 
 /// The backdrop of a subject, its wall towards −Z.
 pub(super) fn surface(subject: &Subject, table: &BackdropTable) -> Result<Surface, Invalid> {
@@ -33,7 +35,7 @@ pub(super) fn surface(subject: &Subject, table: &BackdropTable) -> Result<Surfac
         let message = format!("must be at least the radius of the curve, {curve} m, got {wall}");
         return Err(Invalid::new("wall_height_m", message).help("make it larger, or curve_radius_m smaller"));
     }
-    let profile = profile(half_width, distance, curve, wall);
+    let profile = profile(2.0 * FRONT * half_width, distance, curve, wall);
     let mut made = Surface { positions: vec![], normals: vec![], uvs: vec![], triangles: vec![] };
     let mut along = 0.0;
     for (i, point) in profile.iter().enumerate() {
@@ -78,7 +80,7 @@ mod tests {
     fn it_has_the_length_of_its_profile_and_faces_the_subject_without_a_bend() {
         let subject = Subject { sphere: Sphere { centre: DVec3::ZERO, radius: 0.5 }, lowest_m: 0.0 };
         let tables = [
-            (BackdropTable::default(), [2.0, 1.0, 10.0, 5.0]),
+            (BackdropTable::default(), [2.0, 1.0, 20.0, 5.0]),
             (
                 BackdropTable {
                     distance_m: Some(3.0),
@@ -102,7 +104,7 @@ mod tests {
                     assert!(face.normalize_or(corner).dot(corner) > 0.9999, "{face} {corner}");
                 }
             }
-            let expected = width * (width / 2.0 + distance - curve + FRAC_PI_2 * curve + wall - curve);
+            let expected = width * (5.0 * width + distance - curve + FRAC_PI_2 * curve + wall - curve);
             assert!((area / expected - 1.0).abs() < 1e-4, "{area} m², not {expected} m²");
         }
     }

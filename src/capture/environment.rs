@@ -34,9 +34,8 @@ pub(super) fn describe_environment(
         EnvironmentSource::Name(name) => match &**name {
             "none" => Ok(None),
             EVEN => Ok(Some(even())),
-            _ => Err(Invalid::new("", format!("unknown environment {name:?}")).help(
-                "write \"none\", \"even\" or a table such as { illuminant = \"D65\", illuminance_lux = 500 }",
-            )),
+            _ => Err(Invalid::new("", format!("unknown environment {name:?}"))
+                .help("write \"none\", \"even\" or a table such as { illuminant = \"D65\", illuminance_lux = 500 }")),
         },
         EnvironmentSource::Table(table) => match (&table.sky, &table.image) {
             (Some(conditions), _) => {

@@ -8,6 +8,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
+use super::Capture;
 use super::camera::lens_size;
 use super::environment::EVEN;
 use super::framing::{Framing, bounding_sphere};
@@ -17,7 +18,6 @@ use super::relocate::relative_path;
 use super::settings::LONGEST_AUTO_S;
 use super::surroundings::Subject;
 use super::tables::LensTable;
-use super::Capture;
 use crate::integrator::RenderSettings;
 use crate::math::float::rounded;
 use crate::sensor::presets;
@@ -69,6 +69,11 @@ impl Table {
         Self(format!("\n[{name}]\n"))
     }
 
+    /// Begins another table below this one.
+    fn table(&mut self, name: &str) {
+        self.0 += &Self::new(name).0;
+    }
+
     fn key(&mut self, key: &str, value: impl std::fmt::Display, comment: &str) {
         // Writing to a string cannot fail.
         let _ = writeln!(self.0, "{:<44}  # {comment}", format!("{key} = {value}"));
@@ -97,34 +102,28 @@ fn scene(capture: &Capture, geometry: &str, warnings: &mut Vec<String>) -> Resul
         ));
     }
     let sky: Option<Value> = capture.source.read("scene.environment.sky")?;
-    match sky {
-        Some(sky) => {
-            table.key(
-                "environment",
-                format!("{{ sky = {} }}", inline(&sky)),
-                "a clear day: the sun 50° to the left of the camera; haze from 1 to 10; reflectance of the ground",
-            );
-            table.other("environment", format!("{EVEN:?}"), "the same light from all sides, D65 of 500 lux, without a ground");
-            table.other("environment", "{ image = \"sky.hdr\", illuminance_lux = 10000 }", "a picture of the surroundings");
-        }
-        None => table.other(
-            "environment",
-            format!("{EVEN:?}"),
-            "besides the lights of the file: the same light from all sides, D65 of 500 lux; or a sky",
-        ),
-    }
-    let ground: Option<Value> = capture.source.read("scene.ground")?;
-    if let Some(ground) = ground {
-        let reflectance = &ground["reflectance"];
-        table.key(
-            "ground",
-            format!("{{ height_m = {:?}, reflectance = {reflectance} }}", subject.floor_m()),
-            "a level plane just below the lowest point, out to the horizon, of a neutral grey",
-        );
-        table.other("backdrop", "{ reflectance = 0.5 }", "a studio's, in place of the ground");
-    } else {
+    let Some(sky) = sky else {
+        let comment = "besides the lights of the file: D65 of 500 lux from all sides; or a sky, or a picture";
+        table.other("environment", format!("{EVEN:?}"), comment);
         table.other("ground", "{ reflectance = 0.3 }", "a level plane below all, out to the horizon");
+        return Ok(table.0);
+    };
+    table.other("environment", format!("{EVEN:?}"), "in place of the sky: D65 of 500 lux from all sides");
+    table.other("environment", "{ image = \"sky.hdr\", illuminance_lux = 10000 }", "or a picture of the surroundings");
+    table.other("backdrop", "{ reflectance = 0.5 }", "a studio's, in place of the ground");
+    table.table("scene.environment.sky");
+    for (key, comment) in [
+        ("sun_elevation_deg", "how high the sun stands"),
+        ("sun_azimuth_deg", "from north (-Z) over east (+X): 50° to the left of the camera"),
+        ("turbidity", "haze, from 1 to 10: a clear day"),
+        ("ground_albedo", "of the ground that the sky sees: that below"),
+    ] {
+        table.key(key, float(&sky[key]), comment);
     }
+    table.table("scene.ground");
+    let reflectance: Value = capture.source.read("scene.ground.reflectance")?.unwrap_or_default();
+    table.key("height_m", format!("{:?}", subject.floor_m()), "just below the lowest point");
+    table.key("reflectance", float(&reflectance), "a neutral grey; or material = \"name\"");
     Ok(table.0)
 }
 
@@ -139,7 +138,11 @@ fn camera(capture: &Capture) -> Result<String> {
     let Some(sphere) = bounding_sphere(&capture.scene) else { return Ok(table.0) };
     let size = lens_size(&LensTable::default(), &capture.sensor).map_err(|invalid| capture.source.error(invalid))?;
     let Framing { position, look_at } = Framing::of(&sphere, &capture.sensor, size);
-    table.key("position_m", format!("{:?}", position.to_array()), "where the lens is: all of the scene is in the picture");
+    table.key(
+        "position_m",
+        format!("{:?}", position.to_array()),
+        "where the lens is: all of the scene is in the picture",
+    );
     table.key("look_at_m", format!("{:?}", look_at.to_array()), "a point on its axis: the middle of the scene");
     Ok(table.0)
 }
@@ -171,7 +174,9 @@ fn exposure(capture: &Capture) -> Result<String> {
     let mean: Option<f64> = capture.source.read("exposure.auto_mean")?;
     match mean {
         Some(mean) => table.key("auto_mean", format!("{mean:?}"), "the mean of the picture, as a part of saturation"),
-        None => table.other("auto_mean", "0.2", "in place of keeping bright parts below saturation: the picture's mean"),
+        None => {
+            table.other("auto_mean", "0.2", "in place of keeping bright parts below saturation: the picture's mean")
+        }
     }
     table.key("max_time_s", format!("{LONGEST_AUTO_S:?}"), "longer the time does not get; the gain rises instead");
     table.other("compensation_ev", "1.0", "twice as bright as that");
@@ -197,10 +202,7 @@ electrons = true                              # what the sensor counts on averag
 # truth = ["depth", "normal", "instance"]     # what is really there at each pixel
 "#;
 
-/// A table of numbers in one line.
-fn inline(table: &Value) -> String {
-    let number = |value: &Value| value.as_f64().map_or_else(|| value.to_string(), |number| format!("{number:?}"));
-    let keys = table.as_object().into_iter().flatten();
-    let keys: Vec<String> = keys.map(|(key, value)| format!("{key} = {}", number(value))).collect();
-    format!("{{ {} }}", keys.join(", "))
+/// A number that TOML takes for one with a point, whatever it is.
+fn float(value: &Value) -> String {
+    value.as_f64().map_or_else(|| value.to_string(), |number| format!("{number:?}"))
 }

@@ -81,9 +81,9 @@ use photosite_core::warnings::Warnings;
 
 use camera::place_camera;
 use colour::Finder;
+pub use init::{InitialCapture, initial_capture};
 use input::{focus_on_scene, is_scene_file, read_source};
 use relocate::keys_of;
-pub use init::{InitialCapture, initial_capture};
 pub use relocate::{real_path, relative_path};
 use scene::ReadScene;
 use sensor::sensor_model;

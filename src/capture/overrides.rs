@@ -61,18 +61,16 @@ fn alternatives_in_exposure(key: &str, value: &str) -> &'static [&'static str] {
         ("auto_mean", _) => &["time_s", "bracket_times_s", "auto_target", "auto_brighter_part"],
         ("auto_target" | "auto_brighter_part", _) => &["time_s", "bracket_times_s", "auto_mean"],
         ("bracket_ev", _) => &["bracket_times_s"],
-        ("time_s", _) => {
-            &[
-                "auto",
-                "auto_target",
-                "auto_brighter_part",
-                "auto_mean",
-                "compensation_ev",
-                "max_time_s",
-                "max_gain_db",
-                "bracket_times_s",
-            ]
-        }
+        ("time_s", _) => &[
+            "auto",
+            "auto_target",
+            "auto_brighter_part",
+            "auto_mean",
+            "compensation_ev",
+            "max_time_s",
+            "max_gain_db",
+            "bracket_times_s",
+        ],
         ("bracket_times_s", _) => &[
             "auto",
             "auto_target",

@@ -29,9 +29,10 @@ pub(super) fn scale_to(source: &CaptureSource, sensor: &mut Node, wanted: &Node)
     }
     // A place in the picture would be another one.
     let in_pixels = [("lens.intrinsics", true), ("exposure.region_px", true), ("lens.autofocus_px", false)];
-    for (key, _) in in_pixels.into_iter().filter(|(key, always)| {
-        source.get(key).is_some_and(|node| *always || matches!(node.value, Value::Array(_)))
-    }) {
+    for (key, _) in in_pixels
+        .into_iter()
+        .filter(|(key, always)| source.get(key).is_some_and(|node| *always || matches!(node.value, Value::Array(_))))
+    {
         return Err(invalid(
             &format!("cannot go with {key}, which is in pixels of the other size"),
             &format!("remove {key}, or write resolution_px and pixel_pitch_um yourself"),

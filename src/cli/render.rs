@@ -125,7 +125,8 @@ fn noise_in_words(render: &RenderReport) -> Option<String> {
     let ratio = render.noise_ratio?;
     // Of independent errors, squares add.
     let more = 100.0 * (ratio.hypot(1.0) - 1.0);
-    let said = format!("Monte Carlo noise is {} of the sensor's noise", rounded(ratio, 2));
+    let times = if ratio < 1.0 { "" } else { " times" };
+    let said = format!("Monte Carlo noise is {}{times} that of the sensor", rounded(ratio, 2));
     if ratio <= LITTLE {
         return Some(format!("{said}: it is not seen"));
     }

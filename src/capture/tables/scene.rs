@@ -5,8 +5,8 @@ use serde::Deserialize;
 
 use crate::sensor::SpectrumSource;
 
-use super::surroundings::{BackdropTable, GroundSource};
 use super::LightColour;
+use super::surroundings::{BackdropTable, GroundSource};
 
 /// What is there: geometry and surroundings.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -122,9 +122,7 @@ impl<'de> Deserialize<'de> for EnvironmentSource {
             type Value = EnvironmentSource;
 
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str(
-                    "\"none\", \"even\" or a table such as { illuminant = \"D65\", illuminance_lux = 500 }",
-                )
+                f.write_str("\"none\", \"even\" or a table such as { illuminant = \"D65\", illuminance_lux = 500 }")
             }
 
             fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<Self::Value, E> {

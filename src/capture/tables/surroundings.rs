@@ -80,7 +80,7 @@ pub(crate) struct BackdropTable {
     pub(crate) distance_m: Option<f64>,
     /// Radius of the curve between floor and wall, m, at most that distance. Left out: half of it.
     pub(crate) curve_radius_m: Option<f64>,
-    /// How wide it is, m; the floor reaches half as far to the front. Left out: 20 radii.
+    /// How wide it is, m; the floor reaches five times as far to the front. Left out: 40 radii.
     pub(crate) width_m: Option<f64>,
     /// How high the wall is above the floor, m, at least the radius of the curve. Left out: 10 radii.
     pub(crate) wall_height_m: Option<f64>,
