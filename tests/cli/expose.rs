@@ -403,7 +403,7 @@ fn automatic_exposure_says_where_it_ends() {
         (
             500.0 * free / 4096.0,
             "",
-            ["longest time, 4 s (exposure.max_time_s)", "at a gain of 24.00 dB, and the picture is 6."],
+            ["longest time, 4 s (exposure.max_time_s)", "at a gain of 30.00 dB, and the picture is 4.9 EV darker"],
         ),
         (500.0 * free * 1e7, "", ["shorter than shutters are", "lens.f_number"]),
     ] {
@@ -425,13 +425,14 @@ fn compensation_makes_an_automatic_exposure_longer_and_goes_with_no_other() {
         folder.succeed(&format!("expose out -o without --force{metering}"));
         folder.succeed(&format!("expose out -o with --force{metering} --set exposure.compensation_ev={ev}"));
         let factor = time("with") / time("without");
-        assert!((factor / f64::exp2(ev) - 1.0).abs() < 1e-12, "{metering} {ev}: {factor}");
+        // Stored electrons are single precision.
+        assert!((factor / f64::exp2(ev) - 1.0).abs() < 1e-6, "{metering} {ev}: {factor}");
     }
     let wrong = [("time_s=0.01", "goes only with automatic exposure"), ("auto=true", "must lie between -20 and 20")];
     for ((other, words), ev) in wrong.into_iter().zip([1, 30]) {
         let more = format!("--set exposure.compensation_ev={ev} --set exposure.{other}");
         let folder = wall(500.0, if ev == 1 { "time_s = 0.01" } else { "" });
         let more = if ev == 1 { "--set exposure.compensation_ev=1" } else { &more };
-        folder.fail(&format!("render capture.toml -o out {more}"), 2, &["exposure.compensation_ev", words]);
+        folder.fail(&format!("render capture.toml -o out {more}"), 1, &["exposure.compensation_ev", words]);
     }
 }
