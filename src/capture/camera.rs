@@ -4,9 +4,9 @@ use glam::DAffine3;
 
 use super::colour::Finder;
 use super::focus::ON_SCENE;
-use super::framing::{bounding_sphere, frame};
-use super::lens::{DEFAULT_FOCAL_LENGTH_M, describe_lens};
-use super::tables::{CameraTable, CaptureFile, FocusDistance};
+use super::framing::{Framing, LensSize, Sphere, bounding_sphere};
+use super::lens::{DEFAULT_FOCAL_LENGTH_M, describe_lens, image_distance_of_field};
+use super::tables::{CameraTable, CaptureFile, FocusDistance, LensTable};
 use crate::Invalid;
 use crate::optics::{CameraMotion, Focus, LensDescription};
 use crate::scene::description::{CameraDescription, SceneDescription, looking};
@@ -32,30 +32,37 @@ pub(super) fn place_camera(
             pose(camera, &scene.cameras).map_err(|invalid| invalid.within("camera"))?
         }
     };
-    let stated_mm = lens.image_distance_mm.or(lens.focal_length_mm);
-    let focal_length_m = stated_mm.map_or(DEFAULT_FOCAL_LENGTH_M, |mm| mm.abs() / 1e3);
+    let size = lens_size(lens, sensor).map_err(|invalid| invalid.within("lens"))?;
     let sphere = bounding_sphere(scene);
     let focus_on_scene = matches!(&lens.focus_distance_m, Some(FocusDistance::Name(name)) if name == ON_SCENE);
-    let (pose, focus_distance) = match (pose, sphere) {
-        // The distance of the middle of the scene along the axis.
-        (Some(pose), Some(sphere)) if focus_on_scene => {
-            let distance = pose.to_world.matrix3.z_axis.dot(pose.to_world.translation - sphere.centre);
-            (pose, Some(distance))
-        }
-        (Some(pose), _) => (pose, None),
+    let (pose, is_framed) = match (pose, sphere) {
+        (Some(pose), _) => (pose, false),
         (None, Some(sphere)) => {
-            let (to_world, distance) = frame(&sphere, sensor, focal_length_m);
-            (Pose { to_world, vertical_fov_rad: None }, Some(distance))
+            let to_world = Framing::of(&sphere, sensor, size).to_world();
+            (Pose { to_world, vertical_fov_rad: None }, true)
         }
         (None, None) => {
             let help = "write [camera] with position_m and look_at_m, or name geometry";
             return Err(Invalid::new("camera", "there is none, and no geometry to look at").help(help));
         }
     };
+    // The distance of the middle of the scene along the axis.
+    let distance = |sphere: Sphere| pose.to_world.matrix3.z_axis.dot(pose.to_world.translation - sphere.centre);
+    let focus_distance = sphere.filter(|_| is_framed || focus_on_scene).map(distance);
+    let (LensSize::FocalLength(focal_length_m) | LensSize::ImageDistance(focal_length_m)) = size;
     // What lies behind the camera or within its focal length cannot be focused on.
     let default_focus = focus_distance.filter(|u| *u > 1.05 * focal_length_m).map(Focus::Distance);
     let lens = describe_lens(finder, lens, sensor, pose.vertical_fov_rad, default_focus, warnings);
     Ok((pose.to_world, lens.map_err(|invalid| invalid.within("lens"))?))
+}
+
+/// What the table says of the size of a lens.
+pub(super) fn lens_size(lens: &LensTable, sensor: &SensorModel) -> Result<LensSize, Invalid> {
+    if let Some(distance_m) = image_distance_of_field(lens, sensor)? {
+        return Ok(LensSize::ImageDistance(distance_m));
+    }
+    let stated_mm = lens.image_distance_mm.or(lens.focal_length_mm);
+    Ok(LensSize::FocalLength(stated_mm.map_or(DEFAULT_FOCAL_LENGTH_M, |mm| mm.abs() / 1e3)))
 }
 
 /// Where a camera stands, and what it sees if its file says so.

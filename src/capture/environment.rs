@@ -11,9 +11,18 @@ use super::light::{emission, positive};
 use super::tables::{EnvironmentSource, EnvironmentTable, SkyTable};
 use crate::Invalid;
 use crate::light::{EnvironmentPicture, SkyConditions, SunPosition};
-use crate::scene::description::{EmissionDescription, EnvironmentDescription, PictureLevel};
+use crate::scene::description::{Colour, EmissionDescription, EnvironmentDescription, PictureLevel};
+use photosite_core::spectrum::illuminant;
 use photosite_core::warnings::Warnings;
 use photosite_scene_io::read_environment;
+
+/// The environment of the same light everywhere.
+pub(super) const EVEN: &str = "even";
+/// Its illuminance, lux: a bright room.
+const EVEN_ILLUMINANCE_LUX: f64 = 500.0;
+
+/// Reflectance of the ground that a sky sees, where nothing states it: that of soil and grass.
+pub(super) const DEFAULT_GROUND_ALBEDO: f64 = 0.2;
 
 /// Describes `scene.environment`.
 pub(super) fn describe_environment(
@@ -22,9 +31,12 @@ pub(super) fn describe_environment(
     warnings: &mut Warnings,
 ) -> Result<Option<EnvironmentDescription>, Invalid> {
     match source {
-        EnvironmentSource::Name(name) if name == "none" => Ok(None),
-        EnvironmentSource::Name(name) => Err(Invalid::new("", format!("unknown environment {name:?}"))
-            .help("write \"none\" or a table such as { illuminant = \"D65\", illuminance_lux = 500 }")),
+        EnvironmentSource::Name(name) => match &**name {
+            "none" => Ok(None),
+            EVEN => Ok(Some(even())),
+            _ => Err(Invalid::new("", format!("unknown environment {name:?}"))
+                .help("write \"none\", \"even\" or a table such as { illuminant = \"D65\", illuminance_lux = 500 }")),
+        },
         EnvironmentSource::Table(table) => match (&table.sky, &table.image) {
             (Some(conditions), _) => {
                 if let Some((key, _)) = table.beside_sky().into_iter().find(|(_, is_given)| *is_given) {
@@ -37,6 +49,13 @@ pub(super) fn describe_environment(
             (None, None) => constant(finder, table).map(Some),
         },
     }
+}
+
+/// D65 from everywhere.
+fn even() -> EnvironmentDescription {
+    // A plane that looks into the same luminance L everywhere receives E = πL.
+    let luminance_nit = Some(EVEN_ILLUMINANCE_LUX / PI);
+    EnvironmentDescription::Constant { colour: Colour::Spectrum(illuminant::d65().clone()), luminance_nit }
 }
 
 fn constant(finder: &Finder<'_>, table: &EnvironmentTable) -> Result<EnvironmentDescription, Invalid> {
@@ -138,7 +157,7 @@ fn sky(table: &SkyTable) -> Result<SkyConditions, Invalid> {
     Ok(SkyConditions {
         towards_sun,
         turbidity: within("turbidity", table.turbidity.unwrap_or(3.0), [1.0, 10.0])?,
-        ground_albedo: within("ground_albedo", table.ground_albedo.unwrap_or(0.2), [0.0, 1.0])?,
+        ground_albedo: within("ground_albedo", table.ground_albedo.unwrap_or(DEFAULT_GROUND_ALBEDO), [0.0, 1.0])?,
         has_sun: table.sun.unwrap_or(true),
     })
 }

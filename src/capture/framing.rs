@@ -6,7 +6,7 @@ use crate::scene::description::{SceneDescription, look_at};
 use crate::sensor::SensorModel;
 
 /// From the centre of the scene towards the camera: glTF's models face +Z.
-const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.35, 1.0);
+pub(super) const TOWARDS_CAMERA: DVec3 = DVec3::new(0.5, 0.35, 1.0);
 /// Part of the picture's shorter side that the scene's bounding sphere fills.
 const FILLED: f64 = 0.9;
 
@@ -18,34 +18,63 @@ pub(super) struct Sphere {
     pub(super) radius: f64,
 }
 
-/// The sphere around the centre of the bounding box that holds all triangles; `None` without geometry.
+/// The sphere around the centre of the bounding box that holds all of the subject; `None` without geometry.
 pub(super) fn bounding_sphere(scene: &SceneDescription) -> Option<Sphere> {
-    let points = || {
-        scene.instances.iter().flat_map(|instance| {
-            let positions = scene.meshes[instance.meshes.clone()].iter().flat_map(|mesh| &mesh.positions);
-            positions.map(|p| instance.to_world.transform_point3(p.as_dvec3()))
-        })
-    };
-    let (low, high) = points().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let (low, high) = scene.subject_bounds()?;
     let centre = (low + high) / 2.0;
     if !centre.is_finite() {
         return None;
     }
-    let radius = points().map(|p| p.distance(centre)).fold(0.0, f64::max);
+    let radius = scene.subject_points().map(|p| p.distance(centre)).fold(0.0, f64::max);
     Some(Sphere { centre, radius: radius.max(f64::MIN_POSITIVE.sqrt()) })
 }
 
-/// Where a camera stands that sees the whole sphere through a lens focused on its centre: camera → world, and the
-/// distance of the centre in m.
-pub(super) fn frame(sphere: &Sphere, sensor: &SensorModel, focal_length_m: f64) -> (DAffine3, f64) {
-    let half_side =
-        (0..2).map(|i| sensor.resolution[i] as f64 * sensor.pixel_pitch_m[i] / 2.0).fold(f64::INFINITY, f64::min);
-    let distance = framing_distance(sphere.radius, FILLED * half_side, focal_length_m);
-    let towards = TOWARDS_CAMERA.normalize();
-    let position = sphere.centre + towards * distance;
-    let mut pose = look_at(DVec3::ZERO, -towards, DVec3::Y).unwrap_or(DAffine3::IDENTITY);
-    pose.translation = position;
-    (pose, distance)
+/// Where a camera stands, and the point that it looks at, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Framing {
+    pub(super) position: DVec3,
+    pub(super) look_at: DVec3,
+}
+
+/// What is known of a lens before it is focused.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum LensSize {
+    /// Its focal length, m.
+    FocalLength(f64),
+    /// Its distance from the sensor once it is focused, m, of which its field of view follows.
+    ImageDistance(f64),
+}
+
+impl Framing {
+    /// A camera that sees the whole sphere through a lens focused on its centre. Places have six digits of the distance,
+    /// so that a file which states them is read with ease, and gives the same picture.
+    pub(super) fn of(sphere: &Sphere, sensor: &SensorModel, lens: LensSize) -> Self {
+        let half_side =
+            (0..2).map(|i| sensor.resolution[i] as f64 * sensor.pixel_pitch_m[i] / 2.0).fold(f64::INFINITY, f64::min);
+        let distance = match lens {
+            LensSize::FocalLength(f) => framing_distance(sphere.radius, FILLED * half_side, f),
+            // The outline is seen under the angle asin(r/u).
+            LensSize::ImageDistance(v) => sphere.radius / (FILLED * half_side / v).atan().sin(),
+        };
+        let power = distance.log10().floor() as i32 - 5;
+        let rounded = |place: DVec3| DVec3::from_array(place.to_array().map(|x| to_power(x, power)));
+        let position = rounded(sphere.centre + TOWARDS_CAMERA.normalize() * distance);
+        Self { position, look_at: rounded(sphere.centre) }
+    }
+
+    /// Camera → world.
+    pub(super) fn to_world(self) -> DAffine3 {
+        let towards = TOWARDS_CAMERA.normalize();
+        // So far out, or so small, that both places are one.
+        let by_direction = || look_at(self.position, self.position - towards, DVec3::Y);
+        look_at(self.position, self.look_at, DVec3::Y).or_else(by_direction).unwrap_or(DAffine3::IDENTITY)
+    }
+}
+
+/// A number rounded to a power of ten, in the form that prints shortest.
+pub(super) fn to_power(x: f64, power: i32) -> f64 {
+    let scale = 10f64.powi(power.abs());
+    if power < 0 { (x * scale).round() / scale } else { (x / scale).round() * scale }
 }
 
 /// The distance u of a sphere of radius r whose outline is imaged at the height h of the sensor, when the lens is
@@ -88,9 +117,13 @@ mod tests {
     fn the_camera_looks_at_the_centre_from_above_and_in_front() {
         let sensor = presets::model(presets::DEFAULT).expect("the default preset");
         let sphere = Sphere { centre: DVec3::new(1.0, 2.0, 3.0), radius: 0.5 };
-        let (pose, distance) = frame(&sphere, &sensor, 0.016);
+        let framing = Framing::of(&sphere, &sensor, LensSize::FocalLength(0.016));
+        let pose = framing.to_world();
         let centre = pose.inverse().transform_point3(sphere.centre);
-        assert!((centre - DVec3::new(0.0, 0.0, -distance)).length() < 1e-9 * distance, "{centre}");
+        let distance = framing.position.distance(sphere.centre);
+        // Rounded to 1e-5 of the leading digit of the distance.
+        assert!((centre - DVec3::new(0.0, 0.0, -distance)).length() < 2e-5 * distance, "{centre}");
+        assert_eq!(framing.position, DVec3::from_array([3.5, 3.75, 8.0]));
         let offset = pose.translation - sphere.centre;
         assert!(offset.x > 0.0 && offset.y > 0.0 && offset.z > offset.x, "{offset}");
         assert!(pose.matrix3.y_axis.y > 0.9 && (pose.matrix3.determinant() - 1.0).abs() < 1e-12);

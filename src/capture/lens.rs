@@ -2,6 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use glam::DVec3;
+
 use super::aberrations::{lateral_colour, point_spread, stops};
 use super::colour::Finder;
 use super::focus::focus;
@@ -42,9 +44,11 @@ pub(super) fn describe_lens(
         warnings.once("lens.blade_rotation_deg has no effect: the aperture is round; write blades, too");
     }
     let projection = projection(table)?;
-    let intrinsics = match (table.intrinsics, table.focal_length_mm, projection) {
+    let image_distance_m = image_distance_of_field(table, sensor)?;
+    let is_sized = table.focal_length_mm.is_some() || image_distance_m.is_some();
+    let intrinsics = match (table.intrinsics, is_sized, projection) {
         (Some(table), ..) => Some(intrinsics(table)?),
-        (None, None, Projection::Equirectangular) => Some(whole_sphere(size_px)),
+        (None, false, Projection::Equirectangular) => Some(whole_sphere(size_px)),
         (None, ..) => None,
     };
     let ground = table.lensmaker.as_ref().map(|table| ground_lens(finder, table));
@@ -64,6 +68,9 @@ pub(super) fn describe_lens(
     let focal_length_m = match (table.focal_length_mm.or(hole_distance_mm), &ground, intrinsics, vertical_fov_rad) {
         (Some(mm), ..) => mm / 1e3,
         (None, Some(ground), ..) => 1.0 / ground.power(D),
+        (None, None, None, _) if image_distance_m.is_some() => {
+            image_distance_m.map_or(DEFAULT_FOCAL_LENGTH_M, |v| focal_length(v, focus))
+        }
         (None, None, Some(i), _) => focal_length(i.fy * sensor.pixel_pitch_m[1], focus),
         (None, None, None, Some(fov)) => {
             let half_height = size_px[1] * sensor.pixel_pitch_m[1] / 2.0;
@@ -120,6 +127,38 @@ pub(super) fn describe_lens(
     Ok(lens)
 }
 
+/// The distance between lens and sensor, m, at which the width of the sensor sees the field of view that the table
+/// states, if it does; lenses before the main one aside.
+pub(super) fn image_distance_of_field(table: &LensTable, sensor: &SensorModel) -> Result<Option<f64>, Invalid> {
+    const KEY: &str = "horizontal_fov_deg";
+    let Some(degrees) = table.horizontal_fov_deg else { return Ok(None) };
+    for (key, is_given) in [
+        ("focal_length_mm", table.focal_length_mm.is_some()),
+        ("lensmaker", table.lensmaker.is_some()),
+        ("intrinsics", table.intrinsics.is_some()),
+        ("image_distance_mm", table.image_distance_mm.is_some()),
+    ] {
+        if is_given {
+            let message = format!("cannot go with {key}, which says what the lens sees");
+            return Err(Invalid::new(KEY, message).help("keep one of them"));
+        }
+    }
+    let projection = projection(table)?;
+    let half = degrees.to_radians() / 2.0;
+    let edge = (0.0..=360.0)
+        .contains(&degrees)
+        .then(|| projection.project(DVec3::new(half.sin(), 0.0, half.cos()), &projection.reach(None)))
+        .flatten();
+    let half_width_m = sensor.pixel_array()[0] as f64 * sensor.pixel_pitch_m[0] / 2.0;
+    match edge.map(|place| half_width_m / place.x) {
+        Some(distance) if distance.is_finite() && distance > 0.0 => Ok(Some(distance)),
+        Some(_) | None => {
+            let message = format!("must be an angle above 0 that the projection can show, got {degrees}");
+            Err(Invalid::new(KEY, message).help("a rectilinear lens shows less than 180, for example 40.0"))
+        }
+    }
+}
+
 /// The focal length that puts the sensor at the distance `v` when focused: 1/f = 1/u + 1/v. Where the distance u of
 /// what is in focus is not known, it counts as infinite, and f = v.
 fn focal_length(v: f64, focus: Focus) -> f64 {
@@ -147,6 +186,7 @@ fn f_number(table: &LensTable, kind: LensKind, focal_length_m: f64) -> Result<f6
 fn warn_of_idle_keys(table: &LensTable, warnings: &mut Warnings) {
     let keys = [
         ("focal_length_mm", table.focal_length_mm.is_some()),
+        ("horizontal_fov_deg", table.horizontal_fov_deg.is_some()),
         ("f_number", table.f_number.is_some()),
         ("diameter_mm", table.diameter_mm.is_some()),
         ("blades", table.blades.is_some()),

@@ -9,7 +9,7 @@
 //!
 //! | table | holds | given its meaning in |
 //! |---|---|---|
-//! | `[scene]` | geometry, environment | `scene.rs`, `light.rs` |
+//! | `[scene]` | geometry, environment, ground | `scene.rs`, `environment.rs`, `surroundings.rs`, `default_light.rs` |
 //! | `[[lights]]` | lights without a surface | `light.rs` |
 //! | `[[targets]]` | calibration targets | `target.rs` |
 //! | `[materials.NAME]` | materials in place of the geometry's | `material.rs`, `kept_material.rs` |
@@ -22,16 +22,20 @@
 //! Rendering is left to others.
 
 mod aberrations;
+mod backdrop;
 mod camera;
 mod colour;
 mod converter_bits;
 mod dataset;
+mod default_light;
 mod develop;
 mod environment;
 mod file;
 mod file_kind;
 mod focus;
 mod framing;
+mod ground;
+mod init;
 mod input;
 mod kept_material;
 mod lens;
@@ -49,10 +53,12 @@ mod relocate;
 mod scene;
 mod schema;
 mod sensor;
+mod sensor_size;
 mod settings;
 mod source;
 mod stored;
 mod stored_report;
+mod surroundings;
 mod synthetic_noise;
 mod tables;
 mod target;
@@ -79,6 +85,7 @@ use photosite_core::warnings::Warnings;
 
 use camera::place_camera;
 use colour::Finder;
+pub use init::{InitialCapture, initial_capture};
 use input::{focus_on_scene, is_scene_file, read_source};
 use models::KnownModels;
 use motion::Moments;
@@ -301,6 +308,7 @@ impl Capture {
                 if is_scene_file(path) {
                     geometry.surround(&mut source)?;
                     file.scene = source.read("scene")?.unwrap_or_default();
+                    file.exposure = source.read("exposure")?.unwrap_or_default();
                 }
                 Self::describe(&file, geometry, &source, folder)?
             }
@@ -328,6 +336,7 @@ impl Capture {
             let targets = place_targets(&file.targets)?;
             geometry.add_quadrics(&file.scene, &file.materials)?;
             geometry.add_targets(&targets)?;
+            surroundings::add(&mut geometry, file, folder, source.sandbox())?;
             Ok((Arc::new(geometry.with_tables(file, folder, source.sandbox())?), targets))
         };
         described().map_err(|invalid| source.error(invalid))

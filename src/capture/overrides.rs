@@ -32,6 +32,11 @@ pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
 fn alternatives(table: &str, key: &str, value: &str) -> &'static [&'static str] {
     match table {
         "exposure" => alternatives_in_exposure(key, value),
+        "scene" => match key {
+            // A light as a whole takes the place of another as a whole.
+            "environment" => &["environment"],
+            _ => &[],
+        },
         "camera" => match key {
             "position_m" | "look_at_m" | "up" => &["gltf_camera"],
             "gltf_camera" => &["position_m", "look_at_m", "up"],
@@ -42,6 +47,8 @@ fn alternatives(table: &str, key: &str, value: &str) -> &'static [&'static str] 
         "lens" => match key {
             "focus_distance_m" => &["autofocus_px"],
             "autofocus_px" => &["focus_distance_m"],
+            "horizontal_fov_deg" => &["focal_length_mm", "lensmaker", "intrinsics", "image_distance_mm"],
+            "focal_length_mm" | "lensmaker" | "intrinsics" | "image_distance_mm" => &["horizontal_fov_deg"],
             _ => &[],
         },
         _ => &[],
@@ -56,14 +63,22 @@ fn alternatives_in_exposure(key: &str, value: &str) -> &'static [&'static str] {
         ("auto_mean", _) => &["time_s", "bracket_times_s", "auto_target", "auto_brighter_part"],
         ("auto_target" | "auto_brighter_part", _) => &["time_s", "bracket_times_s", "auto_mean"],
         ("bracket_ev", _) => &["bracket_times_s"],
-        ("time_s", _) => {
-            &["auto", "auto_target", "auto_brighter_part", "auto_mean", "max_time_s", "max_gain_db", "bracket_times_s"]
-        }
+        ("time_s", _) => &[
+            "auto",
+            "auto_target",
+            "auto_brighter_part",
+            "auto_mean",
+            "compensation_ev",
+            "max_time_s",
+            "max_gain_db",
+            "bracket_times_s",
+        ],
         ("bracket_times_s", _) => &[
             "auto",
             "auto_target",
             "auto_brighter_part",
             "auto_mean",
+            "compensation_ev",
             "max_time_s",
             "max_gain_db",
             "time_s",

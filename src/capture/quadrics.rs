@@ -11,7 +11,7 @@ use crate::geometry::QuadricKind;
 use crate::scene::description::{InstanceDescription, MeshDescription, SceneDescription};
 
 /// Smaller radii and lengths, m, have squares without digits of single precision.
-const SMALLEST_SIZE_M: f64 = 1e-15;
+pub(super) const SMALLEST_SIZE_M: f64 = 1e-15;
 
 impl ReadScene {
     /// Adds spheres, disks and cylinders. Materials that no file of the geometry has are those of `described` names.

@@ -6,9 +6,9 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3, Vec3};
-use serde_json::json;
 
 use super::colour::Finder;
+use super::default_light;
 use super::environment::describe_environment;
 use super::light::describe_lights;
 use super::material::override_materials;
@@ -29,9 +29,6 @@ use crate::{Invalid, Result};
 use photosite_core::Sandbox;
 use photosite_core::suggest::{did_you_mean, list};
 use photosite_core::warnings::Warnings;
-
-/// Illuminance of the surroundings of scenes that have no light, lux: a bright room.
-const DEFAULT_ILLUMINANCE_LUX: f64 = 500.0;
 
 /// Geometry as read, before the tables of a capture file change it.
 #[derive(Debug, Default)]
@@ -88,15 +85,14 @@ impl ReadScene {
         Self { scene, ..Self::default() }
     }
 
-    /// Gives a scene that stands for a capture its surroundings, unless its files have lights of their own.
+    /// Gives a scene that stands for a capture its light, unless its files have lights of their own.
     pub(super) fn surround(&self, source: &mut CaptureSource) -> Result<()> {
         if self.scene.meshes.is_empty() {
             let help = "give a scene with geometry, or a capture file";
             return Err(Invalid::new("", "has no triangles").help(help).in_file(source.path()));
         }
         if self.scene.lights.is_empty() {
-            let daylight = json!({ "illuminant": "D65", "illuminance_lux": DEFAULT_ILLUMINANCE_LUX });
-            source.set_default("scene", "environment", &daylight);
+            default_light::set(source, &self.scene);
         }
         Ok(())
     }

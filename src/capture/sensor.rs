@@ -12,6 +12,7 @@ use super::colour::Finder;
 use super::converter_bits::follow_bits;
 use super::file_kind::FileKind;
 use super::overrides;
+use super::sensor_size::scale_to;
 use super::source::CaptureSource;
 use super::tables::MergedSensor;
 use super::text_file::read_text;
@@ -47,13 +48,13 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
         }
         None => empty_table(),
     };
-    let (preset, without) = (changes.remove("preset"), changes.remove("without"));
+    let [preset, without, scaled_to] = ["preset", "without", "scaled_to_px"].map(|key| changes.remove(key));
     let (mut merged, name) = base(source, folder, preset.as_ref(), &changes)?;
     if let Some(without) = without {
         take_away(source, &mut merged, &name, &without)?;
     }
     anchor_files(&mut changes, folder);
-    let warnings = follow_bits(&mut merged, &changes);
+    let mut warnings = follow_bits(&mut merged, &changes);
     let changed = |key| changes.as_table().is_some_and(|table| table.contains_key(key));
     for [key, other] in ALTERNATIVES.into_iter().flat_map(|[a, b]| [[a, b], [b, a]]) {
         if changed(key) && !changed(other) {
@@ -67,6 +68,9 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
         }
     }
     merged.lay_over(changes).map_err(|error| source.no_element("sensor", error))?;
+    if let Some(size) = scaled_to {
+        warnings.extend(scale_to(source, &mut merged, &size)?);
+    }
     // The place of the table as a whole is where the capture file speaks of it.
     if let Some(node) = source.get("sensor") {
         merged.span = node.span.clone();
@@ -74,7 +78,7 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     source.replace("sensor", merged);
 
     let table = source.get("sensor").ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
-    let description = source.read_beside("sensor", table, PhantomData, &["preset", "without"])?;
+    let description = source.read_beside("sensor", table, PhantomData, &["preset", "without", "scaled_to_px"])?;
     Ok(MergedSensor { name, description, warnings })
 }
 

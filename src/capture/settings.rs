@@ -27,6 +27,10 @@ use crate::units::{Celsius, Decibels, Seconds};
 /// Most frames of one capture, each of which has a file of its own in one folder.
 const MOST_FRAMES: u32 = 1_000_000;
 
+/// Longest time of an automatic exposure that is not told another, s: a camera on a stand, of which nobody waits longer
+/// for a picture; the gain rises instead.
+pub(super) const LONGEST_AUTO_S: f64 = 4.0;
+
 /// How the sensor is exposed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExposureSettings {
@@ -244,6 +248,7 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         ("auto_mean", table.auto_mean),
         ("max_time_s", table.max_time_s),
         ("max_gain_db", table.max_gain_db),
+        ("compensation_ev", table.compensation_ev),
     ];
     if let (ExposureTime::Fixed(_), Some((key, _))) = (time, of_automatic.iter().find(|(_, value)| value.is_some())) {
         return Err(Invalid::new(*key, "goes only with automatic exposure").help("remove it, or remove time_s"));
@@ -388,10 +393,11 @@ fn stages(table: &ExposureTable) -> Result<Stages, Invalid> {
 
 /// `gain_db` is what automatic gain control starts from.
 fn auto_exposure(table: &ExposureTable, sensor: &SensorModel, gain_db: f64) -> Result<AutoExposure, Invalid> {
-    let max_time = table.max_time_s.map(|time| positive_number("max_time_s", time, "0.04").map(Seconds)).transpose()?;
-    if let (None, Some(_)) = (max_time, table.max_gain_db) {
-        let message = "has no meaning where the time has no limit";
-        return Err(Invalid::new("max_gain_db", message).help("write max_time_s, too: gain rises where time may not"));
+    let longest = positive_number("max_time_s", table.max_time_s.unwrap_or(LONGEST_AUTO_S), "0.04")?;
+    let compensation_ev = table.compensation_ev.unwrap_or(0.0);
+    if !(-20.0..=20.0).contains(&compensation_ev) {
+        let message = format!("must lie between -20 and 20, got {compensation_ev}");
+        return Err(Invalid::new("compensation_ev", message).help("for example compensation_ev = 1.0"));
     }
     if let Some(most) = table.max_gain_db.filter(|most| !(most.is_finite() && *most >= gain_db)) {
         let message = format!("must be at least {gain_db}, where the gain starts, got {most}");
@@ -399,8 +405,13 @@ fn auto_exposure(table: &ExposureTable, sensor: &SensorModel, gain_db: f64) -> R
     }
     let is_stated = table.gain_db.is_some() || table.digital_gain_db.is_some() || table.iso.is_some();
     let [_, highest] = sensor.converter.gain_range;
-    let default = (max_time.is_some() && !is_stated).then_some(highest);
-    Ok(AutoExposure { metering: metering(table)?, max_time, max_gain: table.max_gain_db.map(Decibels).or(default) })
+    let default = (!is_stated).then_some(highest);
+    Ok(AutoExposure {
+        metering: metering(table)?,
+        compensation_ev,
+        max_time: Some(Seconds(longest)),
+        max_gain: table.max_gain_db.map(Decibels).or(default),
+    })
 }
 
 fn metering(table: &ExposureTable) -> Result<Metering, Invalid> {

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::log::{say, warning};
 use super::scene_args::SceneArgs;
+use super::shorthands::Shorthands;
 use crate::capture::Capture;
 use crate::io::lock::Lock;
 use crate::io::mitsuba::export;
@@ -33,6 +34,7 @@ pub(super) struct ExportMitsubaArgs {
     overrides: Vec<String>,
     #[command(flatten)]
     scene: SceneArgs,
+    shorthands: Shorthands,
     /// Take the nearest that Mitsuba has where there is no exact counterpart, and list what is approximated.
     #[arg(long)]
     approximate: bool,
@@ -49,7 +51,8 @@ const RENDER: &[u8] = include_bytes!("../../tests/mitsuba/render.py");
 
 pub(super) fn run(args: &ExportMitsubaArgs, sandbox: &Sandbox) -> Result<()> {
     refuse_scene(&args.output, args.force)?;
-    let capture = Capture::load_within(sandbox, &args.input, &args.scene.after(&args.overrides))?;
+    let overrides = args.shorthands.around(args.scene.after(&args.overrides), &args.input);
+    let capture = Capture::load_within(sandbox, &args.input, &overrides)?;
     let warnings = capture.warnings();
     let warnings = warnings.iter().filter(|_| !args.quiet);
     warnings.for_each(|warning| warning!("{warning}"));

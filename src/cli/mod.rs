@@ -17,6 +17,7 @@ mod export_mitsuba;
 mod expose;
 mod figures_text;
 mod info;
+mod init;
 mod layout;
 mod listing;
 mod log;
@@ -36,6 +37,7 @@ mod scene_args;
 mod schema;
 mod sensors;
 mod shards;
+mod shorthands;
 mod signals;
 mod status;
 mod submit;
@@ -100,6 +102,7 @@ enum Command {
     #[command(name = "emva1288-report")]
     Emva1288Report(emva1288_report::Emva1288ReportArgs),
     Info(info::InfoArgs),
+    Init(init::InitArgs),
     Noise(noise::NoiseArgs),
     Project(project::ProjectArgs),
     Camera(camera::CameraArgs),
@@ -192,6 +195,7 @@ fn run_command(cli: &Cli) -> Result<u8> {
         Command::Emva1288(args) => emva1288::run(args, sandbox),
         Command::Emva1288Report(args) => emva1288_report::run(args),
         Command::Info(args) => info::run(args, sandbox),
+        Command::Init(args) => init::run(args, sandbox),
         Command::Noise(args) => noise::run(args),
         Command::Project(args) => project::run(args, sandbox),
         Command::Camera(args) => camera::run(args, sandbox),

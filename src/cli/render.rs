@@ -11,15 +11,17 @@ use super::log::say;
 use super::print::{print_json, rounded};
 use super::run_args::RunArgs;
 use super::scene_args::SceneArgs;
+use super::shorthands::Shorthands;
 use crate::capture::{Capture, relative_path};
 use crate::pipeline::{FilmMemory, LightSource, Place, Rendered, Request, render_into};
-use crate::report::{REPORT, Report, Timings};
+use crate::report::{REPORT, RenderReport, Report, Timings};
 use crate::{Result, Sandbox};
 
 /// Render a scene as the camera of a capture file records it.
 ///
-/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj), which then gets a camera that frames it, daylight,
-/// the default lens and the default sensor.
+/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj), which then gets a camera that frames it, a clear day
+/// and a ground unless it has lights of its own, the default lens and the default sensor. `photosite init` writes that
+/// out as a capture file; --set scene.environment=even lights it from all sides.
 #[derive(Args)]
 pub(super) struct RenderArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
@@ -33,6 +35,7 @@ pub(super) struct RenderArgs {
     film_memory: FilmMemory,
     #[command(flatten)]
     scene: SceneArgs,
+    shorthands: Shorthands,
     #[command(flatten)]
     common: RunArgs,
 }
@@ -40,7 +43,7 @@ pub(super) struct RenderArgs {
 pub(super) fn run(args: &RenderArgs, sandbox: &Sandbox) -> Result<()> {
     let RunArgs { output, quiet, json, force, .. } = &args.common;
     let start = Instant::now();
-    let overrides = args.scene.after(&args.common.overrides());
+    let overrides = args.shorthands.around(args.scene.after(&args.common.overrides()), &args.input);
     let capture = Capture::load_within(sandbox, &args.input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let path = output.clone().unwrap_or_else(|| default_folder(&args.input));
@@ -112,4 +115,32 @@ fn summarise(report: &Report, timings: &Timings, folder: &Path) {
         files.join(", "),
         folder.display()
     );
+    if let Some(words) = traced.render.as_ref().and_then(noise_in_words) {
+        say!("{words}");
+    }
+}
+
+/// How the noise that rendering leaves compares with the sensor's own, and what would lessen it.
+fn noise_in_words(render: &RenderReport) -> Option<String> {
+    /// Rendering adds less than a hundredth to the noise of the sensor.
+    const LITTLE: f64 = 0.14;
+    let ratio = render.noise_ratio?;
+    // Of independent errors, squares add.
+    let more = 100.0 * (ratio.hypot(1.0) - 1.0);
+    let times = if ratio < 1.0 { "" } else { " times" };
+    let said = format!("Monte Carlo noise is {}{times} that of the sensor", rounded(ratio, 2));
+    if ratio <= LITTLE {
+        return Some(format!("{said}: it is not seen"));
+    }
+    let total = if more < 100.0 {
+        format!("both together are {} % more than the sensor's alone", rounded(more, 2))
+    } else {
+        format!("both together are {} times the sensor's alone", rounded(1.0 + more / 100.0, 2))
+    };
+    let remedy = match &render.noise {
+        // As many as its target asks for, or as its limits allow.
+        Some(_) => String::new(),
+        None => format!("; --spp {} would halve it", render.samples_per_pixel.saturating_mul(4)),
+    };
+    Some(format!("{said}: {total}{remedy}"))
 }

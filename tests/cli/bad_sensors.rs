@@ -60,10 +60,10 @@ fn folder(capture: String) -> Folder {
 #[case::mean("[exposure]\nauto_mean = 1.0", "auto_mean: must lie between 0 and 1, got 1", "auto_mean = 0.18")]
 #[case::two_targets("[exposure]\nauto_target = 0.9\nauto_mean = 0.2", "auto_mean: cannot go with auto_target", "keep")]
 #[case::no_time("[exposure]\nmax_time_s = 0", "max_time_s: must be above 0, got 0", "max_time_s = 0.04")]
-#[case::free_gain(
-    "[exposure]\nmax_gain_db = 12",
-    "max_gain_db: has no meaning where the time has no limit",
-    "max_time_s"
+#[case::compensation(
+    "[exposure]\ntime_s = 1\ncompensation_ev = 1",
+    "compensation_ev: goes only with automatic",
+    "remove"
 )]
 #[case::least_gain(
     "[exposure]\nmax_time_s = 0.1\ngain_db = 6\nmax_gain_db = 3",

@@ -381,23 +381,58 @@ fn automatic_exposure_says_where_it_ends() {
     assert!(said.contains("(exposure.max_time_s), at a gain of 13.98 dB, which makes up for the rest"), "{said}");
     // Nothing but the time counts where the gain is stated: a fifth of the brightness.
     let said = limited(0.2, gain_db);
-    assert!(said.contains("at a gain of 0.00 dB, and the picture has 20.000 % of the brightness aimed at"), "{said}");
-    assert!(said.contains("raise exposure.max_time_s"), "{said}");
+    assert!(
+        said.contains(
+            "at a gain of 0.00 dB, and the picture is 2.3 EV darker than it is to be: write exposure.max_time_s = "
+        ),
+        "{said}"
+    );
+    let needed = said.split("write exposure.max_time_s = ").nth(1).and_then(|rest| rest.split(',').next());
+    let needed: f64 = needed.expect("a time").parse().expect("a number");
+    // Rounded up to two digits, of which the first is at least 1.
+    assert!((1.0 - 1e-9..=1.1).contains(&(needed / free)), "{needed} s for {free} s");
     // 10 dB are √10.
     let said = limited(0.01, "--set exposure.max_gain_db=10");
-    assert!(said.contains("at a gain of 10.00 dB, and the picture has 3.162 % of the brightness"), "{said}");
+    assert!(said.contains("at a gain of 10.00 dB, and the picture is 5.0 EV darker than it is to be"), "{said}");
 
-    // Times are in inverse proportion to light, but for the dark current.
-    for (lux, words) in [
-        (500.0 * free / 60.0, ["there is little light", "exposure.max_time_s"]),
-        (500.0 * free * 1e7, ["shorter than shutters are", "lens.f_number"]),
+    // Times are in inverse proportion to light, but for the dark current. Where none is stated, 4 s are the longest, and
+    // the gain rises as far as it can.
+    for (lux, more, words) in [
+        (500.0 * free / 60.0, "--set exposure.max_time_s=90", ["there is little light", "exposure.max_time_s"]),
+        (500.0 * free / 60.0, "", ["longest time, 4 s (exposure.max_time_s)", "which makes up for the rest"]),
+        (
+            500.0 * free / 4096.0,
+            "",
+            ["longest time, 4 s (exposure.max_time_s)", "at a gain of 30.00 dB, and the picture is 4.9 EV darker"],
+        ),
+        (500.0 * free * 1e7, "", ["shorter than shutters are", "lens.f_number"]),
     ] {
         let folder = wall(lux, "");
-        let outcome = folder.succeed("render capture.toml -o out");
+        let outcome = folder.succeed(&format!("render capture.toml -o out {more}"));
         let said = outcome.text();
         assert!(words.iter().all(|words| said.contains(words)) && warnings(&folder, "out") == 1, "{said}");
-        assert!(!(1e-6..=10.0).contains(&time(&folder, "out")), "{}", time(&folder, "out"));
         // Again from the stored light.
-        assert!(folder.succeed("expose out -o again").text().contains(words[0]));
+        assert!(folder.succeed(&format!("expose out -o again {more}")).text().contains(words[0]));
+    }
+}
+
+#[test]
+fn compensation_makes_an_automatic_exposure_longer_and_goes_with_no_other() {
+    let folder = wall(500.0, "");
+    folder.succeed("render capture.toml -o out");
+    let time = |name: &str| folder.report(name)["exposure"]["time_s"].as_f64().expect("a time");
+    for (metering, ev) in [("", 1.0), ("", -3.0), (" --set exposure.auto_mean=0.2", 0.5)] {
+        folder.succeed(&format!("expose out -o without --force{metering}"));
+        folder.succeed(&format!("expose out -o with --force{metering} --set exposure.compensation_ev={ev}"));
+        let factor = time("with") / time("without");
+        // Stored electrons are single precision.
+        assert!((factor / f64::exp2(ev) - 1.0).abs() < 1e-6, "{metering} {ev}: {factor}");
+    }
+    let wrong = [("time_s=0.01", "goes only with automatic exposure"), ("auto=true", "must lie between -20 and 20")];
+    for ((other, words), ev) in wrong.into_iter().zip([1, 30]) {
+        let more = format!("--set exposure.compensation_ev={ev} --set exposure.{other}");
+        let folder = wall(500.0, if ev == 1 { "time_s = 0.01" } else { "" });
+        let more = if ev == 1 { "--set exposure.compensation_ev=1" } else { &more };
+        folder.fail(&format!("render capture.toml -o out {more}"), 1, &["exposure.compensation_ev", words]);
     }
 }

@@ -1,4 +1,5 @@
-//! A scene file given directly: a camera that frames it, daylight, the default lens and sensor, automatic exposure.
+//! A scene file given directly: a camera that frames it, a clear day, the default lens and sensor, automatic exposure;
+//! and `photosite init`, which writes that out.
 
 use glam::{DVec2, DVec3};
 use rstest::rstest;
@@ -42,15 +43,15 @@ fn everything_else_takes_its_default(#[values("obj", "gltf", "glb")] kind: &str)
     let focus = report["lens"]["focus_distance_m"].as_f64().expect("a distance");
     let position: [f64; 3] = serde_json::from_value(report["camera"]["position_m"].clone()).expect("a position");
     let distance = (DVec3::from_array(position) - DVec3::new(0.0, 0.75, 0.0)).length();
-    assert!((focus / distance - 1.0).abs() < 1e-9, "{focus} m, not {distance} m");
+    // Places have six digits of the distance: along the axis, and in the direction of the axis, each to 1e-5 of it.
+    assert!((focus / distance - 1.0).abs() < 2e-5, "{focus} m, not {distance} m");
 }
 
 #[test]
-fn the_light_is_d65() {
+fn even_light_is_one_word() {
     let folder = folder();
     // Facing the sky, without a surface in the way of most of the picture.
-    folder
-        .succeed(&format!("render sail.obj {SMALL} --set camera.position_m=[0,1,9] --set camera.look_at_m=[0,9,9.5]"));
+    folder.succeed(&format!("render sail.obj {SMALL} {TO_THE_SKY} --set scene.environment=even"));
     let report = folder.report("sail");
     let electrons = folder.electrons("sail");
     let total = |plane: &[f32]| plane.iter().map(|&v| f64::from(v)).sum::<f64>();
@@ -76,6 +77,12 @@ fn the_light_is_d65() {
     folder.succeed(&format!("render capture.toml {SMALL} {TO_THE_SKY}"));
     let said = total(folder.electrons("capture").mean.plane("G").expect("G"));
     assert!((said / g.0 - 1.0).abs() < 4.0 * 2f64.sqrt() * g.1, "{said} e⁻, not {}", g.0);
+    // In a capture file it is the same word.
+    folder.succeed(&format!("render capture.toml -o word {SMALL} {TO_THE_SKY} --set scene.environment=even"));
+    assert_eq!(folder.results("word")["electrons.exr"], folder.results("capture")["electrons.exr"]);
+    // There is no ground with it.
+    assert_eq!(report["capture"]["scene"].get("ground"), None);
+    folder.fail("render sail.obj -o x --set scene.environment=evn", 1, &["unknown environment \"evn\"", "\"even\""]);
 }
 
 #[test]
@@ -98,7 +105,119 @@ fn a_scene_with_a_camera_and_lights_keeps_them() {
     let report = folder.report("out");
     assert_eq!(report["camera"]["position_m"], json!([0.0, 0.5, 6.0]));
     assert_eq!(report["render"]["lights"], 1, "no sky besides the lamp");
+    assert_eq!(report["capture"]["scene"].get("ground"), None, "nor a ground");
     // Half the height over the distance of the sensor is the tangent of half the field of view.
     let fy = report["camera"]["camera_matrix"][1][1].as_f64().expect("fy");
     assert!((16.0 / fy / 0.25f64.tan() - 1.0).abs() < 1e-9, "{fy}");
+}
+
+/// Where the sun stands that lights a scene, seen from the camera: the angle to the left of the view, degrees.
+fn sun_left_of_view(report: &serde_json::Value) -> f64 {
+    let azimuth = report["capture"]["scene"]["environment"]["sky"]["sun_azimuth_deg"].as_f64().expect("an azimuth");
+    // The third row of world → camera is the axis, from the camera on; north is −Z, east +X.
+    let axis: [f64; 3] = serde_json::from_value(report["camera"]["rotation"][2].clone()).expect("three numbers");
+    let towards_camera = (-axis[0]).atan2(axis[2]).to_degrees();
+    (azimuth - towards_camera).rem_euclid(360.0)
+}
+
+#[test]
+fn a_scene_without_lights_gets_a_clear_day_from_the_left_of_its_camera_and_a_ground() {
+    let backwards = triangle()
+        .with("/cameras", json!([{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }]))
+        .with(
+            "/nodes",
+            // Turned by 180° about y: it looks along +Z.
+            json!([{ "mesh": 0 }, { "camera": 0, "translation": [0, 0.5, -6], "rotation": [0, 1, 0, 0] }]),
+        )
+        .with("/scenes/0/nodes", json!([0, 1]));
+    let folder = folder();
+    folder.add("back.gltf", backwards.text());
+    for name in ["sail.obj", "back.gltf"] {
+        folder.succeed(&format!("render {name} -o out --force {SMALL} --set output.truth=['instance']"));
+        let report = folder.report("out");
+        assert!((sun_left_of_view(&report) - 50.0).abs() <= 0.5, "{name}: {}", sun_left_of_view(&report));
+        let sky = &report["capture"]["scene"]["environment"]["sky"];
+        assert_eq!(sky["ground_albedo"], report["capture"]["scene"]["ground"]["reflectance"]);
+        let instances = report["truth"]["instances"].as_array().expect("a list").clone();
+        assert_eq!(instances.last(), Some(&json!("ground")), "{instances:?}");
+        // Just below the lowest point, which is at 0.
+        let height = report["truth"]["instances_to_world"][instances.len() - 1][1][3].as_f64().expect("a height");
+        assert!((-4e-4..0.0).contains(&height), "{name}: {height} m");
+    }
+    // A time, another metering and an environment of its own stay.
+    let keys = |more: &str| {
+        folder.succeed(&format!("render sail.obj -o out --force {SMALL} {more}"));
+        folder.report("out")["capture"].clone()
+    };
+    assert_eq!(keys("--set exposure.time_s=0.001")["exposure"], json!({ "time_s": 0.001 }));
+    assert_eq!(keys("--set exposure.auto_target=0.5")["exposure"], json!({ "auto_target": 0.5 }));
+    assert_eq!(keys("--set scene.ground=false")["scene"]["ground"], json!(false));
+    let studio = keys("--set scene.backdrop={} --set output.truth=['instance']");
+    assert_eq!(studio["scene"].get("ground"), None);
+    assert_eq!(
+        folder.report("out")["truth"]["instances"].as_array().and_then(|all| all.last()),
+        Some(&json!("backdrop"))
+    );
+    assert_eq!(keys("--set scene.environment={illuminant='A',illuminance_lux=9}")["scene"].get("ground"), None);
+}
+
+#[test]
+fn what_init_writes_gives_the_same_pictures() {
+    let camera = json!([{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }]);
+    let with_camera = triangle()
+        .with("/cameras", camera.clone())
+        .with("/nodes", json!([{ "mesh": 0 }, { "camera": 0, "name": "a \"b\"", "translation": [0.1, 0.5, 6] }]))
+        .with("/scenes/0/nodes", json!([0, 1]));
+    let with_both = triangle()
+        .with("/cameras", camera)
+        .with("/extensions", json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 500 }] } }))
+        .with("/extensionsUsed", json!(["KHR_lights_punctual"]))
+        .with(
+            "/nodes",
+            json!([
+                { "mesh": 0 },
+                { "camera": 0, "translation": [0, 0.5, 6] },
+                { "extensions": { "KHR_lights_punctual": { "light": 0 } }, "translation": [1, 2, 3] }
+            ]),
+        )
+        .with("/scenes/0/nodes", json!([0, 1, 2]));
+    let folder = folder();
+    folder.add("camera.gltf", with_camera.text());
+    folder.add("both.gltf", with_both.text());
+    folder.add("models/far off.obj", "v 1e5 2e4 -3e5\nv 100047.3 2e4 -3e5\nv 1e5 20011.7 -300003.1\nf 1 2 3\n");
+    for (model, capture) in [
+        ("sail.obj", "sail.toml"),
+        ("sail.glb", "new/sail.toml"),
+        ("camera.gltf", "camera.toml"),
+        ("both.gltf", "both.toml"),
+        ("models/far off.obj", "models/off.toml"),
+    ] {
+        std::fs::create_dir_all(folder.path(capture).parent().expect("a folder")).expect("made");
+        let mut init = folder.command("init");
+        let said = init.arg(model).args(["-o", capture]).output().expect("the binary runs");
+        let said = String::from_utf8_lossy(&said.stderr).into_owned();
+        assert_eq!(model.ends_with("obj"), said.contains("metres are assumed"), "{said}");
+        let small = ["--size", "48x36", "--spp", "4", "--force", "--set", "output.truth=['instance','depth']"];
+        for (input, output) in [(model, "alone"), (capture, "file")] {
+            let mut render = folder.command("render");
+            let outcome = render.arg(input).args(["-o", output]).args(small).output().expect("the binary runs");
+            assert!(outcome.status.success(), "{input}: {}", String::from_utf8_lossy(&outcome.stderr));
+        }
+        let [mut alone, mut file] = ["alone", "file"].map(|name| folder.results(name));
+        for report in [&mut alone, &mut file] {
+            assert!(report.remove("capture.json").is_some());
+        }
+        assert!(alone == file && alone.len() == 4, "{model}: {:?}", alone.keys());
+        let text = std::fs::read_to_string(folder.path(capture)).expect("a capture");
+        let keys = text.lines().filter(|line| line.contains(" = "));
+        assert!(
+            keys.clone().count() > 20 && keys.clone().all(|line| line.contains("  # ")),
+            "a comment on each key: {text}"
+        );
+    }
+    // Without a file it is printed, for one in the current folder.
+    let printed = folder.succeed("init sail.obj").stdout;
+    assert_eq!(printed, std::fs::read_to_string(folder.path("sail.toml")).expect("a capture"));
+    folder.fail("init sail.obj -o sail.toml", 2, &["sail.toml exists already", "--force"]);
+    folder.fail("init sail.toml", 1, &["sail.toml", "is no scene file"]);
 }

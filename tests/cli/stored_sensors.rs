@@ -169,7 +169,11 @@ fn geometry_alone_gives_the_same_picture_again(#[case] more: &str) {
     let size = "--set sensor.resolution_px=[16,12] --set render.samples_per_pixel=2";
     let stored = repeat(&folder, &format!("scenes/sail.obj {size} {more}"));
     assert_eq!(stored["scene"]["geometry"], json!(["../scenes/sail.obj"]));
-    assert_eq!(stored["scene"]["environment"], json!({ "illuminant": "D65", "illuminance_lux": 500.0 }));
+    assert_eq!(stored["scene"]["environment"]["sky"]["sun_elevation_deg"], 40.0);
+    assert_eq!(
+        (&stored["scene"]["ground"]["reflectance"], &stored["exposure"]["auto_mean"]),
+        (&json!(0.3), &json!(0.2))
+    );
     let [out, again] = ["out", "deeper/again"].map(|name| folder.report(name)["lens"].clone());
     assert_eq!(out, again);
     folder.succeed("info out/capture.json");

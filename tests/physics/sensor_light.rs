@@ -120,7 +120,8 @@ fn gain_rises_where_time_may_not() {
     let sensor = quiet_sensor();
     let rates = flat(&sensor, 8, 8, 1000.0);
     // To 0.5 of 60 000 e⁻ takes 30 s.
-    let target = AutoExposure { metering: Metering::Mean(0.5), max_time: None, max_gain: Some(Decibels(40.0)) };
+    let max_gain = Some(Decibels(40.0));
+    let target = AutoExposure { metering: Metering::Mean(0.5), max_gain, ..AutoExposure::default() };
     let found = |max_time: f64, target: AutoExposure| {
         let target = AutoExposure { max_time: Some(Seconds(max_time)), ..target };
         auto_exposure(&rates, Seconds(1.0), &sensor, &EXPOSURE, target).expect("there is light").exposure

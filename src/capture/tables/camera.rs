@@ -61,6 +61,9 @@ pub(crate) struct LensTable {
     /// Focal length, mm; below 0 for a diverging lens. Left out: what the lensmaker's equation, the field of view of a
     /// glTF camera or the intrinsics ask for, else 16.
     pub(crate) focal_length_mm: Option<f64>,
+    /// In place of focal_length_mm: the angle between what the left and the right edge of the picture see, degrees,
+    /// distortion included, with the lens focused at the distance that it states (else at infinity).
+    pub(crate) horizontal_fov_deg: Option<f64>,
     /// In place of focal_length_mm: the glass of a lens in one piece. Each wavelength has a focus of its own, and
     /// distances are those at 587.6 nm.
     pub(crate) lensmaker: Option<LensmakerTable>,

@@ -11,6 +11,7 @@ mod material;
 mod object;
 mod scene;
 mod settings;
+mod surroundings;
 mod target;
 
 use std::collections::BTreeMap;
@@ -42,6 +43,7 @@ pub(super) use settings::{
     ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, RenderTable,
     SamplerName, TruthSource, WavelengthsName,
 };
+pub(super) use surroundings::{BackdropTable, GroundSource, GroundTable};
 pub(super) use target::{PlacementTable, TargetTable};
 
 /// A capture: a scene, the camera that looks at it, and what to make of it. All quantities are in the unit that their
@@ -110,6 +112,11 @@ struct SensorTable {
     /// Keys and tables of the preset that this sensor does not have, such as ["filter", "channels.G",
     /// "noise.prnu_percent"]. They are taken away before the keys here are laid over the preset.
     without: Option<Vec<String>>,
+    /// The same sensor with so many columns and rows of pixels in place of its own, for a picture of the same view at
+    /// another size. The sensor keeps its size (with another shape of the picture, it grows at two sides); pixels get
+    /// larger or smaller, full well and conversion gain with their area, so that the same exposure gives as bright a
+    /// picture. Left out: its own pixels.
+    scaled_to_px: Option<[u32; 2]>,
     #[schemars(flatten)]
     changes: SensorDescription,
 }

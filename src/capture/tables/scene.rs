@@ -6,6 +6,7 @@ use serde::Deserialize;
 use crate::sensor::SpectrumSource;
 
 use super::{LightColour, ObjectTable};
+use super::surroundings::{BackdropTable, GroundSource};
 
 /// What is there: geometry and surroundings.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -42,8 +43,14 @@ pub(crate) struct SceneTable {
     /// Cylinders, likewise.
     #[serde(default)]
     pub(crate) cylinders: Vec<CylinderTable>,
-    /// Light from infinitely far in all directions. Left out: none.
+    /// Light from infinitely far in all directions. Left out: none. (A scene file that is given in place of a capture
+    /// gets a sky, unless it has lights of its own.)
     pub(crate) environment: Option<EnvironmentSource>,
+    /// A level ground under everything, out to the horizon: true, or a table of its keys. Left out: none. (A scene file
+    /// that is given in place of a capture has one together with its sky.)
+    pub(crate) ground: Option<GroundSource>,
+    /// A studio backdrop: a floor that curves up into a wall behind the geometry. Left out: none.
+    pub(crate) backdrop: Option<BackdropTable>,
 }
 
 impl SceneTable {
@@ -111,13 +118,14 @@ pub(crate) enum NormalsName {
     Smooth,
 }
 
-/// Light from infinitely far: "none", the same light everywhere, or a picture.
+/// Light from infinitely far: "none"; "even", the same light everywhere as in a bright room, D65 of 500 lux; or a table
+/// that says which.
 #[derive(Debug, JsonSchema)]
 #[schemars(untagged)]
 pub(crate) enum EnvironmentSource {
-    /// "none".
-    Name(#[schemars(extend("const" = "none"))] String),
-    /// The same light everywhere, or a picture.
+    /// "none" or "even".
+    Name(#[schemars(extend("enum" = ["none", "even"]))] String),
+    /// The same light everywhere, a sky, or a picture.
     Table(Box<EnvironmentTable>),
 }
 
@@ -129,7 +137,7 @@ impl<'de> Deserialize<'de> for EnvironmentSource {
             type Value = EnvironmentSource;
 
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("\"none\" or a table such as { illuminant = \"D65\", illuminance_lux = 500 }")
+                f.write_str("\"none\", \"even\" or a table such as { illuminant = \"D65\", illuminance_lux = 500 }")
             }
 
             fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<Self::Value, E> {

@@ -25,8 +25,11 @@ pub(crate) struct ExposureTable {
     /// In place of these: the mean of the picture that automatic exposure aims at, as a part of saturation, such as
     /// 0.18.
     pub(crate) auto_mean: Option<f64>,
+    /// How much brighter than that automatic exposure makes the picture, EV: 1 for twice as bright, -1 for half. Left
+    /// out: 0.
+    pub(crate) compensation_ev: Option<f64>,
     /// Longest time that automatic exposure may choose, s. Where it would need more, the gain rises, unless it is
-    /// stated.
+    /// stated; where that is not enough either, the picture is darker, and a warning says by how much. Left out: 4.
     pub(crate) max_time_s: Option<f64>,
     /// Gain up to which it rises, analogue and digital together, dB. Left out: the sensor's largest analogue gain.
     pub(crate) max_gain_db: Option<f64>,

@@ -35,6 +35,8 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
 /// instances are somewhere else, materials and lights are others.
 pub fn build_after(description: SceneDescription, importance: &Spectrum, earlier: Option<&Scene>) -> Scene {
     let objects = objects_of_instances(&description);
+    // Those of a scene without surroundings are known of its hierarchy.
+    let subject = (!description.surroundings.is_empty()).then(|| description.subject_bounds());
     let SceneDescription { images, materials, meshes, instances, lights, environment, .. } = description;
     let mut builder = Builder {
         images,
@@ -52,10 +54,14 @@ pub fn build_after(description: SceneDescription, importance: &Spectrum, earlier
 
     let LaidOut { geometry, accel, instances: instance_table, kept } =
         lay_out(meshes, &instances, |material| emissions[material].is_some(), earlier);
-    let (low, high) = accel.bounds();
+    let bounds = match subject {
+        Some(bounds) => bounds,
+        None if accel.instances().is_empty() => None,
+        None => Some(accel.bounds()).map(|(low, high)| (low.as_dvec3(), high.as_dvec3())),
+    };
     // The size weighs light from afar against that of lights in the scene. Without geometry there is none, and any
     // will do.
-    let radius = if accel.instances().is_empty() { 1.0 } else { f64::from((high - low).length()) * 0.5 };
+    let radius = bounds.map_or(1.0, |(low, high)| f64::from((high - low).as_vec3().length()) * 0.5);
 
     let mut all =
         LightList { lights: Vec::new(), motions: Vec::new(), powers: Vec::new(), spectrum: Spectrum::constant(0.0) };

@@ -13,6 +13,8 @@ use crate::sensor::{Exposure, SensorModel};
 pub struct AutoExposure {
     /// What is measured.
     pub metering: Metering,
+    /// How much longer than metering finds, EV: exposure compensation.
+    pub compensation_ev: f64,
     /// Longest time; `None` for any.
     pub max_time: Option<Seconds>,
     /// Largest gain, analogue and digital together, that makes up for a time at its limit (automatic gain control);
@@ -60,7 +62,7 @@ pub struct AutoExposed {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TimeLimit {
     /// [`AutoExposure::max_time`].
-    Stated,
+    Longest,
     /// The time from one line to the next of pixels that scan.
     Line,
 }
@@ -71,7 +73,7 @@ impl AutoExposed {
     pub fn warning(&self) -> Option<String> {
         let Exposure { time: Seconds(time_s), gain, digital_gain, .. } = self.exposure;
         let key = match self.limit {
-            Some(TimeLimit::Stated) => "exposure.max_time_s",
+            Some(TimeLimit::Longest) => "exposure.max_time_s",
             Some(TimeLimit::Line) => "sensor.shutter.row_time_us",
             None => {
                 let [short_s, long_s] = USUAL_TIMES_S;
@@ -97,12 +99,23 @@ impl AutoExposed {
                 "{reached}, which makes up for the rest with more noise: light the scene more, or raise {key}"
             ));
         }
+        let remedy = match self.limit {
+            Some(TimeLimit::Longest) => format!("write {key} = {}", up_to_digits(time_s / self.brightness)),
+            Some(TimeLimit::Line) | None => format!("raise {key}"),
+        };
         Some(format!(
-            "{reached}, and the picture has {:.3} % of the brightness aimed at: light the scene more, or raise {key}, \
-             exposure.max_gain_db or a gain that is stated",
-            100.0 * self.brightness
+            "{reached}, and the picture is {:.1} EV darker than it is to be: {remedy}, or raise exposure.max_gain_db or a \
+             gain that is stated, light the scene more, or open the lens (lens.f_number)",
+            -self.brightness.log2()
         ))
     }
+}
+
+/// A number that is no smaller, with two digits.
+fn up_to_digits(number: f64) -> f64 {
+    let step = 10f64.powf(number.log10().floor() - 1.0);
+    let steps = (number / step).ceil();
+    if step < 1.0 { steps / (1.0 / step).round() } else { steps * step.round() }
 }
 
 /// The exposure of a picture of mean electrons (e⁻, a plane for each of the sensor's channels) that are collected
@@ -114,8 +127,9 @@ impl AutoExposed {
 ///
 /// (r + I)·x = level for the quantile r of the highlights, or mean(min((r_i + I)·x, 1)) = level
 ///
-/// The time is then t = x·q_sat with the saturation capacity q_sat. Where that is longer than its limit, it ends there,
-/// and gains rise until q_sat = t/x, the analogue one first. A picture that is too dark for any time is refused.
+/// Compensation of c EV makes x longer by a factor of 2^c. The time is then t = x·q_sat with the saturation capacity
+/// q_sat. Where that is longer than its limit, it ends there, and gains rise until q_sat = t/x, the analogue one first.
+/// A picture that is too dark for any time is refused.
 pub fn auto_exposure(
     electrons: &Planes,
     collected: Seconds,
@@ -133,10 +147,11 @@ pub fn auto_exposure(
         Metering::Highlights { brighter_part, level } => level / (brightest(mosaic, brighter_part, collected)? + dark),
         Metering::Mean(level) => time_of_mean(&mosaic, collected, dark, level)?,
     };
+    let per_capacity = per_capacity * target.compensation_ev.exp2();
     let time = per_capacity * sensor.saturation_capacity(wanted).0;
     // Pixels that scan see the next line after one line time.
     let line_time = sensor.shutter.scans().then(|| sensor.shutter.row_time());
-    let limits = [(target.max_time, TimeLimit::Stated), (line_time, TimeLimit::Line)];
+    let limits = [(target.max_time, TimeLimit::Longest), (line_time, TimeLimit::Line)];
     let limits = limits.into_iter().filter_map(|(limit, what)| limit.map(|limit| (limit, what)));
     let Some((limit, what)) = limits.filter(|(limit, _)| limit.0 < time).min_by(|(a, _), (b, _)| a.0.total_cmp(&b.0))
     else {

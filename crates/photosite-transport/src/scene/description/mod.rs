@@ -16,6 +16,8 @@ mod texture;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use crate::geometry::QuadricKind;
 use crate::texture::Bitmap;
 use photosite_core::math::hash::hash64;
@@ -45,6 +47,9 @@ pub struct SceneDescription {
     pub instances: Vec<InstanceDescription>,
     /// Objects that were placed as such, in the order of their instances.
     pub objects: Vec<ObjectDescription>,
+    /// Indices of the instances that surround the subject, as ground and backdrop do: they are no part of the size of
+    /// the scene.
+    pub surroundings: Vec<usize>,
     /// Lights without a surface.
     pub lights: Vec<LightDescription>,
     /// What surrounds the scene, if anything shines from there.
@@ -58,6 +63,22 @@ pub struct SceneDescription {
 }
 
 impl SceneDescription {
+    /// All corners of the subject, m: of all geometry but its surroundings.
+    pub fn subject_points(&self) -> impl Iterator<Item = DVec3> + '_ {
+        let subject = self.instances.iter().enumerate().filter(|(index, _)| !self.surroundings.contains(index));
+        subject.flat_map(|(_, instance)| {
+            let positions = self.meshes[instance.meshes.clone()].iter().flat_map(|mesh| &mesh.positions);
+            positions.map(|p| instance.to_world.transform_point3(p.as_dvec3()))
+        })
+    }
+
+    /// Lower and upper corner of the box around the subject, m; `None` where there is none.
+    pub fn subject_bounds(&self) -> Option<(DVec3, DVec3)> {
+        let all = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let (low, high) = self.subject_points().fold(all, |(low, high), p| (low.min(p), high.max(p)));
+        (low.x <= high.x).then_some((low, high))
+    }
+
     /// What tells surfaces apart, hashed: names, instances of meshes and their triangles, whatever their place and
     /// shape. Scenes that have it in common show the same surfaces, which may have moved.
     pub fn surfaces(&self) -> u64 {

@@ -1,0 +1,124 @@
+//! `sensor.scaled_to_px`: the same sensor with another number of pixels, for a picture of the same view at another size.
+//!
+//! The sensor keeps its size, so that lens, depth of field and blur by motion stay as they are, and each pixel gets as
+//! much larger or smaller. Its charge goes with its area: full well and conversion gain follow, so that the same exposure
+//! gives as bright a picture. Noise in electrons stays, as in pixels of the same make. Where the shape of the picture is
+//! another one, all of the old view stays in it, and more is seen at two sides.
+
+use super::source::CaptureSource;
+use super::tree::{Node, Value};
+use crate::{Invalid, Result};
+
+const KEY: &str = "sensor.scaled_to_px";
+
+/// Charge that grows with the area of a pixel.
+const WITH_AREA: [&[&str]; 2] = [&["charge", "full_well_e"], &["charge", "logarithmic_reference_e_per_s"]];
+/// Digital numbers for each electron of it.
+const AGAINST_AREA: [&[&str]; 3] = [
+    &["adc", "conversion_gain_dn_per_e"],
+    &["adc", "dual_gain", "high_gain_dn_per_e"],
+    &["adc", "dual_gain", "low_gain_dn_per_e"],
+];
+
+/// Gives a whole sensor the number of pixels that `wanted` says; returns warnings.
+pub(super) fn scale_to(source: &CaptureSource, sensor: &mut Node, wanted: &Node) -> Result<Vec<String>> {
+    let invalid = |message: &str, help: &str| source.error(Invalid::new(KEY, message).help(help));
+    let size: [u32; 2] = source.read_node(KEY, wanted)?;
+    if size.contains(&0) {
+        return Err(invalid("must be at least one pixel each way", "for example scaled_to_px = [400, 300]"));
+    }
+    // A place in the picture would be another one.
+    let in_pixels = [("lens.intrinsics", true), ("exposure.region_px", true), ("lens.autofocus_px", false)];
+    for (key, _) in in_pixels
+        .into_iter()
+        .filter(|(key, always)| source.get(key).is_some_and(|node| *always || matches!(node.value, Value::Array(_))))
+    {
+        return Err(invalid(
+            &format!("cannot go with {key}, which is in pixels of the other size"),
+            &format!("remove {key}, or write resolution_px and pixel_pitch_um yourself"),
+        ));
+    }
+    if sensor.at(&["frame_grabber"]).is_some() {
+        let help = "write resolution_px, pixel_pitch_um and frame_grabber.size_px yourself";
+        return Err(invalid("cannot go with a frame grabber, whose samples are no pixels", help));
+    }
+    let numbers = |key: &str| Some([number(sensor, key, 0)?, number(sensor, key, 1)?]);
+    let (Some(old), Some(pitch)) = (numbers("resolution_px"), numbers("pixel_pitch_um")) else {
+        let help = "write pixel_pitch_um in place of a format, and resolution_px";
+        return Err(invalid("needs to know how many pixels of what size the sensor has", help));
+    };
+    let [across, down] = [0, 1].map(|i| old[i] / f64::from(size[i]));
+    let growth = across.max(down);
+    let span = wanted.span.clone();
+    let float = |value: f64| Node { span: span.clone(), value: Value::Float(value) };
+    let whole = |value: u32| Node { span: span.clone(), value: Value::Integer(value.into()) };
+    let mut put = |key: &str, nodes: Vec<Node>| {
+        sensor.remove(key);
+        sensor.insert_new(key, Node { span: span.clone(), value: Value::Array(nodes) });
+    };
+    put("resolution_px", size.map(whole).to_vec());
+    put("pixel_pitch_um", pitch.map(|pitch| float(pitch * growth)).to_vec());
+    let area = growth * growth;
+    let mut warnings = Vec::new();
+    if sensor.at(&["kind"]).and_then(Node::as_str) == Some("spad") {
+        warnings.push(format!(
+            "{KEY}: each pixel counts {area:.3} times as many photons of the same light, up to as many as before"
+        ));
+    } else {
+        WITH_AREA.iter().for_each(|key| multiply(sensor, key, area));
+        AGAINST_AREA.iter().for_each(|key| multiply(sensor, key, 1.0 / area));
+    }
+    // All rows together take as long as before.
+    multiply(sensor, &["shutter", "row_time_us"], down);
+    Ok(warnings)
+}
+
+fn number(sensor: &Node, key: &str, index: usize) -> Option<f64> {
+    let Value::Array(numbers) = &sensor.at(&[key])?.value else { return None };
+    numbers.get(index)?.as_number().filter(|number| *number > 0.0)
+}
+
+fn multiply(sensor: &mut Node, key: &[&str], factor: f64) {
+    let Some(node) = sensor.at_mut(key) else { return };
+    if let Some(number) = node.as_number() {
+        node.value = Value::Float(number * factor);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::capture::{NamedSensor, read_named_sensor};
+    use crate::sensor::{Exposure, presets};
+    use crate::units::Seconds;
+    use photosite_core::Sandbox;
+
+    /// Sides of the sensor, saturation by light and time of all rows stay, whatever the preset; a picture of another
+    /// shape shows no less.
+    #[test]
+    fn every_preset_keeps_its_size_and_the_light_that_it_holds() {
+        let exposure = Exposure::of(Seconds(0.01));
+        for name in presets::names() {
+            let preset = presets::model(name).expect("listed");
+            let [columns, rows] = preset.resolution;
+            let scaled = |size: [usize; 2]| {
+                let set = [format!("scaled_to_px=[{}, {}]", size[0], size[1])];
+                read_named_sensor(&Sandbox::default(), name, &set).expect(name)
+            };
+            let NamedSensor { model, warnings, .. } = scaled([columns * 2, rows * 2]);
+            assert_eq!(model.resolution, [columns * 2, rows * 2]);
+            for i in 0..2 {
+                assert!((model.pixel_pitch_m[i] * 2.0 / preset.pixel_pitch_m[i] - 1.0).abs() < 1e-12, "{name}");
+            }
+            let held = |sensor: &crate::sensor::SensorModel| sensor.saturation_capacity(&exposure).0;
+            let is_counter = preset.architecture.spad().is_some();
+            let expected = if is_counter { 1.0 } else { 4.0 };
+            assert!((held(&preset) / held(&model) / expected - 1.0).abs() < 1e-9, "{name}");
+            assert_eq!(warnings.len(), usize::from(is_counter), "{name}: {warnings:?}");
+            let time = |sensor: &crate::sensor::SensorModel| sensor.shutter.row_time().0 * sensor.resolution[1] as f64;
+            assert!((time(&model) - time(&preset)).abs() <= 1e-12 * time(&preset), "{name}");
+
+            let wide = scaled([columns * 3, rows]).model;
+            assert_eq!(wide.pixel_pitch_m, preset.pixel_pitch_m, "{name}: as high as before, and wider");
+        }
+    }
+}

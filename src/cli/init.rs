@@ -1,0 +1,48 @@
+//! `photosite init`: the capture file that a model stands for.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use super::log::{say, warning};
+use super::print::{println_out, refuse_existing, write_result};
+use crate::capture::{InitialCapture, initial_capture};
+use crate::{Result, Sandbox};
+
+/// Write the capture file that a model stands for, with a comment on each key.
+///
+/// It gives the same pictures as the model alone, and what it says can be changed: camera, lens, light, ground, exposure,
+/// sensor.
+#[derive(Args)]
+pub(super) struct InitArgs {
+    /// A scene (.gltf, .glb, .obj).
+    input: PathBuf,
+    /// File for the capture, whose folder exists [default: standard output, for a file in the current folder].
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Print nothing but errors, and the capture where it has no file.
+    #[arg(short, long)]
+    quiet: bool,
+    /// Overwrite the file.
+    #[arg(long)]
+    force: bool,
+}
+
+pub(super) fn run(args: &InitArgs, sandbox: &Sandbox) -> Result<()> {
+    if let Some(output) = &args.output {
+        refuse_existing(output, args.force)?;
+    }
+    let folder = args.output.as_deref().and_then(Path::parent).filter(|folder| !folder.as_os_str().is_empty());
+    let InitialCapture { text, warnings } = initial_capture(sandbox, &args.input, folder.unwrap_or(Path::new(".")))?;
+    warnings.iter().filter(|_| !args.quiet).for_each(|warning| warning!("{warning}"));
+    match &args.output {
+        None => println_out(text.trim_end()),
+        Some(output) => {
+            write_result(output, args.force, |to| to.write_all(text.as_bytes()))?;
+            if !args.quiet {
+                say!("wrote {0}; photosite render {0} makes the picture", output.display());
+            }
+            Ok(())
+        }
+    }
+}

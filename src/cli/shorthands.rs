@@ -1,0 +1,46 @@
+//! Options that stand for keys of a capture which everybody changes.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use crate::capture::relative_path;
+
+/// Illuminance of an environment picture that nobody has calibrated, lux: an overcast day.
+const ILLUMINANCE_LUX: f64 = 10_000.0;
+
+#[derive(Args)]
+pub(super) struct Shorthands {
+    /// Samples a pixel: render.samples_per_pixel.
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    spp: Option<u32>,
+    /// Pixels of the picture, of the same view: sensor.scaled_to_px.
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<[u32; 2]>,
+    /// A picture of the surroundings (Radiance HDR, OpenEXR) that lights the scene, with 10 000 lux on the ground unless
+    /// --set scene.environment.illuminance_lux says otherwise: scene.environment.
+    #[arg(long, value_name = "FILE")]
+    env: Option<PathBuf>,
+}
+
+impl Shorthands {
+    /// Changes to the keys of the capture `input`, around those that `--set` has given: that of the environment before
+    /// them, as they may say more of it, the others last.
+    pub(super) fn around(&self, changes: Vec<String>, input: &Path) -> Vec<String> {
+        let folder = input.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let env = self.env.as_ref().map(|file| {
+            let file = toml::Value::from(relative_path(file, folder));
+            format!("scene.environment={{ image = {file}, illuminance_lux = {ILLUMINANCE_LUX:?} }}")
+        });
+        let spp = self.spp.map(|samples| format!("render.samples_per_pixel={samples}"));
+        let size = self.size.map(|[width, height]| format!("sensor.scaled_to_px=[{width}, {height}]"));
+        env.into_iter().chain(changes).chain(spp).chain(size).collect()
+    }
+}
+
+/// A size as people write it, `800x600`.
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let number = |part: &str| part.trim().parse::<u32>().ok().filter(|pixels| *pixels > 0);
+    let sides = text.split_once(['x', 'X', '×']).and_then(|(width, height)| Some([number(width)?, number(height)?]));
+    sides.ok_or_else(|| "write columns and rows, for example 800x600".to_owned())
+}
