@@ -34,6 +34,7 @@ pub(super) struct ExportMitsubaArgs {
     overrides: Vec<String>,
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
     shorthands: Shorthands,
     /// Take the nearest that Mitsuba has where there is no exact counterpart, and list what is approximated.
     #[arg(long)]

@@ -35,6 +35,7 @@ pub(super) struct RenderArgs {
     film_memory: FilmMemory,
     #[command(flatten)]
     scene: SceneArgs,
+    #[command(flatten)]
     shorthands: Shorthands,
     #[command(flatten)]
     common: RunArgs,

@@ -25,7 +25,7 @@ pub(super) const CAMERAS: &str = "cameras";
 /// tells of the next one.
 pub(super) fn identity<'a>(
     file: &DatasetFile,
-    captures: impl Iterator<Item = &'a Capture> + Clone,
+    mut captures: impl Iterator<Item = &'a Capture> + Clone,
     overrides: &[String],
     (plan, found): (&Plan, &[Found]),
 ) -> Result<Value> {
@@ -39,11 +39,13 @@ pub(super) fn identity<'a>(
     }
     let mut named = Map::new();
     let mut keys = Vec::new();
-    for capture in captures {
+    for capture in captures.clone() {
         keys.push(keys_and_files(capture, &mut named)?);
     }
-    for name in found.iter().flat_map(|found| &found.files) {
-        add_file_of(&captures[0], name, &mut named)?;
+    if let Some(first) = captures.next() {
+        for name in found.iter().flat_map(|found| &found.files) {
+            add_file_of(first, name, &mut named)?;
+        }
     }
     let mut identity = Value::Object(fingerprinted(json!({
         "photosite_version": env!("CARGO_PKG_VERSION"),

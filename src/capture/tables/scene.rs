@@ -5,8 +5,8 @@ use serde::Deserialize;
 
 use crate::sensor::SpectrumSource;
 
-use super::{LightColour, ObjectTable};
 use super::surroundings::{BackdropTable, GroundSource};
+use super::{LightColour, ObjectTable};
 
 /// What is there: geometry and surroundings.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
