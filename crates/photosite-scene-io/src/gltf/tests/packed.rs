@@ -257,7 +257,7 @@ fn damaged_packed_files_are_errors_or_scenes_and_no_panic() {
         }
         for _ in 0..3000 {
             if let Ok(mut scene) = read(name, &damaged(bytes, &mut state)) {
-                crate::complete(&mut scene);
+                crate::complete(&mut scene, &mut crate::ChangedMeshes::default());
             }
         }
     }
