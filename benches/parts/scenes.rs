@@ -4,7 +4,7 @@ use std::f32::consts::{PI, TAU};
 use std::path::Path;
 
 use glam::{DAffine3, Vec3};
-use photosite::io::obj::{self, MissingNormals};
+use photosite::io::{MissingNormals, obj};
 use photosite::scene::description::{
     Colour, Diffuse, EmissionDescription, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription,
     SceneDescription, TexturedColour,

@@ -3,7 +3,8 @@
 
 use libfuzzer_sys::fuzz_target;
 use photosite::Sandbox;
-use photosite::io::obj::{MissingNormals, parse};
+use photosite::io::MissingNormals;
+use photosite::io::obj::parse;
 use photosite_fuzz::written;
 
 const OBJ: &str = "mtllib fuzzed.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\nusemtl b\nf 1 2 3\n";

@@ -3,7 +3,8 @@
 
 use libfuzzer_sys::fuzz_target;
 use photosite::Sandbox;
-use photosite::io::obj::{MissingNormals, parse};
+use photosite::io::MissingNormals;
+use photosite::io::obj::parse;
 use photosite_fuzz::files;
 
 fuzz_target!(|text: &str| {

@@ -1,7 +1,7 @@
 //! The capture file: a scene, the camera that looks at it and what to make of it, as TOML.
 //!
-//! In: the path of a capture file, or of a scene file (`.gltf`, `.glb`, `.obj`) that stands for a capture of defaults,
-//! and overrides, `key=value`. Out: a [`Capture`], everything checked and in SI units. Every error names the file,
+//! In: the path of a capture file, or of a scene file (`.gltf`, `.glb`, `.obj`, `.ply`, `.stl`) that stands for a
+//! capture of defaults, and overrides, `key=value`. Out: a [`Capture`], everything checked and in SI units. Every error names the file,
 //! the key and its line, or the argument.
 //!
 //! The text becomes a tree of values that know their lines (`tree.rs`, `source.rs`), the tree becomes tables of keys
@@ -28,9 +28,11 @@ mod converter_bits;
 mod dataset;
 mod develop;
 mod environment;
+mod extent;
 mod file;
 mod focus;
 mod framing;
+mod geometry_kind;
 mod input;
 mod lens;
 mod lens_elements;
@@ -75,6 +77,7 @@ use photosite_core::warnings::Warnings;
 
 use camera::place_camera;
 use colour::Finder;
+pub(crate) use extent::{Extent, FileUnit};
 use input::{focus_on_scene, is_scene_file, read_source};
 use relocate::keys_of;
 pub use relocate::{real_path, relative_path};
@@ -161,7 +164,7 @@ impl TablesOfScene {
 
 impl Capture {
     /// Loads a capture file (`.toml`), a report of one that was rendered (`capture.json`) or a scene file (`.gltf`,
-    /// `.glb`, `.obj`), which stands for a capture of defaults.
+    /// `.glb`, `.obj`, `.ply`, `.stl`), which stands for a capture of defaults.
     ///
     /// # Errors
     ///
@@ -225,6 +228,16 @@ impl Capture {
         [&*self.scene.warnings, &*self.warnings].concat()
     }
 
+    /// The units of the files of its geometry.
+    pub(crate) fn units(&self) -> Result<Vec<FileUnit>> {
+        extent::units(&self.source)
+    }
+
+    /// Tells where the scene is so large that its unit is hardly the metre.
+    pub(crate) fn unit_warning(&self) -> Option<String> {
+        extent::unit_warning(&self.scene, &self.source)
+    }
+
     /// Takes the scene out; its files still tell what results are made of.
     pub(crate) fn take_scene(&mut self) -> Arc<SceneDescription> {
         let left = SceneDescription { files: self.scene.files.clone(), ..SceneDescription::default() };
@@ -277,8 +290,9 @@ impl Capture {
         let (scene, targets) = match earlier.and_then(|earlier| Some((earlier.scene_of(&tables)?, &earlier.targets))) {
             Some((scene, targets)) => (scene, targets.clone()),
             None => {
-                let geometry = ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?;
+                let mut geometry = ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?;
                 if is_scene_file(path) {
+                    geometry.scene.warnings.extend(extent::unit_warning(&geometry.scene, &source));
                     geometry.surround(&mut source)?;
                     file.scene = source.read("scene")?.unwrap_or_default();
                 }

@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::colour::Finder;
 use super::environment::describe_environment;
+use super::geometry_kind::GeometryKind;
 use super::light::describe_lights;
 use super::material::override_materials;
 use super::source::CaptureSource;
@@ -16,8 +17,7 @@ use super::target::scene_of;
 use crate::calibration::targets::PlacedTarget;
 use crate::geometry::QuadricKind;
 use crate::io::gltf::{self, Choice, Moment};
-use crate::io::obj;
-use crate::io::obj::MissingNormals;
+use crate::io::{MissingNormals, obj, ply, stl};
 use crate::scene::description::{
     Colour, Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription,
     TexturedColour,
@@ -97,9 +97,13 @@ impl ReadScene {
         path: &Path,
         index: usize,
     ) -> Result<()> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        let scene = match extension.as_deref() {
-            Some("gltf" | "glb") => {
+        let missing = match table.generate_normals {
+            None | Some(NormalsName::Flat) => MissingNormals::Flat,
+            Some(NormalsName::Smooth) => MissingNormals::Smooth,
+        };
+        let kind = GeometryKind::of(path);
+        let mut scene = match kind {
+            Some(GeometryKind::Gltf) => {
                 let mut file = gltf::read(
                     path,
                     Choice { variant: table.variant.as_deref(), moment, sandbox: Some(source.sandbox()) },
@@ -108,25 +112,25 @@ impl ReadScene {
                 self.animations.append(&mut file.animations);
                 file.scene
             }
-            Some("obj") => {
-                let missing = match table.generate_normals {
-                    None | Some(NormalsName::Flat) => MissingNormals::Flat,
-                    Some(NormalsName::Smooth) => MissingNormals::Smooth,
-                };
+            Some(GeometryKind::Obj) => {
                 let mut file = obj::read(path, missing, source.sandbox())?;
-                let scale = unit_length(table).map_err(|invalid| source.error(invalid.within("scene")))?;
-                for instance in &mut file.scene.instances {
-                    instance.to_world = DAffine3::from_scale(DVec3::splat(scale)) * instance.to_world;
-                }
                 self.undescribed_materials.append(&mut file.undescribed_materials);
                 file.scene
             }
-            _ => {
+            Some(GeometryKind::Ply) => ply::read(path, missing, source.sandbox())?,
+            Some(GeometryKind::Stl) => stl::read(path, missing)?,
+            None => {
                 let message = format!("{} is no scene of a known kind", path.display());
                 let invalid = Invalid::new(format!("scene.geometry[{index}]"), message);
-                return Err(source.error(invalid.help("geometry is read from .gltf, .glb and .obj files")));
+                return Err(source.error(invalid.help("geometry is read from .gltf, .glb, .obj, .ply and .stl files")));
             }
         };
+        if kind.is_some_and(|kind| !kind.is_in_metres()) {
+            let scale = unit_length(table).map_err(|invalid| source.error(invalid.within("scene")))?;
+            for instance in &mut scene.instances {
+                instance.to_world = DAffine3::from_scale(DVec3::splat(scale)) * instance.to_world;
+            }
+        }
         if !within_reach(&scene) {
             let invalid = Invalid::new("", format!("reaches farther than {FARTHEST_M:e} m, too far to compute with"));
             let help = "export it in metres, or correct the scale of its nodes or meters_per_unit";
@@ -379,7 +383,7 @@ fn within_reach(scene: &SceneDescription) -> bool {
     })
 }
 
-/// Length of the unit of OBJ files, m.
+/// Length of the unit of files that have none, m.
 fn unit_length(table: &SceneTable) -> Result<f64, Invalid> {
     let scale = table.meters_per_unit.unwrap_or(1.0);
     if scale.is_finite() && scale > 0.0 {

@@ -17,11 +17,11 @@ use crate::{Result, Sandbox};
 
 /// Render a scene as the camera of a capture file records it.
 ///
-/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj), which then gets a camera that frames it, daylight,
-/// the default lens and the default sensor.
+/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl), which then gets a camera that frames it,
+/// daylight, the default lens and the default sensor.
 #[derive(Args)]
 pub(super) struct RenderArgs {
-    /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
+    /// A capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl).
     input: PathBuf,
     /// Trace these samples of every pixel only: from A up to, but without, B. `photosite merge` makes the picture of
     /// all parts.

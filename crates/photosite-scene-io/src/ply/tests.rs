@@ -311,7 +311,7 @@ fn what_would_show_is_told_when_it_is_left_out() {
 
 #[rstest]
 #[case::kind("ply", "plz", ": is no PLY file")]
-#[case::no_end("end_header", "end_heade", ":10: cannot be read: \"end_heade\"")]
+#[case::no_end("end_header", "end_heade", ":9: cannot be read: \"end_heade\"")]
 #[case::form("ascii", "asci", ":2: cannot be read: \"format asci 1.0\"")]
 #[case::version("1.0", "2.0", ":2: cannot be read: \"format ascii 2.0\"")]
 #[case::no_form("format ascii 1.0\n", "", ": the header has no line \"format\"")]
@@ -325,19 +325,19 @@ fn what_would_show_is_told_when_it_is_left_out() {
 #[case::twice("float y", "float x", ":3: \"x\" is there twice")]
 #[case::no_list("vertex_indices", "indices", ": face: has no list vertex_indices")]
 #[case::cloud("element face 2\nproperty list uchar int vertex_indices\n", "", ": is a cloud of 4 points without faces")]
-#[case::word("1 0 0", "1 x 0", ":12: vertex 1: \"x\" is no number")]
-#[case::comma("1 0 0", "1 0,5 0", ":12: vertex 1: \"0,5\" is no number")]
-#[case::not_a_number("1 0 0", "1 nan 0", ":12: vertex 1: y is not finite: NaN")]
-#[case::infinite("1 0 0", "1 1e39 0", ":12: vertex 1: y is not finite: inf")]
-#[case::missing("1 0 0", "1 0", ":12: vertex 1: has other values than the header announces: x, y, z")]
-#[case::too_many("1 0 0", "1 0 0 0", ":12: vertex 1: has other values than the header announces: x, y, z")]
-#[case::index("3 0 2 3", "3 0 2 4", ":16: face 1: refers to vertex 4, but there are 4")]
-#[case::negative("3 0 2 3", "3 0 2 -1", ":16: face 1: refers to vertex -1, but there are 4")]
-#[case::fraction("3 0 2 3", "3 0 2 1.5", ":16: face 1: \"1.5\" is no int")]
-#[case::range("3 0 2 3", "300 0 2 3", ":16: face 1: \"300\" is no uchar")]
-#[case::long_list("3 0 2 3", "99 0 2 3", ":16: face 1: a list of 99 values cannot be")]
-#[case::short_list("3 0 2 3", "4 0 2 3", ":16: face 1: the file ends within it")]
-#[case::more_vertices("vertex 4", "vertex 5", ":15: vertex 4: has other values than the header announces")]
+#[case::word("1 0 0", "1 x 0", ":11: vertex 1: \"x\" is no number")]
+#[case::comma("1 0 0", "1 0,5 0", ":11: vertex 1: \"0,5\" is no number")]
+#[case::not_a_number("1 0 0", "1 nan 0", ":11: vertex 1: y is not finite: NaN")]
+#[case::infinite("1 0 0", "1 1e39 0", ":11: vertex 1: y is not finite: inf")]
+#[case::missing("1 0 0", "1 0", ":11: vertex 1: has other values than the header announces: x, y, z")]
+#[case::too_many("1 0 0", "1 0 0 0", ":11: vertex 1: has other values than the header announces: x, y, z")]
+#[case::index("3 0 2 3", "3 0 2 4", ":15: face 1: refers to vertex 4, but there are 4")]
+#[case::negative("3 0 2 3", "3 0 2 -1", ":15: face 1: refers to vertex -1, but there are 4")]
+#[case::fraction("3 0 2 3", "3 0 2 1.5", ":15: face 1: \"1.5\" is no int")]
+#[case::range("3 0 2 3", "300 0 2 3", ":15: face 1: \"300\" is no uchar")]
+#[case::long_list("3 0 2 3", "99 0 2 3", ":15: face 1: a list of 99 values cannot be")]
+#[case::short_list("3 0 2 3", "4 0 2 3", ":15: face 1: the file ends within it")]
+#[case::more_vertices("vertex 4", "vertex 5", ":14: vertex 4: has other values than the header announces")]
 #[case::many_vertices(
     "vertex 4",
     "vertex 4000000000",
@@ -387,7 +387,7 @@ fn polygons_that_would_take_for_ever_are_refused() {
     let corners: String = (0..20_000).map(|i| format!(" {}", i % 4)).collect();
     let rows = ROWS.replace("3 0 2 3", &format!("20000{corners}"));
     let error = error(&HEADER.replace("list uchar", "list int"), &rows);
-    assert!(error.contains(":16: face 1: has 20000 corners, more than 10000"), "{error}");
+    assert!(error.contains(":15: face 1: has 20000 corners, more than 10000"), "{error}");
 }
 
 /// Everything that a file can have.

@@ -130,7 +130,7 @@ fn what_would_show_is_told_when_it_is_left_out() {
 #[case::two_numbers("vertex 1e0 0 0e0\n", "vertex 1 0\n", ":7: a number must follow, not \"endloop\"")]
 #[case::not_a_number("vertex 1e0 0", "vertex nan 0", ":8: vertex: is not finite: [NaN, 0, 0]")]
 #[case::infinite("vertex 1e0 0", "vertex 1e39 0", ":8: vertex: is not finite: [inf, 0, 0]")]
-#[case::no_end("endsolid a b\n", "", ":30: the file ends where \"facet\" or \"endsolid\" must follow")]
+#[case::no_end("endsolid a b\n", "", ":29: the file ends where \"facet\" or \"endsolid\" must follow")]
 #[case::more("endsolid a b\n", "endsolid a b\nendsolid\n", ":31: \"solid\" must follow, not \"endsolid\"")]
 fn damaged_texts_are_refused_with_their_line(#[case] from: &str, #[case] to: &str, #[case] message: &str) {
     let text = solid("a b", &FACETS);
