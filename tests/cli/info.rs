@@ -179,7 +179,7 @@ fn how_large_a_scene_is() {
         [unit("a.obj", 0.5, "meters_per_unit"), unit("a.gltf", 1.0, "glTF"), unit("b.ply", 0.5, "meters_per_unit")];
     assert_eq!(found["geometry"], json!(units));
     let text = folder.succeed("info capture.toml").stdout;
-    for words in ["b.ply     0.5  meters_per_unit", "size_m  6, 5.75, 6", "sail", "-2, 0, -2"] {
+    for words in ["b.ply      0.5  meters_per_unit", "size_m  6, 5.75, 6", "sail", "-2, 0, -2"] {
         assert!(text.contains(words), "{words} in\n{text}");
     }
 }

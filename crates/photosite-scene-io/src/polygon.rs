@@ -2,8 +2,9 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-/// Most corners of a polygon: to cut a concave one takes time by their square at least.
-pub(crate) const MOST_CORNERS: usize = 10_000;
+/// Most corners of a polygon. To cut a concave one takes time by their square, or their cube where it winds: seconds for
+/// so many.
+pub(crate) const MOST_CORNERS: usize = 5_000;
 
 /// Calls `emit` with the positions, in `corners`, of each triangle's corners. Convex polygons become a fan around their
 /// first corner; concave ones are cut by clipping ears ([Meisters75](photosite_core::references#meisters75)). A polygon

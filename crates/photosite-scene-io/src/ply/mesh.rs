@@ -93,7 +93,7 @@ impl Geometry {
     /// Reads all elements of a file.
     pub(super) fn read(bytes: &[u8], header: &Header, path: &Path, warnings: &mut Warnings) -> Result<Self> {
         let vertices = header.element("vertex").map_or(0, |vertex| vertex.count);
-        if !header.element("face").is_some_and(|face| face.count > 0) {
+        if header.element("face").is_none_or(|face| face.count == 0) {
             return Err(without_faces(header, vertices).in_file(path));
         }
         // Also that of a corner that none has.

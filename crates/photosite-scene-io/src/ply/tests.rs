@@ -270,6 +270,12 @@ fn the_picture_of_meshlab_is_that_of_the_surface() {
 
     let error = read(&wedges.replace("my tex", "gone"), &rows).expect_err("no picture").to_string();
     assert!(error.contains("scan.ply:4: TextureFile: ") && error.contains("gone.png"), "{error}");
+    fs::create_dir(folder.path().join("in")).expect("a folder");
+    let sandbox = Sandbox::new(&folder.path().join("in")).expect("a sandbox");
+    let bytes = file("ascii", &wedges.replace("my tex", "../my tex"), &rows);
+    let outside = parse(&bytes, &folder.path().join("in/scan.ply"), MissingNormals::Flat, &sandbox);
+    let error = outside.expect_err("outside").to_string();
+    assert!(error.contains(":3: TextureFile: names ") && error.contains("not in the sandbox"), "{error}");
     let bare = read(&format!("comment TextureFile my tex.png\n{HEADER}"), ROWS).expect("valid");
     assert!(bare.images.is_empty() && bare.warnings[0].contains("no UV"), "{:?}", bare.warnings);
     let two = read(&format!("comment TextureFile other.png\n{wedges}"), &rows).expect("valid");
@@ -387,7 +393,7 @@ fn polygons_that_would_take_for_ever_are_refused() {
     let corners: String = (0..20_000).map(|i| format!(" {}", i % 4)).collect();
     let rows = ROWS.replace("3 0 2 3", &format!("20000{corners}"));
     let error = error(&HEADER.replace("list uchar", "list int"), &rows);
-    assert!(error.contains(":15: face 1: has 20000 corners, more than 10000"), "{error}");
+    assert!(error.contains(":15: face 1: has 20000 corners, more than 5000"), "{error}");
 }
 
 /// Everything that a file can have.
