@@ -153,7 +153,11 @@ fn instances(millions: u32) -> SceneDescription {
     let mut scene = sphere(f64::from(millions) * 1e6 / f64::from(SIDE.pow(3)));
     let place = |i: u32| {
         let cell = DVec3::new(f64::from(i % SIDE), f64::from(i / SIDE % SIDE), f64::from(i / SIDE / SIDE));
-        instance(0, DAffine3::from_translation(SPACING * cell) * DAffine3::from_rotation_y(f64::from(i)))
+        InstanceDescription::of_mesh(
+            "",
+            0,
+            DAffine3::from_translation(SPACING * cell) * DAffine3::from_rotation_y(f64::from(i)),
+        )
     };
     scene.instances = (0..SIDE.pow(3)).map(place).collect();
     let low = -0.5 * SPACING as f32;
@@ -183,8 +187,8 @@ fn lamps(count: u32) -> SceneDescription {
             mesh.positions.extend([corner, corner + u, corner + v]);
             mesh.triangles.push([first, first + 1, first + 2]);
         }
-        scene.instances.push(instance(scene.meshes.len(), DAffine3::IDENTITY));
-        scene.meshes.push(mesh);
+        scene.instances.push(InstanceDescription::of_mesh("", scene.meshes.len(), DAffine3::IDENTITY));
+        scene.meshes.push(mesh.into());
     }
     add_room(&mut scene, -1.0, 101.0);
     scene
@@ -197,17 +201,14 @@ fn add_room(scene: &mut SceneDescription, low: f32, high: f32) {
         |i: u32| Vec3::select(BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0), Vec3::splat(high), Vec3::splat(low));
     let material = scene.materials.len();
     scene.materials.push(scenes::diffuse("room", Colour::Rgb([0.5; 3])));
-    scene.instances.push(instance(scene.meshes.len(), DAffine3::IDENTITY));
-    scene.meshes.push(MeshDescription {
+    scene.instances.push(InstanceDescription::of_mesh("", scene.meshes.len(), DAffine3::IDENTITY));
+    let mesh = MeshDescription {
         material,
         positions: (0..8).map(corner).collect(),
         triangles: SIDES.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect(),
         ..MeshDescription::default()
-    });
-}
-
-fn instance(mesh: usize, to_world: DAffine3) -> InstanceDescription {
-    InstanceDescription { name: String::new(), mesh, to_world, later: Vec::new() }
+    };
+    scene.meshes.push(mesh.into());
 }
 
 /// Time a ray, the fastest of several passes.

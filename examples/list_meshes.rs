@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use photosite::Sandbox;
-use photosite::io::{MissingNormals, complete, ply, stl};
+use photosite::io::{ChangedMeshes, MissingNormals, complete, ply, stl};
 use photosite::scene::description::{MeshDescription, SceneDescription};
 use serde_json::{Value, json};
 
@@ -28,9 +28,9 @@ fn listed(file: &str, missing: MissingNormals) -> Result<Value, photosite::Error
         Some("ply") => ply::read(path, missing, &Sandbox::default())?,
         _ => stl::read(path, missing)?,
     };
-    complete(&mut scene);
+    complete(&mut scene, &mut ChangedMeshes::default());
     Ok(json!({
-        "meshes": scene.meshes.iter().map(mesh).collect::<Vec<_>>(),
+        "meshes": scene.meshes.iter().map(|each| mesh(each)).collect::<Vec<_>>(),
         "materials": scene.materials.iter().map(|material| &material.name).collect::<Vec<_>>(),
         "pictures": scene.images.iter().map(|image| [image.width, image.height]).collect::<Vec<_>>(),
         "warnings": scene.warnings,

@@ -49,18 +49,16 @@ fn main() -> photosite::Result<()> {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..MeshDescription::default()
     };
-    let place = |name: &str, mesh: usize, to_world: DAffine3| InstanceDescription {
-        name: name.to_owned(),
-        mesh,
-        to_world,
-        later: Vec::new(),
-    };
     let half_metre =
         DAffine3::from_scale_rotation_translation(DVec3::splat(0.5), glam::DQuat::IDENTITY, DVec3::new(0.0, 0.5, 0.0));
+    let sphere = MeshDescription::of_quadric(QuadricKind::Sphere, "sphere".to_owned(), 1);
     let scene = SceneDescription {
         materials: vec![matt("grey", [0.5; 3]), matt("red", [0.6, 0.05, 0.05])],
-        meshes: vec![floor, MeshDescription::of_quadric(QuadricKind::Sphere, "sphere".to_owned(), 1)],
-        instances: vec![place("floor", 0, DAffine3::IDENTITY), place("sphere", 1, half_metre)],
+        meshes: vec![floor.into(), sphere.into()],
+        instances: vec![
+            InstanceDescription::of_mesh("floor", 0, DAffine3::IDENTITY),
+            InstanceDescription::of_mesh("sphere", 1, half_metre),
+        ],
         ..SceneDescription::default()
     };
 

@@ -43,13 +43,8 @@ pub(crate) fn sphere(bands: u32, sectors: u32) -> SceneDescription {
 pub(crate) fn of_one_mesh(rgb: [f32; 3], mesh: MeshDescription) -> SceneDescription {
     SceneDescription {
         materials: vec![diffuse("all", Colour::Rgb(rgb))],
-        meshes: vec![mesh],
-        instances: vec![InstanceDescription {
-            name: String::new(),
-            mesh: 0,
-            to_world: DAffine3::IDENTITY,
-            later: Vec::new(),
-        }],
+        meshes: vec![mesh.into()],
+        instances: vec![InstanceDescription::of_mesh("", 0, DAffine3::IDENTITY)],
         ..SceneDescription::default()
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::{DMat3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::geometry_kind::GeometryKind;
 use super::input::is_scene_file;
@@ -11,7 +11,7 @@ use super::tables::SceneTable;
 use crate::Result;
 use crate::geometry::QuadricKind;
 use crate::math::float::rounded;
-use crate::scene::description::{InstanceDescription, SceneDescription};
+use crate::scene::description::{InstanceDescription, MeshDescription, SceneDescription};
 
 /// Longest side of what files without a unit hold, m: what is longer looks like millimetres, of which that would be two
 /// centimetres, or like centimetres or inches.
@@ -35,10 +35,14 @@ impl Extent {
 
     /// That of an instance where it is first.
     pub(crate) fn of_instance(scene: &SceneDescription, instance: &InstanceDescription) -> Option<Self> {
-        let mesh = &scene.meshes[instance.mesh];
+        let meshes = scene.meshes[instance.meshes.clone()].iter();
+        Self::around(meshes.filter_map(|mesh| Self::of_mesh(mesh, &instance.to_world)))
+    }
+
+    fn of_mesh(mesh: &MeshDescription, to_world: &DAffine3) -> Option<Self> {
         if let Some(kind) = mesh.quadric {
-            let DMat3 { x_axis: x, y_axis: y, z_axis: z } = instance.to_world.matrix3;
-            let middle = instance.to_world.translation;
+            let DMat3 { x_axis: x, y_axis: y, z_axis: z } = to_world.matrix3;
+            let middle = to_world.translation;
             // The reach of a ball or of a circle along each axis is the length of the row there.
             let reach = |z: DVec3| (x * x + y * y + z * z).map(f64::sqrt);
             let around = |middle: DVec3, reach: DVec3| Self { low: middle - reach, high: middle + reach };
@@ -53,7 +57,7 @@ impl Extent {
         }
         // Not of vertices that no triangle has, as where meshes of a file share them.
         let corners = mesh.triangles.iter().flatten().map(|&corner| {
-            let point = instance.to_world.transform_point3(mesh.positions[corner as usize].as_dvec3());
+            let point = to_world.transform_point3(mesh.positions[corner as usize].as_dvec3());
             Self { low: point, high: point }
         });
         Self::around(corners)
@@ -102,35 +106,55 @@ impl UnitSource {
     }
 }
 
-/// The geometry files of a capture with their units.
+/// The geometry files of a capture with their units, each once.
 pub(super) fn units(source: &CaptureSource) -> Result<Vec<FileUnit>> {
     let table: SceneTable = source.read("scene")?.unwrap_or_default();
-    let unit = |file: String| {
-        let is_in_metres = GeometryKind::of(Path::new(&file)).is_none_or(GeometryKind::is_in_metres);
-        let (unit_m, source) = match table.meters_per_unit {
-            _ if is_in_metres => (1.0, UnitSource::Gltf),
-            Some(unit_m) => (unit_m, UnitSource::Capture),
-            None => (1.0, UnitSource::Assumed),
-        };
-        FileUnit { file, unit_m, source }
-    };
-    Ok(table.geometry.into_iter().map(unit).collect())
+    let of_objects = table.objects.into_iter().map(|object| {
+        let assumed = if is_in_metres(&object.file) { UnitSource::Gltf } else { UnitSource::Assumed };
+        (object.file, object.meters_per_unit, assumed)
+    });
+    // Of the short form, glTF keeps its own unit.
+    let of_geometry = table.geometry.into_iter().map(|file| match is_in_metres(&file) {
+        true => (file, None, UnitSource::Gltf),
+        false => (file, table.meters_per_unit, UnitSource::Assumed),
+    });
+    let mut units = Vec::new();
+    for (file, stated, otherwise) in of_geometry.chain(of_objects) {
+        let source = if stated.is_some() { UnitSource::Capture } else { otherwise };
+        let unit = FileUnit { file, unit_m: stated.unwrap_or(1.0), source };
+        if !units.contains(&unit) {
+            units.push(unit);
+        }
+    }
+    Ok(units)
+}
+
+fn is_in_metres(file: &str) -> bool {
+    GeometryKind::of(Path::new(file)).is_none_or(GeometryKind::is_in_metres)
 }
 
 /// Tells that a scene is so large that its unit is hardly the metre: of files without a unit, or of a glTF file that
-/// stands for a capture.
+/// stands for a capture. Of objects with poses it is the largest that counts, not how far they stand apart.
 pub(super) fn unit_warning(scene: &SceneDescription, source: &CaptureSource) -> Option<String> {
     let units = units(source).ok()?;
     let assumed = units.iter().find(|unit| unit.source == UnitSource::Assumed);
-    let is_mesh = |instance: &&InstanceDescription| scene.meshes[instance.mesh].quadric.is_none();
-    let boxes = scene.instances.iter().filter(is_mesh).filter_map(|instance| Extent::of_instance(scene, instance));
-    let size = Extent::around(boxes)?.size();
+    let is_mesh = |instance: &&InstanceDescription| {
+        scene.meshes[instance.meshes.clone()].iter().all(|mesh| mesh.quadric.is_none())
+    };
+    let instances = scene.instances.iter().filter(is_mesh);
+    let boxes = instances.filter_map(|instance| Extent::of_instance(scene, instance));
+    let size = if source.has("scene.objects") {
+        boxes.map(|extent| extent.size()).max_by(|a, b| a.max_element().total_cmp(&b.max_element()))?
+    } else {
+        Extent::around(boxes)?.size()
+    };
+    let key = if source.has("scene.objects") { "meters_per_unit of the object" } else { "scene.meters_per_unit" };
     let longest = size.max_element();
     let [x, y, z] = size.to_array().map(|m| rounded(m, 3));
     match assumed {
         Some(FileUnit { file, .. }) if longest > LONGEST_M => Some(format!(
-            "the scene is {x} × {y} × {z} m large, as {file} states no unit and is taken to be in metres: write \
-             scene.meters_per_unit = 0.001 for millimetres, 0.01 for centimetres, 0.0254 for inches, or 1 if it is right"
+            "the scene is {x} × {y} × {z} m large, as {file} states no unit and is taken to be in metres: write {key} = 0.001 \
+             for millimetres, 0.01 for centimetres, 0.0254 for inches, or 1 if it is right"
         )),
         None if longest > LONGEST_OF_GLTF_M && is_scene_file(source.path()) => Some(format!(
             "the scene is {x} × {y} × {z} m large, as glTF is in metres: if it is not, export it in metres"

@@ -22,7 +22,7 @@ pub(super) struct Sphere {
 pub(super) fn bounding_sphere(scene: &SceneDescription) -> Option<Sphere> {
     let points = || {
         scene.instances.iter().flat_map(|instance| {
-            let positions = scene.meshes[instance.mesh].positions.iter();
+            let positions = scene.meshes[instance.meshes.clone()].iter().flat_map(|mesh| &mesh.positions);
             positions.map(|p| instance.to_world.transform_point3(p.as_dvec3()))
         })
     };

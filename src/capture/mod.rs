@@ -38,9 +38,12 @@ mod lens;
 mod lens_elements;
 mod light;
 mod material;
+mod models;
 mod motion;
+mod objects;
 mod overrides;
 mod projection;
+mod quadrics;
 mod reader;
 mod relocate;
 mod scene;
@@ -67,7 +70,6 @@ use glam::DAffine3;
 use crate::calibration::targets::PlacedTarget;
 use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
-use crate::io::gltf::Moment;
 use crate::optics::{LensDescription, LensKind, Recording};
 use crate::scene::description::SceneDescription;
 use crate::sensor::SensorModel;
@@ -79,6 +81,8 @@ use camera::place_camera;
 use colour::Finder;
 pub(crate) use extent::{Extent, FileUnit};
 use input::{focus_on_scene, is_scene_file, read_source};
+use models::KnownModels;
+use motion::Moments;
 use relocate::keys_of;
 pub use relocate::{real_path, relative_path};
 use scene::ReadScene;
@@ -131,6 +135,8 @@ pub struct Capture {
     pub source: CaptureSource,
     /// What the scene was read from, and the scene itself as long as somebody holds it; `None` where no tables say it.
     known_scene: Option<(TablesOfScene, Weak<SceneDescription>)>,
+    /// What files of geometry hold that its scene or those of related captures were made of.
+    models: KnownModels,
     /// What it was read from, to be read again with changes; `None` where no file and no values hold its scene.
     origin: Option<Origin>,
 }
@@ -151,14 +157,14 @@ struct Origin {
 #[derive(Clone, Debug, PartialEq)]
 struct TablesOfScene {
     tables: [Option<serde_json::Value>; 4],
-    moment: Option<Moment>,
+    moments: Moments,
 }
 
 impl TablesOfScene {
-    fn of(source: &CaptureSource, moment: Option<&Moment>) -> Result<Self> {
+    fn of(source: &CaptureSource, moments: Moments) -> Result<Self> {
         let [scene, targets, lights, materials] = ["scene", "targets", "lights", "materials"];
         let tables = [source.read(scene)?, source.read(targets)?, source.read(lights)?, source.read(materials)?];
-        Ok(Self { tables, moment: moment.cloned() })
+        Ok(Self { tables, moments })
     }
 }
 
@@ -240,6 +246,7 @@ impl Capture {
 
     /// Takes the scene out; its files still tell what results are made of.
     pub(crate) fn take_scene(&mut self) -> Arc<SceneDescription> {
+        self.models = KnownModels::default();
         let left = SceneDescription { files: self.scene.files.clone(), ..SceneDescription::default() };
         std::mem::replace(&mut self.scene, Arc::new(left))
     }
@@ -283,14 +290,19 @@ impl Capture {
         }
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut file = CaptureFile::read(&mut source, folder)?;
-        let moment = motion::moment(&file, frame, source.sandbox()).map_err(|invalid| source.error(invalid))?;
-        let tables = TablesOfScene::of(&source, moment.as_ref())?;
+        let moments = Moments::of(&file, frame, source.sandbox()).map_err(|invalid| source.error(invalid))?;
+        let tables = TablesOfScene::of(&source, moments)?;
+        let models = match earlier {
+            Some(earlier) => earlier.models.clone(),
+            None if origin.is_of_set => KnownModels::kept(),
+            None => KnownModels::default(),
+        };
         // A scene file gets its surroundings from what it holds.
         let earlier = earlier.filter(|_| !is_scene_file(path));
         let (scene, targets) = match earlier.and_then(|earlier| Some((earlier.scene_of(&tables)?, &earlier.targets))) {
             Some((scene, targets)) => (scene, targets.clone()),
             None => {
-                let mut geometry = ReadScene::of_capture(&source, &file.scene, moment.as_ref(), folder)?;
+                let mut geometry = ReadScene::of_capture(&source, &file, &tables.moments, folder, &models)?;
                 if is_scene_file(path) {
                     geometry.scene.warnings.extend(extent::unit_warning(&geometry.scene, &source));
                     geometry.surround(&mut source)?;
@@ -302,7 +314,7 @@ impl Capture {
         let read = Self::assemble(&file, scene, targets, &source, folder, frame);
         let read = read.map_err(|invalid| source.error(invalid))?;
         let known_scene = Some((tables, Arc::downgrade(&read.scene)));
-        Ok(Self { origin: Some(origin), known_scene, ..read })
+        Ok(Self { origin: Some(origin), known_scene, models, ..read })
     }
 
     /// The scene, if these tables are what it was read from.
@@ -350,7 +362,7 @@ impl Capture {
         source.displaced().iter().for_each(|message| warnings.once(message));
         let (camera_to_world, lens) = place_camera(file, motion.as_ref(), &finder, &scene, &sensor, &mut warnings)?;
         let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
-        let scene_moves = file.scene.animation.is_some();
+        let scene_moves = file.scene.is_animated();
         let mover = if motion.is_some() { "camera.motion" } else { "scene.animation" };
         let moves = motion.is_some() || scene_moves;
         if moves && exposure.bracket.is_some() {
@@ -408,6 +420,7 @@ impl Capture {
             warnings,
             source: source.clone(),
             known_scene: None,
+            models: KnownModels::default(),
             origin: None,
         })
     }

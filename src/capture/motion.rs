@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 
 use super::sensor::sensor_model;
 use super::settings::{self, ExposureSettings, ExposureTime};
-use super::tables::{CameraTable, CaptureFile, MotionTable, PoseTable, SceneTable};
+use super::tables::{CameraTable, CaptureFile, MotionTable, ObjectTable, PoseTable, SceneTable};
 use crate::Invalid;
 use crate::io::gltf::Moment;
 use crate::optics::{CameraMotion, Recording, TimedPose};
@@ -69,23 +69,54 @@ pub(super) fn motion_of_file(
     (parts > 0.0).then(|| CameraMotion::Poses(places().enumerate().map(pose).collect()))
 }
 
-/// When the picture of that number is taken of the animation, if one is.
-pub(super) fn moment(file: &CaptureFile, frame: u32, sandbox: &Sandbox) -> Result<Option<Moment>, Invalid> {
-    let SceneTable { animation, animation_time_s, .. } = &file.scene;
+/// When a picture is taken of the animations of a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Moments {
+    /// Of the animation of `scene.geometry`, if it has one.
+    pub(super) of_scene: Option<Moment>,
+    /// Of that of each object.
+    pub(super) of_objects: Vec<Option<Moment>>,
+}
+
+impl Moments {
+    /// Those of the picture of that number.
+    pub(super) fn of(file: &CaptureFile, frame: u32, sandbox: &Sandbox) -> Result<Self, Invalid> {
+        let SceneTable { animation, animation_time_s, objects, .. } = &file.scene;
+        let of_scene = moment(file, animation.as_ref(), *animation_time_s, frame, sandbox);
+        let of_object = |(i, object): (usize, &ObjectTable)| {
+            let found = moment(file, object.animation.as_ref(), object.animation_time_s, frame, sandbox);
+            found.map_err(|invalid| invalid.within(&format!("scene.objects[{i}]")))
+        };
+        Ok(Self {
+            of_scene: of_scene.map_err(|invalid| invalid.within("scene"))?,
+            of_objects: objects.iter().enumerate().map(of_object).collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+/// When the picture of that number is taken of an animation, if there is one. Keys of errors are `animation` and
+/// `animation_time_s`.
+fn moment(
+    file: &CaptureFile,
+    animation: Option<&String>,
+    time_s: Option<f64>,
+    frame: u32,
+    sandbox: &Sandbox,
+) -> Result<Option<Moment>, Invalid> {
     let Some(animation) = animation else {
-        return match animation_time_s {
+        return match time_s {
             None => Ok(None),
-            Some(_) => Err(Invalid::new("scene.animation_time_s", "goes only with an animation")
+            Some(_) => Err(Invalid::new("animation_time_s", "goes only with an animation")
                 .help("remove it, or name an animation, for example animation = \"Walk\"")),
         };
     };
-    let start_s = animation_time_s.unwrap_or(0.0);
+    let start_s = time_s.unwrap_or(0.0);
     if !start_s.is_finite() {
-        return Err(Invalid::new("scene.animation_time_s", format!("must be finite, got {start_s}")));
+        return Err(Invalid::new("animation_time_s", format!("must be finite, got {start_s}")));
     }
     let sensor = sensor_model(&file.sensor, sandbox).map_err(|invalid| invalid.within("sensor"))?;
     let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
-    let recording = recording("scene.animation", None, &exposure, &sensor)?.later(frame);
+    let recording = recording("animation", None, &exposure, &sensor)?.later(frame);
     let start_s = start_s + recording.start_s;
     Ok(Some(Moment { animation: animation.clone(), start_s, duration_s: recording.duration_s }))
 }

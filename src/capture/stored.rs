@@ -130,6 +130,7 @@ impl Capture {
             scene: Arc::new(SceneDescription { files: self.scene.files.clone(), ..SceneDescription::default() }),
             warnings,
             known_scene: None,
+            models: self.models.clone(),
             targets: self.targets.clone(),
             recording: self.recording.clone(),
             lens: self.lens.clone(),

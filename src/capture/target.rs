@@ -8,7 +8,7 @@ use super::source::CaptureSource;
 use super::tables::TargetTable;
 use super::{file, overrides};
 use crate::calibration::targets::{PlacedTarget, Target, TargetDescription, TargetKind};
-use crate::scene::description::{InstanceDescription, SceneDescription, look_at, vector};
+use crate::scene::description::{InstanceDescription, MeshDescription, SceneDescription, look_at, vector};
 use crate::{Invalid, Result};
 
 /// Reads the description of a target that the command line asks for: a kind, and `key=value` for any of its keys.
@@ -70,10 +70,8 @@ pub(super) fn scene_of(placed: &PlacedTarget) -> SceneDescription {
     let mut scene = SceneDescription::default();
     for (index, (material, mesh)) in placed.target.meshes(&placed.name).into_iter().enumerate() {
         scene.materials.push(material);
-        scene.meshes.push(crate::scene::description::MeshDescription { material: index, ..mesh });
-        let name = placed.name.clone();
-        let instance = InstanceDescription { name, mesh: index, to_world: placed.to_world, later: Vec::new() };
-        scene.instances.push(instance);
+        scene.meshes.push(MeshDescription { material: index, ..mesh }.into());
+        scene.instances.push(InstanceDescription::of_mesh(&placed.name, index, placed.to_world));
     }
     scene
 }

@@ -235,7 +235,7 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
         "meshes": scene.meshes.len(),
         "triangles": (0..scene.meshes.len()).map(triangles).sum::<usize>(),
         "instances": scene.instances.len(),
-        "triangles_of_instances": scene.instances.iter().map(|i| triangles(i.mesh)).sum::<usize>(),
+        "triangles_of_instances": scene.instances.iter().flat_map(|i| i.meshes.clone()).map(triangles).sum::<usize>(),
         "bounding_box": Extent::of_scene(scene).as_ref().map(of_extent),
         "objects": scene.instances.iter().filter_map(object).collect::<Vec<_>>(),
         "textures": scene.images.len(),

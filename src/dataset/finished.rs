@@ -160,7 +160,7 @@ pub(super) fn shot(path: &Path, report: Report, line: Line, camera: usize) -> Re
         shutter,
         is_skewed: recording.is_some_and(|recording| recording.row_time_s != 0.0),
         targets: targets.into_iter().flatten().map(seen).collect(),
-        objects: truth.map_or_else(Vec::new, |truth| SceneObject::of_instances(truth.objects())),
+        objects: truth.map_or_else(Vec::new, |truth| SceneObject::of_numbers(truth.objects())),
     })
 }
 

@@ -36,4 +36,4 @@ pub mod truth;
 pub mod unfinished;
 
 pub use photosite_core::{cleanup, output};
-pub use photosite_scene_io::{MissingNormals, complete, gltf, obj, ply, stl};
+pub use photosite_scene_io::{ChangedMeshes, MeshChange, MissingNormals, complete, gltf, obj, ply, stl};

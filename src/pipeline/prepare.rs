@@ -89,12 +89,17 @@ impl Prepared {
         let surfaces = description.surfaces();
         let described = Arc::downgrade(&description);
         // Another scene's memory is free again before this one is built.
-        let earlier = earlier.filter(|earlier| earlier.is_of(&description) && earlier.importance == importance);
-        let (scene, light) = match &earlier {
+        let earlier = earlier.filter(|earlier| {
+            (earlier.is_of(&description) || earlier.scene.has_meshes_of(&description))
+                && earlier.importance == importance
+        });
+        let same_scene = earlier.as_ref().filter(|earlier| earlier.is_of(&description)).cloned();
+        let (scene, light) = match &same_scene {
             Some(earlier) => (Arc::clone(&earlier.scene), earlier.light.clone()),
             None => {
                 needs::check_scene(&description, &capture.source)?;
-                let scene = scene::build(Arc::unwrap_or_clone(description), &importance);
+                let earlier = earlier.as_ref().map(|earlier| &*earlier.scene);
+                let scene = scene::build_after(Arc::unwrap_or_clone(description), &importance, earlier);
                 let light = scene_light(&capture, &scene)?;
                 (Arc::new(scene), light)
             }
@@ -108,7 +113,7 @@ impl Prepared {
             focal_length_m: Some(capture.lens.focal_length_m).filter(|f| camera.makes_picture() && *f > 0.0),
             transmittance: capture.lens.transmittance.clone(),
         };
-        let same_sensor = earlier.filter(|earlier| {
+        let same_sensor = same_scene.filter(|earlier| {
             earlier.capture.sensor == capture.sensor && earlier.capture.lens.transmittance == optics.transmittance
         });
         let colours = match &same_sensor {

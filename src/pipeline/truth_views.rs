@@ -27,9 +27,11 @@ pub(super) struct TruthViews<'a> {
 impl<'a> TruthViews<'a> {
     pub(super) fn new(prepared: &'a Prepared, layers: &[TruthLayer]) -> Result<Self> {
         let Prepared { capture, scene, camera, .. } = prepared;
-        let common = layers
-            .contains(&TruthLayer::Flow)
-            .then_some(Common { surfaces: prepared.surfaces, importance: &prepared.importance });
+        let common = layers.contains(&TruthLayer::Flow).then_some(Common {
+            surfaces: prepared.surfaces,
+            importance: &prepared.importance,
+            scene,
+        });
         let changed = common.as_ref().map(|common| ChangedPicture::read(capture, scene, common)).transpose()?.flatten();
         let place = capture.output.truth.partner.filter(|_| layers.contains(&TruthLayer::Disparity));
         let partner = place.map(|place| Ok((partner_camera(capture, camera, place, scene)?, place))).transpose()?;
@@ -112,6 +114,8 @@ pub(super) struct Common<'a> {
     /// Of the [surfaces](crate::scene::description::SceneDescription::surfaces).
     pub(super) surfaces: u64,
     pub(super) importance: &'a Spectrum,
+    /// That of this picture.
+    pub(super) scene: &'a Scene,
 }
 
 impl Common<'_> {
@@ -123,7 +127,7 @@ impl Common<'_> {
             let help = "leave \"flow\" out, or let the geometry stay: what is placed may move and change its shape";
             return Err(next.source.error(Invalid::new("output.truth", message).help(help)));
         }
-        Ok(scene::build(Arc::unwrap_or_clone(description), self.importance))
+        Ok(scene::build_after(Arc::unwrap_or_clone(description), self.importance, Some(self.scene)))
     }
 }
 

@@ -39,11 +39,12 @@ impl TruthReport {
         recording: Option<&Recording>,
     ) -> Option<Self> {
         let part = recording.map_or(0.0, |recording| recording.part(recording.middle_s()));
+        let objects = scene.all_objects();
         (!layers.is_empty()).then(|| Self {
             layers: layers.iter().map(|layer| layer.name().to_owned()).collect(),
             depth_unit_mm: depth_unit_m * 1e3,
-            instances: scene.instances.iter().map(|instance| instance.name.clone()).collect(),
-            instances_to_world: scene.instances.iter().map(|instance| placement(&instance.at(part))).collect(),
+            instances: objects.iter().map(|object| object.name.clone()).collect(),
+            instances_to_world: objects.iter().map(|object| placement(&object.at(part))).collect(),
             materials: scene.materials.iter().map(|material| material.name.clone()).collect(),
             has_next: layers.contains(&TruthLayer::Flow).then_some(has_next),
         })

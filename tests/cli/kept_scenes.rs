@@ -29,12 +29,22 @@ use crate::folder::Folder;
 #[case::samples("render.samples_per_pixel", "[1, 2]")]
 #[case::development("develop.exposure_ev", "[0, 1]")]
 #[case::truth("output.truth", "[['depth'], ['flow']]")]
+#[case::object("scene.objects.0.position_m", "[[0, 0, 0], [0, 0, 0.05]]")]
+#[case::object_turned("scene.objects.1.rotation_deg", "[[0, 0, 0], [0, 30, 0]]")]
+#[case::object_of_another_file("scene.objects.1.file", "['cube.obj', 'tile.obj']")]
+#[case::object_of_another_material("scene.objects.0.material", "['red', 'lamp']")]
+#[case::object_visible("scene.objects.1.visible", "[true, false]")]
+#[case::material("materials.red.reflectance", "[0.2, 0.6]")]
+#[case::material_that_shines("materials.lamp.emission.luminance_nit", "[100, 2000]")]
 fn pictures_are_those_of_a_process_of_their_own(#[case] key: &str, #[case] choice: &str) {
     let preset = if key == "sensor.cfa" { "set = ['sensor.preset=generic-cmos-color']\n" } else { "" };
     let folder = folder(&format!(
         "{preset}frames = 5\nseed = 2\n[poses.random]\ntarget = 'board'\ndistance_m = [0.7, 1.2]\nmargin_px = 1\n\
          [[vary]]\nkey = '{key}'\nchoice = {choice}\n"
     ));
+    if !key.starts_with("targets") {
+        add_objects(&folder);
+    }
     folder.succeed("dataset set.toml -o together --jobs 1");
     folder.succeed("dataset set.toml -o at-once --jobs 3 --threads 2");
     for frame in 0..5 {
@@ -56,6 +66,33 @@ fn pictures_are_those_of_a_process_of_their_own(#[case] key: &str, #[case] choic
     let values: BTreeSet<String> =
         manifest(&folder, "together").iter().map(|line| line["overrides"].to_string()).collect();
     assert!(values.len() >= 2, "{key} varies");
+}
+
+/// Objects of two files before the board; a shared one, one with a material of its own, and one that no pose moves.
+fn add_objects(folder: &Folder) {
+    let cube = "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    folder.add("cube.obj", cube);
+    folder.add("tile.obj", "v 0 0 0\nv .1 0 0\nv .1 .1 0\nv 0 .1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\n");
+    let objects = "
+        [[scene.objects]]
+        file = 'cube.obj'
+        position_m = [0.02, 0.01, 0.03]
+        material = 'red'
+        [[scene.objects]]
+        file = 'cube.obj'
+        position_m = [-0.1, 0, 0.02]
+        scale = [1, 0.5, 2]
+        [[scene.objects]]
+        file = 'tile.obj'
+        [materials.red]
+        type = 'diffuse'
+        reflectance = 0.3
+        [materials.lamp]
+        type = 'diffuse'
+        reflectance = 0
+        emission = { illuminant = 'D65', luminance_nit = 500 }";
+    let board = fs::read_to_string(folder.path("board.toml")).expect("the capture");
+    folder.add("board.toml", format!("{board}{objects}"));
 }
 
 #[test]

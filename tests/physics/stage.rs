@@ -38,18 +38,14 @@ impl Stage {
     ) -> Self {
         let name = format!("material {}", self.0.materials.len());
         let material = MaterialDescription { emission, ..MaterialDescription::new(name, model) };
-        self.0.instances.push(InstanceDescription {
-            name: String::new(),
-            mesh: self.0.meshes.len(),
-            to_world: DAffine3::IDENTITY,
-            later: Vec::new(),
-        });
-        self.0.meshes.push(MeshDescription {
+        self.0.instances.push(InstanceDescription::of_mesh("", self.0.meshes.len(), DAffine3::IDENTITY));
+        let mesh = MeshDescription {
             material: self.0.materials.len(),
             positions: triangles.iter().flatten().copied().collect(),
             triangles: (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
             ..Default::default()
-        });
+        };
+        self.0.meshes.push(mesh.into());
         self.0.materials.push(material);
         self
     }
@@ -69,7 +65,7 @@ impl Stage {
 
     /// Places a mesh once more.
     pub(crate) fn again_of(mut self, mesh: usize, to_world: DAffine3) -> Self {
-        self.0.instances.push(InstanceDescription { name: String::new(), mesh, to_world, later: Vec::new() });
+        self.0.instances.push(InstanceDescription::of_mesh("", mesh, to_world));
         self
     }
 

@@ -43,12 +43,11 @@ fn wall(squares: [u8; 4], filter: Filter) -> Scene {
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..MeshDescription::default()
     };
-    let instance =
-        InstanceDescription { name: String::new(), mesh: 0, to_world: DAffine3::IDENTITY, later: Vec::new() };
+    let instance = InstanceDescription::of_mesh("", 0, DAffine3::IDENTITY);
     let description = SceneDescription {
         images: vec![Arc::new(board)],
         materials: vec![material],
-        meshes: vec![mesh],
+        meshes: vec![mesh.into()],
         instances: vec![instance],
         ..SceneDescription::default()
     };

@@ -46,13 +46,8 @@ pub(crate) fn add_meshes(
             continue;
         }
         let (name, index) = (mesh.name.clone(), scene.meshes.len());
-        scene.meshes.push(mesh);
-        scene.instances.push(InstanceDescription {
-            name,
-            mesh: index,
-            to_world: DAffine3::IDENTITY,
-            later: Vec::new(),
-        });
+        scene.meshes.push(mesh.into());
+        scene.instances.push(InstanceDescription::of_mesh(name, index, DAffine3::IDENTITY));
     }
     if zero_area > 0 {
         warnings.once(super::zero_area_message(zero_area));

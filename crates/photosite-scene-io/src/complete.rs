@@ -3,47 +3,61 @@
 
 use glam::{Vec2, Vec4};
 
+use super::changed_meshes::{ChangedMeshes, MeshChange};
 use super::mesh::flatten;
 use super::tangents::with_tangents;
 use photosite_core::warnings::Warnings;
 use photosite_transport::scene::description::{
-    LayeredDescription, MaterialDescription, Roughness, SceneDescription, Visit,
+    LayeredDescription, MaterialDescription, MeshDescription, Roughness, SceneDescription, Visit,
 };
 use photosite_transport::texture::UvTransform;
 
 /// Adds to every mesh what its material needs: a UV set of zeros for each that textures use and the mesh lacks (with a
 /// warning), and tangents for normal maps and anisotropy. A flat-shaded mesh that needs tangents gets its geometric
 /// normals written out. To be called when no material changes any more.
-pub fn complete(scene: &mut SceneDescription) {
+pub fn complete(scene: &mut SceneDescription, known: &mut ChangedMeshes) {
     let mut warnings = Warnings::default();
     for mesh in &mut scene.meshes {
         let material = &scene.materials[mesh.material];
-        if mesh.quadric.is_some() {
-            // It has UVs and tangents of its own; that there are any here tells that they are wanted.
-            if tangent_frame(material).is_some() {
-                mesh.tangents = vec![Vec4::ZERO; mesh.positions.len()];
-            }
-            continue;
-        }
-        for texture in material.textures() {
-            if mesh.uvs.len() <= texture.uv_set {
+        let tangents = tangent_frame(material).filter(|_| mesh.tangents.is_empty() || mesh.normals.is_empty());
+        let textures = material.textures();
+        let missing = || textures.iter().filter(|texture| mesh.uvs.len() <= texture.uv_set);
+        if mesh.quadric.is_none() {
+            for texture in missing() {
                 let (mesh_name, material_name, set) = (&mesh.name, &material.name, texture.uv_set);
                 warnings.once(format!(
                     "the mesh {mesh_name:?} lacks TEXCOORD_{set}, which its material {material_name:?} uses: the picture's corner stands for all of it"
                 ));
-                mesh.uvs.resize(texture.uv_set + 1, vec![Vec2::ZERO; mesh.positions.len()]);
             }
         }
-        let Some((uv_set, transform)) = tangent_frame(material) else { continue };
-        if mesh.normals.is_empty() {
-            *mesh = flatten(mesh);
-        }
-        if mesh.tangents.is_empty() {
-            mesh.uvs.resize((uv_set + 1).max(mesh.uvs.len()), vec![Vec2::ZERO; mesh.positions.len()]);
-            *mesh = with_tangents(mesh, uv_set, &transform);
+        let uv_sets = missing().map(|texture| texture.uv_set + 1).max().unwrap_or(0);
+        if tangents.is_some() || uv_sets > 0 && mesh.quadric.is_none() {
+            let change = MeshChange::Completed { uv_sets, tangents };
+            known.change(mesh, change, |mesh| complete_mesh(mesh, uv_sets, tangents));
         }
     }
     scene.warnings.extend(warnings.into_messages());
+}
+
+/// Gives a mesh so many UV sets at least, and tangents.
+fn complete_mesh(mesh: &mut MeshDescription, uv_sets: usize, tangents: Option<(usize, UvTransform)>) {
+    if mesh.quadric.is_some() {
+        // It has UVs and tangents of its own; that there are any here tells that they are wanted.
+        mesh.tangents = vec![Vec4::ZERO; mesh.positions.len()];
+        return;
+    }
+    let with_sets = |mesh: &mut MeshDescription, count: usize| {
+        mesh.uvs.resize(count.max(mesh.uvs.len()), vec![Vec2::ZERO; mesh.positions.len()]);
+    };
+    with_sets(mesh, uv_sets);
+    let Some((uv_set, transform)) = tangents else { return };
+    if mesh.normals.is_empty() {
+        *mesh = flatten(mesh);
+    }
+    if mesh.tangents.is_empty() {
+        with_sets(mesh, uv_set + 1);
+        *mesh = with_tangents(mesh, uv_set, &transform);
+    }
 }
 
 /// The UV set and transform that tangents follow, if the material needs any.

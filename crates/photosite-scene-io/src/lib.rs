@@ -4,6 +4,7 @@
 #![forbid(unsafe_code)]
 
 mod assemble;
+mod changed_meshes;
 mod complete;
 mod environment;
 pub mod gltf;
@@ -16,6 +17,7 @@ mod polygon;
 pub mod stl;
 mod tangents;
 
+pub use changed_meshes::{ChangedMeshes, MeshChange};
 pub use complete::complete;
 pub use environment::{decode_environment, read_environment};
 pub use ies::{parse_ies, read_ies};

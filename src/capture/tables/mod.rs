@@ -8,6 +8,7 @@ mod colour;
 mod lens_elements;
 mod light;
 mod material;
+mod object;
 mod scene;
 mod settings;
 mod target;
@@ -34,6 +35,7 @@ pub(super) use light::{
     DirectionalTable, GaussianBeamTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable,
 };
 pub(super) use material::*;
+pub(super) use object::{MaterialChoice, ObjectTable, ScaleSource, UpAxis};
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable};
 pub use settings::RawFormat;
 pub(super) use settings::{

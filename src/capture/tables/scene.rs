@@ -5,13 +5,14 @@ use serde::Deserialize;
 
 use crate::sensor::SpectrumSource;
 
-use super::LightColour;
+use super::{LightColour, ObjectTable};
 
 /// What is there: geometry and surroundings.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SceneTable {
-    /// Files of geometry, glTF (.gltf, .glb), OBJ (.obj), PLY (.ply) or STL (.stl), relative to this file.
+    /// Files of geometry, glTF (.gltf, .glb), OBJ (.obj), PLY (.ply) or STL (.stl), relative to this file: they stand as
+    /// they are, the short form of `[[scene.objects]]` without poses.
     #[serde(default)]
     pub(crate) geometry: Vec<String>,
     /// Name of a material variant of the glTF files (KHR_materials_variants). Left out: their basic materials.
@@ -26,6 +27,9 @@ pub(crate) struct SceneTable {
     pub(crate) meters_per_unit: Option<f64>,
     /// What faces without normals get in OBJ, PLY and STL files, outside the smoothing groups of OBJ. Left out: "flat".
     pub(crate) generate_normals: Option<NormalsName>,
+    /// Objects: files of geometry with poses of their own.
+    #[serde(default)]
+    pub(crate) objects: Vec<ObjectTable>,
     /// Spheres, besides the geometry of the files.
     #[serde(default)]
     pub(crate) spheres: Vec<SphereTable>,
@@ -37,6 +41,13 @@ pub(crate) struct SceneTable {
     pub(crate) cylinders: Vec<CylinderTable>,
     /// Light from infinitely far in all directions. Left out: none.
     pub(crate) environment: Option<EnvironmentSource>,
+}
+
+impl SceneTable {
+    /// Whether anything follows an animation of its file.
+    pub(crate) fn is_animated(&self) -> bool {
+        self.animation.is_some() || self.objects.iter().any(|object| object.animation.is_some())
+    }
 }
 
 /// A sphere. It is exact, where one of triangles has facets.

@@ -1,6 +1,7 @@
 //! Whole captures, made here.
 
 mod errors;
+mod objects;
 mod values;
 
 use std::fs;

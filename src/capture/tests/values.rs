@@ -445,8 +445,8 @@ fn spheres_stand_among_the_geometry_with_materials_of_either() {
         index = 1.5";
     let capture = capture(&room(spheres));
     let scene = &capture.scene;
-    let found = scene.instances.iter().filter(|i| scene.meshes[i.mesh].quadric.is_some()).map(|i| {
-        let material = &scene.materials[scene.meshes[i.mesh].material].name;
+    let found = scene.instances.iter().filter(|i| scene.meshes[i.meshes.start].quadric.is_some()).map(|i| {
+        let material = &scene.materials[scene.meshes[i.meshes.start].material].name;
         let centre = i.to_world.translation.to_array();
         (i.name.as_str(), material.as_str(), centre, i.to_world.transform_vector3(DVec3::X).length())
     });
@@ -475,7 +475,7 @@ fn disks_and_cylinders_stand_with_their_axes_where_they_are_put() {
     let found: Vec<_> = scene
         .instances
         .iter()
-        .filter_map(|i| Some((i.name.as_str(), scene.meshes[i.mesh].quadric?, i.to_world)))
+        .filter_map(|i| Some((i.name.as_str(), scene.meshes[i.meshes.start].quadric?, i.to_world)))
         .collect();
     let [("disk-0", QuadricKind::Disk, disk), ("pipe", QuadricKind::Cylinder, pipe)] = found[..] else {
         panic!("{found:?}")

@@ -11,7 +11,7 @@ use crate::texture::UvTransform;
 /// All placements of all meshes.
 pub(super) fn shapes(scene: &SceneDescription, materials: &[ExportedMaterial], out: &mut Output) -> Vec<Element> {
     let mut uses = vec![0usize; scene.meshes.len()];
-    scene.instances.iter().for_each(|instance| uses[instance.mesh] += 1);
+    scene.instances.iter().flat_map(|instance| instance.meshes.clone()).for_each(|mesh| uses[mesh] += 1);
     let mut elements = Vec::new();
     // A group may not shine: lamps are placed one by one.
     let is_group = |mesh: usize| uses[mesh] > 1 && scene.materials[scene.meshes[mesh].material].emission.is_none();
@@ -22,12 +22,14 @@ pub(super) fn shapes(scene: &SceneDescription, materials: &[ExportedMaterial], o
     for instance in &scene.instances {
         // A mirroring placement turns corners clockwise; the front shall stay the front.
         let mirrored = instance.to_world.matrix3.determinant() < 0.0;
-        let placed = if is_group(instance.mesh) && !mirrored {
-            Element::object("shape", "instance").child(Element::reference(&group_id(instance.mesh)))
-        } else {
-            shape(instance.mesh, mirrored, scene, materials, out)
-        };
-        elements.push(placed.transform("to_world", rows(instance.to_world)));
+        for mesh in instance.meshes.clone() {
+            let placed = if is_group(mesh) && !mirrored {
+                Element::object("shape", "instance").child(Element::reference(&group_id(mesh)))
+            } else {
+                shape(mesh, mirrored, scene, materials, out)
+            };
+            elements.push(placed.transform("to_world", rows(instance.to_world)));
+        }
     }
     elements
 }

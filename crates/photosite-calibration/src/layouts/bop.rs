@@ -118,15 +118,15 @@ impl Built {
         objects: &[SceneObject],
         models: &mut Vec<Model>,
     ) -> Result<Self, Invalid> {
-        let moves = |i: &photosite_transport::scene::description::InstanceDescription| {
-            !i.later.is_empty() || !description.meshes[i.mesh].later_shapes.is_empty()
+        let moves = |i: &InstanceDescription| {
+            !i.later.is_empty() || description.meshes[i.meshes.clone()].iter().any(|mesh| !mesh.later_shapes.is_empty())
         };
         if let Some(instance) = description.instances.iter().find(|instance| moves(instance)) {
             let message =
                 format!("{} moves while the picture is taken, and BOP files have one pose for it", instance.name);
             return Err(Invalid::new("scene.animation", message).help("make a data set without animation"));
         }
-        let found = SceneObject::of_instances(description.instances.iter().map(|i| (i.name.clone(), i.to_world)));
+        let found = SceneObject::of_scene(&description);
         let is_same = |(a, b): (&SceneObject, &SceneObject)| {
             a.name == b.name && a.numbers == b.numbers && a.to_world.abs_diff_eq(b.to_world, 1e-9)
         };
@@ -134,7 +134,10 @@ impl Built {
             let message = "the geometry that the captures name is not that of the pictures any more";
             return Err(Invalid::new("", message).help("put the files back, or make the data set again"));
         }
-        let quadric = |i: &InstanceDescription| Some((description.meshes[i.mesh].quadric?, i.name.clone()));
+        let quadric = |i: &InstanceDescription| {
+            let kind = description.meshes[i.meshes.clone()].iter().find_map(|mesh| mesh.quadric)?;
+            Some((kind, i.name.clone()))
+        };
         if let Some((kind, name)) = description.instances.iter().find_map(quadric) {
             let message = format!("{name:?} is a {}, and BOP files have models of triangles", kind.name());
             return Err(Invalid::new(format!("scene.{}s", kind.name()), message).help("put a mesh in its place"));
@@ -161,12 +164,10 @@ fn alone(object: &SceneObject, description: &SceneDescription) -> Scene {
         materials: description.materials.clone(),
         ..SceneDescription::default()
     };
-    for &number in &object.numbers {
-        let instance = &description.instances[number as usize - 1];
-        let mut instance = instance.clone();
-        part.meshes.push(description.meshes[instance.mesh].clone());
-        instance.mesh = part.meshes.len() - 1;
-        part.instances.push(instance);
+    for instance in object.instances(description) {
+        let first = part.meshes.len();
+        part.meshes.extend_from_slice(&description.meshes[instance.meshes.clone()]);
+        part.instances.push(InstanceDescription { meshes: first..part.meshes.len(), ..instance.clone() });
     }
     scene::build(part, &Spectrum::constant(1.0))
 }

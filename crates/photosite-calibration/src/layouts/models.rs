@@ -28,14 +28,16 @@ pub(super) fn rigid(to_world: &DAffine3) -> DAffine3 {
 impl Model {
     /// The model of an object, whose instances must be those of the scene.
     pub(super) fn new(object: &SceneObject, scene: &SceneDescription) -> Self {
-        let to_model = rigid(&object.to_world).inverse() * object.to_world;
-        let instances = object.numbers.iter().filter_map(|&number| scene.instances.get(number as usize - 1));
-        let meshes = instances.map(|instance| &scene.meshes[instance.mesh]);
-        let corners = |mesh: &photosite_transport::scene::description::MeshDescription| -> Vec<[DVec3; 3]> {
-            let corner = |i: u32| to_model.transform_point3(mesh.positions[i as usize].as_dvec3());
-            mesh.triangles.iter().map(|triangle| triangle.map(corner)).collect()
-        };
-        Self { triangles: meshes.flat_map(corners).collect() }
+        let from_world = rigid(&object.to_world).inverse();
+        let mut triangles = Vec::new();
+        for instance in object.instances(scene) {
+            let to_model = from_world * instance.to_world;
+            for mesh in &scene.meshes[instance.meshes.clone()] {
+                let corner = |i: u32| to_model.transform_point3(mesh.positions[i as usize].as_dvec3());
+                triangles.extend(mesh.triangles.iter().map(|triangle| triangle.map(corner)));
+            }
+        }
+        Self { triangles }
     }
 
     /// Whether two models are the same but for rounding, m.

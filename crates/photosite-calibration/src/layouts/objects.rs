@@ -1,11 +1,11 @@
-//! What instance numbers of ground truth are numbers of: things that consist of one or several instances.
+//! What instance numbers of ground truth are numbers of: things that have one number or several.
 
 use glam::DAffine3;
 
 use photosite_core::image::Planes;
+use photosite_transport::scene::description::{InstanceDescription, SceneDescription};
 
-/// A thing: all that bears the same name in the same place. An instance has one material only, so that a target of two
-/// inks is two instances.
+/// A thing: all that bears the same name in the same place. A target of two inks has two numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneObject {
     /// Its name.
@@ -17,17 +17,31 @@ pub struct SceneObject {
 }
 
 impl SceneObject {
-    /// The objects that instances make, by their names and places in the order of their numbers. The parts of an object
-    /// follow one another.
-    pub fn of_instances(instances: impl IntoIterator<Item = (String, DAffine3)>) -> Vec<Self> {
+    /// Those of a scene.
+    pub fn of_scene(scene: &SceneDescription) -> Vec<Self> {
+        Self::of_numbers(scene.all_objects().into_iter().map(|object| (object.name, object.to_world)))
+    }
+
+    /// The objects that numbers stand for, by their names and places in the order of their numbers. The parts of an
+    /// object follow one another.
+    pub fn of_numbers(numbered: impl IntoIterator<Item = (String, DAffine3)>) -> Vec<Self> {
         let mut objects: Vec<Self> = Vec::new();
-        for (number, (name, to_world)) in (1..).zip(instances) {
+        for (number, (name, to_world)) in (1..).zip(numbered) {
             match objects.last_mut() {
                 Some(object) if object.name == name && object.to_world == to_world => object.numbers.push(number),
                 Some(_) | None => objects.push(Self { name, to_world, numbers: vec![number] }),
             }
         }
         objects
+    }
+}
+
+impl SceneObject {
+    /// Its instances in the scene that it is of.
+    pub(super) fn instances<'a>(&self, scene: &'a SceneDescription) -> Vec<&'a InstanceDescription> {
+        let all = scene.all_objects();
+        let objects = self.numbers.iter().filter_map(|&number| all.get(number as usize - 1));
+        objects.flat_map(|object| &scene.instances[object.instances.clone()]).collect()
     }
 }
 

@@ -127,22 +127,17 @@ fn scene_of(instances: &[(&str, usize, DAffine3)]) -> SceneDescription {
     let reflectance = TexturedColour::plain(Colour::Rgb([0.5; 3]));
     SceneDescription {
         materials: vec![MaterialDescription::new("matt", MaterialModel::Diffuse(Diffuse { reflectance }))],
-        meshes: vec![rectangle(1.0, 0.5), rectangle(2.0, 1.0)],
+        meshes: vec![rectangle(1.0, 0.5).into(), rectangle(2.0, 1.0).into()],
         instances: instances
             .iter()
-            .map(|(name, mesh, to_world)| InstanceDescription {
-                name: (*name).to_owned(),
-                mesh: *mesh,
-                to_world: *to_world,
-                later: Vec::new(),
-            })
+            .map(|(name, mesh, to_world)| InstanceDescription::of_mesh(*name, *mesh, *to_world))
             .collect(),
         ..SceneDescription::default()
     }
 }
 
 fn objects_of(scene: &SceneDescription) -> Vec<SceneObject> {
-    SceneObject::of_instances(scene.instances.iter().map(|i| (i.name.clone(), i.to_world)))
+    SceneObject::of_scene(scene)
 }
 
 #[test]

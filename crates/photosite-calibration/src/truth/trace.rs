@@ -89,7 +89,7 @@ impl<'a> Seen<'a> {
             TruthLayer::Albedo => {
                 vector(to, albedo(scene, &self.point, self.wo, self.key).as_vec3());
             }
-            TruthLayer::Instance => to[0] = number(scene.instance(&self.hit)),
+            TruthLayer::Instance => to[0] = number(scene.object(&self.hit)),
             TruthLayer::Material => to[0] = number(self.point.material),
             TruthLayer::Flow => self.write_way(self.job.next.as_ref(), 1.0, to),
             TruthLayer::Disparity => {

@@ -28,6 +28,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::DAffine3;
 use gltf::json::Root;
@@ -231,7 +232,7 @@ fn convert(
                 warnings.once("some normals have no length and were computed from the triangles around them");
             }
             let first = scene.meshes.len();
-            scene.meshes.extend(read);
+            scene.meshes.extend(read.into_iter().map(Arc::new));
             Ok::<_, Invalid>(first..scene.meshes.len())
         };
         let primitives = if poses.iter().all(Pose::is_own) {
@@ -251,7 +252,7 @@ fn convert(
         for (p, to_world) in first.into_iter().enumerate() {
             let place = |mesh| {
                 let later = later.iter().map(|places| places[p]).collect();
-                InstanceDescription { name: placed.name.clone(), mesh, to_world, later }
+                InstanceDescription { later, ..InstanceDescription::of_mesh(&placed.name, mesh, to_world) }
             };
             scene.instances.extend(primitives.clone().map(place));
         }

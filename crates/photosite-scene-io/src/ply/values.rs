@@ -128,11 +128,8 @@ impl<'a> Values<'a> {
         self.at += word.len();
         let text = String::from_utf8_lossy(word);
         // Singles are rounded once, not by way of doubles.
-        let value = if number == Number::F32 {
-            text.parse::<f32>().ok().map(f64::from)
-        } else {
-            text.parse::<f64>().ok()
-        };
+        let value =
+            if number == Number::F32 { text.parse::<f32>().ok().map(f64::from) } else { text.parse::<f64>().ok() };
         let (low, high) = number.range();
         match value {
             Some(value) if !number.is_whole() || (value.fract() == 0.0 && (low..=high).contains(&value)) => Ok(value),

@@ -14,6 +14,8 @@ pub(super) mod query;
 mod single;
 mod strategy;
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -72,7 +74,8 @@ impl InstanceTransform {
 /// Hierarchies over all triangles.
 #[derive(Clone, Debug)]
 pub struct Accel {
-    blas: Vec<Blas>,
+    /// Shared by the scenes in which the same geometry stands elsewhere.
+    blas: Arc<[Blas]>,
     instances: Vec<Instance>,
     /// Over the instances; `None` where there is none, or a single one of rigid primitives in world space.
     top: Option<Tlas>,
@@ -108,14 +111,23 @@ struct PrimitiveBvh<const SHAPES: usize> {
 struct Tlas {
     bvh: WideBvh,
     /// Instances of each leaf.
-    leaves: Vec<[Option<u32>; LEAF_SIZE]>,
+    leaves: Box<[[Option<u32>; LEAF_SIZE]]>,
 }
 
 impl Accel {
     /// Builds the hierarchies. `ranges` are the primitives of each bottom-level hierarchy, none empty. The triangles of
     /// a mesh that deforms have one of their own.
     pub fn build(geometry: &Geometry, ranges: &[PrimitiveRange], instances: Vec<Instance>) -> Self {
-        let blas: Vec<_> = ranges.iter().map(|range| Blas::build(geometry, range)).collect();
+        let blas = ranges.iter().map(|range| Blas::build(geometry, range)).collect();
+        Self::over(blas, geometry, ranges, instances)
+    }
+
+    /// The hierarchies for other instances of the same primitives: that over the instances is built anew.
+    pub fn with_instances(&self, geometry: &Geometry, ranges: &[PrimitiveRange], instances: Vec<Instance>) -> Self {
+        Self::over(Arc::clone(&self.blas), geometry, ranges, instances)
+    }
+
+    fn over(blas: Arc<[Blas]>, geometry: &Geometry, ranges: &[PrimitiveRange], instances: Vec<Instance>) -> Self {
         let is_single = matches!(
             (&instances[..], &blas[..]),
             ([Instance { transform: InstanceTransform::World, .. }], [Blas::Rigid(_)])
@@ -289,7 +301,7 @@ impl Tlas {
                 (leaves.len() - 1) as u32
             },
         );
-        Self { bvh, leaves }
+        Self { bvh: bvh.compact(), leaves: leaves.into_boxed_slice() }
     }
 }
 

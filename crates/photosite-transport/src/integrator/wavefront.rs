@@ -233,9 +233,8 @@ mod tests {
     fn add(scene: &mut SceneDescription, material: MaterialDescription, mesh: MeshDescription) {
         let (name, index) = (material.name.clone(), scene.materials.len());
         scene.materials.push(material);
-        scene.meshes.push(MeshDescription { name: name.clone(), material: index, ..mesh });
-        let to_world = DAffine3::IDENTITY;
-        scene.instances.push(InstanceDescription { name, mesh: index, to_world, later: vec![] });
+        scene.meshes.push(MeshDescription { name: name.clone(), material: index, ..mesh }.into());
+        scene.instances.push(InstanceDescription::of_mesh(name, index, DAffine3::IDENTITY));
     }
 
     /// A floor under a slab of glass that disperses and a mirror, in a room that is bright everywhere, with a lamp and

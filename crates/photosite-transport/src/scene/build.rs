@@ -1,6 +1,6 @@
 //! From a description to the tables of a [`Scene`].
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::DAffine3;
 
@@ -8,7 +8,7 @@ use super::description::{
     AlphaMode, Colour, Described, EmissionDescription, EnvironmentDescription, LayeredDescription, LightDescription,
     MaterialDescription, PictureLevel, Roughness, SceneDescription, TextureDescription, TexturedColour, TexturedFactor,
 };
-use super::layout::{lay_out, moves_from};
+use super::layout::{LaidOut, lay_out, moves_from};
 use super::{
     Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, NormalMap,
     Scene, Tabled,
@@ -27,6 +27,14 @@ use photosite_core::spectrum::{Dispersion, Spectrum, SpectrumId, SpectrumTable, 
 /// are chosen by their power weighed with it. Coordinates must lie within 10¹⁸ m of the origin, as those that
 /// `photosite::Capture::load` returns do.
 pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
+    build_after(description, importance, None)
+}
+
+/// Builds a scene as [`build`] does. Where an earlier scene had the same meshes, and those that stand in the world stand
+/// there still, both share geometry and hierarchies: only [movable](super::description::InstanceDescription::is_movable)
+/// instances are somewhere else, materials and lights are others.
+pub fn build_after(description: SceneDescription, importance: &Spectrum, earlier: Option<&Scene>) -> Scene {
+    let objects = objects_of_instances(&description);
     let SceneDescription { images, materials, meshes, instances, lights, environment, .. } = description;
     let mut builder = Builder {
         images,
@@ -42,8 +50,8 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         |(m, e): (&MaterialDescription, &Option<Emission>)| builder.material(m, e.as_ref().map(|e| e.surface));
     let table: Vec<Material> = materials.iter().zip(&emissions).map(material).collect();
 
-    let (geometry, accel, instance_table, emitters) =
-        lay_out(meshes, &instances, |material| emissions[material].is_some());
+    let LaidOut { geometry, accel, instances: instance_table, kept } =
+        lay_out(meshes, &instances, |material| emissions[material].is_some(), earlier);
     let (low, high) = accel.bounds();
     // The size weighs light from afar against that of lights in the scene. Without geometry there is none, and any
     // will do.
@@ -51,7 +59,7 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
 
     let mut all =
         LightList { lights: Vec::new(), motions: Vec::new(), powers: Vec::new(), spectrum: Spectrum::constant(0.0) };
-    for range in emitters {
+    for range in kept.emitters.iter().cloned() {
         let material = geometry.meshes[geometry.triangles[range.start as usize].mesh as usize].material;
         if let Some(emission) = &emissions[material as usize] {
             for triangle in range {
@@ -75,6 +83,9 @@ pub fn build(description: SceneDescription, importance: &Spectrum) -> Scene {
         geometry,
         accel,
         instances: instance_table,
+        objects,
+        kept,
+        places: OnceLock::new(),
         has_alpha: table.iter().any(|m| !matches!(m.alpha, Alpha::Opaque)),
         has_media,
         materials: table,
@@ -318,6 +329,16 @@ impl MapAll<Described, Tabled> for Builder<'_> {
         self.mixes.push(mix);
         (self.mixes.len() - 1) as u32
     }
+}
+
+/// Index of the object of each instance.
+fn objects_of_instances(description: &SceneDescription) -> Vec<u32> {
+    let objects = description.all_objects();
+    let mut of_instances = Vec::with_capacity(description.instances.len());
+    for (index, object) in (0..).zip(&objects) {
+        of_instances.extend(object.instances.clone().map(|_| index));
+    }
+    of_instances
 }
 
 /// Area of the disk through which a scene of that radius is lit from afar.

@@ -1,12 +1,14 @@
 //! Where the meshes of a description go: into the world, with the shapes that they go through, or into a space of
 //! their own with instances.
 
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
+use std::sync::{Arc, Weak};
 
 use glam::{DAffine3, Vec3};
 
-use super::InstanceTable;
 use super::description::{InstanceDescription, MeshDescription, ShapeDescription};
+use super::{InstanceTable, Scene};
 use crate::geometry::{
     Accel, Deformation, Geometry, Instance, InstanceTransform, MeshRange, Motion, PlacedQuadric, PrimitiveRange,
     Transform, Triangle,
@@ -18,98 +20,221 @@ pub(super) fn moves_from(first: &DAffine3, later: &[DAffine3]) -> Option<Vec<DAf
     moves.then(|| [first].into_iter().chain(later).copied().collect())
 }
 
+/// Meshes laid out: the tables of the geometry with hierarchies over them.
+pub(super) struct LaidOut {
+    pub(super) geometry: Arc<Geometry>,
+    pub(super) accel: Accel,
+    pub(super) instances: InstanceTable,
+    pub(super) kept: Kept,
+}
+
+/// What the next scene looks at to tell whether geometry and hierarchies are the same, and what it takes over then.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Kept {
+    /// Those of the description. They may be gone, but no other has their place in memory.
+    meshes: Vec<Weak<MeshDescription>>,
+    /// Meshes in world space and their places.
+    in_world: Vec<(usize, DAffine3)>,
+    /// Whether any mesh has several shapes, of which nothing is taken over.
+    deforms: bool,
+    /// Which meshes have each hierarchy in a space of its own.
+    groups: Vec<Vec<usize>>,
+    /// Which meshes in world space shine.
+    shining: Vec<bool>,
+    /// The primitives of each hierarchy.
+    ranges: Vec<PrimitiveRange>,
+    /// The triangles of each mesh that shines.
+    pub(super) emitters: Vec<Range<u32>>,
+}
+
+impl Kept {
+    /// How many meshes each hierarchy in a space of its own has.
+    pub(super) fn group_sizes(&self) -> impl Iterator<Item = usize> {
+        self.groups.iter().map(Vec::len)
+    }
+
+    /// Whether these are the meshes.
+    pub(super) fn has_meshes(&self, meshes: &[Arc<MeshDescription>]) -> bool {
+        let pairs = || self.meshes.iter().zip(meshes);
+        self.meshes.len() == meshes.len() && pairs().all(|(own, other)| std::ptr::eq(own.as_ptr(), Arc::as_ptr(other)))
+    }
+
+    /// Whether geometry and hierarchies are the same.
+    fn is_same(&self, other: &Self) -> bool {
+        let same_meshes = self.meshes.len() == other.meshes.len()
+            && self.meshes.iter().zip(&other.meshes).all(|(own, other)| own.ptr_eq(other));
+        same_meshes
+            && !(self.deforms || other.deforms)
+            && self.in_world == other.in_world
+            && self.groups == other.groups
+            && self.shining == other.shining
+    }
+}
+
+/// A mesh of an instance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct Part {
+    /// Index of the instance.
+    pub(super) instance: u32,
+    /// Number of the mesh among those of the instance.
+    pub(super) number: u32,
+}
+
 /// Lays meshes out: those placed once, and all emitters, in world space in one hierarchy; the others in hierarchies of
-/// their own with an instance for each. What deforms, emitters that move included, has the world space of all times.
-/// Returns the triangle ranges of emitters too.
+/// their own, one for all meshes of an instance, with an instance for each that shares them. What deforms, emitters
+/// that move included, has the world space of all times. What an earlier scene has in common is shared with it.
 pub(super) fn lay_out(
-    meshes: Vec<MeshDescription>,
+    meshes: Vec<Arc<MeshDescription>>,
     instances: &[InstanceDescription],
     emits: impl Fn(usize) -> bool,
-) -> (Geometry, Accel, InstanceTable, Vec<Range<u32>>) {
-    let mut uses = vec![0usize; meshes.len()];
-    for instance in instances {
-        uses[instance.mesh] += 1;
-    }
-    let layout = |instance: &InstanceDescription| {
-        let mesh = &meshes[instance.mesh];
-        let moves = moves_from(&instance.to_world, &instance.later).is_some();
-        if !mesh.later_shapes.is_empty() || moves && emits(mesh.material) {
-            Layout::Deforming
-        } else if !moves && (uses[instance.mesh] == 1 || emits(mesh.material)) {
-            Layout::World
-        } else {
-            Layout::Instanced
+    earlier: Option<&Scene>,
+) -> LaidOut {
+    let parts = Parts::of(&meshes, instances, &emits);
+    let kept = Kept {
+        meshes: meshes.iter().map(Arc::downgrade).collect(),
+        in_world: parts
+            .in_world
+            .iter()
+            .map(|&(part, mesh)| (mesh, instances[part.instance as usize].to_world))
+            .collect(),
+        deforms: !parts.deforming.is_empty(),
+        groups: parts.groups.keys().cloned().collect(),
+        shining: parts.in_world.iter().map(|&(_, mesh)| emits(meshes[mesh].material)).collect(),
+        ..Kept::default()
+    };
+    let earlier = earlier.filter(|earlier| earlier.kept.is_same(&kept));
+    let (geometry, kept) = match earlier {
+        Some(Scene { geometry, kept, .. }) => (Arc::clone(geometry), kept.clone()),
+        None => {
+            let (geometry, ranges, emitters) = tables(&meshes, instances, &parts, &emits);
+            (Arc::new(geometry), Kept { ranges, emitters, ..kept })
         }
     };
-    let laid_out = |wanted| instances.iter().enumerate().filter(move |(_, instance)| layout(instance) == wanted);
+    // The hierarchies take much of the memory, so this is free before they are built.
+    drop(meshes);
+    let (placed, table) = place(instances, parts, &kept);
+    let accel = match earlier {
+        Some(earlier) => earlier.accel.with_instances(&geometry, &kept.ranges, placed),
+        None => Accel::build(&geometry, &kept.ranges, placed),
+    };
+    LaidOut { geometry, accel, instances: table, kept }
+}
+
+/// Where the meshes of all instances go.
+struct Parts {
+    /// Into the world, with others: parts with the indices of their meshes.
+    in_world: Vec<(Part, usize)>,
+    /// Into the world in several shapes.
+    deforming: Vec<(Part, usize)>,
+    /// Into spaces of their own: the meshes that have one together, and the instances that share it.
+    groups: BTreeMap<Vec<usize>, Vec<u32>>,
+}
+
+impl Parts {
+    fn of(meshes: &[Arc<MeshDescription>], instances: &[InstanceDescription], emits: impl Fn(usize) -> bool) -> Self {
+        let mut uses: HashMap<&Range<usize>, usize> = HashMap::new();
+        for instance in instances {
+            *uses.entry(&instance.meshes).or_default() += 1;
+        }
+        let mut parts = Self { in_world: Vec::new(), deforming: Vec::new(), groups: BTreeMap::new() };
+        for (index, instance) in (0..).zip(instances) {
+            let moves = moves_from(&instance.to_world, &instance.later).is_some();
+            let is_alone = uses[&instance.meshes] == 1 && !instance.is_movable;
+            let mut group = Vec::new();
+            for (number, mesh) in (0..).zip(instance.meshes.clone()) {
+                let part = Part { instance: index, number };
+                let shines = emits(meshes[mesh].material);
+                if !meshes[mesh].later_shapes.is_empty() || moves && shines {
+                    parts.deforming.push((part, mesh));
+                } else if !moves && (is_alone || shines) {
+                    parts.in_world.push((part, mesh));
+                } else {
+                    group.push(mesh);
+                }
+            }
+            if !group.is_empty() {
+                parts.groups.entry(group).or_default().push(index);
+            }
+        }
+        parts
+    }
+}
+
+/// The tables of the geometry, the primitives of each hierarchy, and the triangles of each mesh that shines.
+fn tables(
+    meshes: &[Arc<MeshDescription>],
+    instances: &[InstanceDescription],
+    parts: &Parts,
+    emits: impl Fn(usize) -> bool,
+) -> (Geometry, Vec<PrimitiveRange>, Vec<Range<u32>>) {
     let mut geometry = Geometry::default();
-    let surfaces = vec![[u32::MAX; 2]; instances.len()];
-    let mut table = InstanceTable { surfaces, ..InstanceTable::default() };
-    let (mut ranges, mut placed) = (Vec::new(), Vec::new());
     let (mut emitters, mut light_count) = (Vec::new(), 0);
-    let mut add = |geometry: &mut Geometry, table: &mut InstanceTable, index: usize| {
-        let instance = &instances[index];
-        table.of_mesh.push(index as u32);
-        let mesh = &meshes[instance.mesh];
+    let mut add = |geometry: &mut Geometry, &(part, mesh): &(Part, usize)| {
+        let mesh = &*meshes[mesh];
         let emitting = emits(mesh.material);
-        let range = append(geometry, mesh, &instance.to_world, emitting.then_some(light_count));
+        let to_world = &instances[part.instance as usize].to_world;
+        let range = append(geometry, mesh, to_world, emitting.then_some(light_count));
         if emitting && !range.is_empty() {
             light_count += range.len() as u32;
             emitters.push(range.clone());
         }
         range
     };
-    for (index, _) in laid_out(Layout::World) {
-        add(&mut geometry, &mut table, index);
-        // All of these have the first instance.
-        table.surfaces[index] = [geometry.meshes.len() as u32 - 1, 0];
+    let all = |geometry: &Geometry| [geometry.triangles.len() as u32, geometry.quadrics.len() as u32];
+    let since = |geometry: &Geometry, [triangles, quadrics]: [u32; 2]| {
+        let [last_triangle, last_quadric] = all(geometry);
+        PrimitiveRange { triangles: triangles..last_triangle, quadrics: quadrics..last_quadric }
+    };
+    let mut ranges = Vec::new();
+    for part in &parts.in_world {
+        add(&mut geometry, part);
     }
-    let in_world =
-        PrimitiveRange { triangles: 0..geometry.triangles.len() as u32, quadrics: 0..geometry.quadrics.len() as u32 };
+    let in_world = since(&geometry, [0, 0]);
     if in_world != PrimitiveRange::default() {
         ranges.push(in_world);
-        placed.push(Instance { blas: 0, transform: InstanceTransform::World });
-        table.of_instance.push(None);
     }
-    for (index, instance) in laid_out(Layout::Deforming) {
-        let range = add(&mut geometry, &mut table, index);
-        deform(&mut geometry, &meshes[instance.mesh], instance);
-        table.surfaces[index] = [geometry.meshes.len() as u32 - 1, placed.len() as u32];
-        placed.push(Instance { blas: ranges.len() as u32, transform: InstanceTransform::World });
-        table.of_instance.push(None);
+    for part in &parts.deforming {
+        let range = add(&mut geometry, part);
+        deform(&mut geometry, &meshes[part.1], &instances[part.0.instance as usize]);
         ranges.push(range.into());
     }
-    for (index, mesh) in meshes.iter().enumerate().filter(|&(index, _)| uses[index] > 0) {
-        let mut blas = None;
-        for (number, i) in laid_out(Layout::Instanced).filter(|(_, i)| i.mesh == index) {
-            let blas = *blas.get_or_insert_with(|| {
-                ranges.push(append(&mut geometry, mesh, &DAffine3::IDENTITY, None).into());
-                (ranges.len() - 1) as u32
-            });
-            let transform = match moves_from(&i.to_world, &i.later) {
-                Some(poses) => InstanceTransform::Moving(Box::new(Motion::new(&poses))),
-                None => InstanceTransform::Still(Transform::new(&i.to_world)),
-            };
-            // No other is added to the geometry until all instances of this mesh are placed.
-            table.surfaces[number] = [geometry.meshes.len() as u32 - 1, placed.len() as u32];
-            placed.push(Instance { blas, transform });
-            table.of_instance.push(Some(number as u32));
+    for group in parts.groups.keys() {
+        let before = all(&geometry);
+        for &mesh in group {
+            append(&mut geometry, &meshes[mesh], &DAffine3::IDENTITY, None);
         }
+        ranges.push(since(&geometry, before));
     }
-    drop(meshes);
-    let accel = Accel::build(&geometry, &ranges, placed);
-    (geometry, accel, table, emitters)
+    (geometry, ranges, emitters)
 }
 
-/// Where the triangles of an instance go.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Layout {
-    /// Into the world, with others.
-    World,
-    /// Into the world in several shapes.
-    Deforming,
-    /// Into their own space, as an instance.
-    Instanced,
+/// The instances of the hierarchies, and whose surfaces they have.
+fn place(instances: &[InstanceDescription], parts: Parts, kept: &Kept) -> (Vec<Instance>, InstanceTable) {
+    let Parts { in_world, deforming, groups } = parts;
+    let count = usize::from(!in_world.is_empty()) + deforming.len() + groups.values().map(Vec::len).sum::<usize>();
+    let mut placed = Vec::with_capacity(count);
+    let mut table = InstanceTable { of_placed: Vec::with_capacity(count), ..InstanceTable::default() };
+    let has_world = kept.ranges.len() > deforming.len() + groups.len();
+    let not_instanced = usize::from(has_world) + deforming.len();
+    for blas in 0..not_instanced as u32 {
+        placed.push(Instance { blas, transform: InstanceTransform::World });
+        table.of_placed.push(None);
+    }
+    table.of_mesh = in_world.iter().chain(&deforming).map(|&(part, _)| part).collect();
+    for (blas, (group, members)) in (not_instanced as u32..).zip(groups) {
+        for &index in &members {
+            let instance = &instances[index as usize];
+            let transform = match moves_from(&instance.to_world, &instance.later) {
+                Some(poses) => InstanceTransform::Moving(Box::new(Motion::new(&poses))),
+                None => InstanceTransform::Still(Transform::new(&instance.to_world)),
+            };
+            placed.push(Instance { blas, transform });
+            table.of_placed.push(Some(index));
+        }
+        let first = instances[members[0] as usize].meshes.start;
+        table.numbers.extend(group.iter().map(|mesh| (mesh - first) as u32));
+    }
+    (placed, table)
 }
 
 /// Gives the mesh that was added last the shapes that it goes through in the world.
@@ -191,4 +316,112 @@ fn append(
     }));
     geometry.meshes.push(range);
     first_triangle..geometry.triangles.len() as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::super::description::{
+        Colour, Diffuse, EmissionDescription, MaterialDescription, MaterialModel, SceneDescription, TexturedColour,
+    };
+    use super::super::{build, build_after};
+    use super::*;
+    use crate::geometry::Ray;
+    use photosite_core::math::hash::{hash64, unit_f32};
+    use photosite_core::spectrum::Spectrum;
+
+    fn triangle(material: usize, at: f32) -> Arc<MeshDescription> {
+        Arc::new(MeshDescription {
+            material,
+            positions: [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]].map(|[x, y]| Vec3::new(x, y, at)).to_vec(),
+            triangles: vec![[0, 1, 2]],
+            ..MeshDescription::default()
+        })
+    }
+
+    /// A wall in the world, two triangles that are one instance and can move, another instance of them, and one that
+    /// is alone.
+    fn description(meshes: &[Arc<MeshDescription>], moved: f64, shines: bool) -> SceneDescription {
+        let reflectance = TexturedColour::plain(Colour::Rgb([0.5; 3]));
+        let model = MaterialModel::Diffuse(Diffuse { reflectance });
+        let emission =
+            shines.then(|| EmissionDescription { colour: Colour::Rgb([1.0; 3]), level: Some(1.0), texture: None });
+        let at = |x: f64| DAffine3::from_translation(DVec3::new(x, moved, 0.0));
+        let movable = |meshes: Range<usize>, x: f64| InstanceDescription {
+            meshes,
+            is_movable: true,
+            ..InstanceDescription::of_mesh("movable", 0, at(x))
+        };
+        SceneDescription {
+            materials: vec![
+                MaterialDescription::new("wall", model.clone()),
+                MaterialDescription { emission, ..MaterialDescription::new("other", model) },
+            ],
+            meshes: meshes.to_vec(),
+            instances: vec![
+                InstanceDescription::of_mesh("wall", 0, DAffine3::IDENTITY),
+                movable(1..3, 0.5),
+                movable(1..3, -1.5),
+                movable(3..4, 2.0),
+            ],
+            ..SceneDescription::default()
+        }
+    }
+
+    fn built(description: SceneDescription, earlier: Option<&Scene>) -> Scene {
+        build_after(description, &Spectrum::constant(1.0), earlier)
+    }
+
+    /// The same rays find the same surfaces in both.
+    fn assert_same_hits(found: &Scene, expected: &Scene) {
+        let mut hits = 0;
+        for i in 0..2000 {
+            let random = |dimension| 6.0 * unit_f32(hash64(i, dimension) as u32) - 3.0;
+            let ray = Ray::new(Vec3::new(random(0), random(1), 5.0), Vec3::new(0.1 * random(2), 0.1 * random(3), -1.0));
+            let facts = |scene: &Scene| {
+                scene.closest(&ray).map(|hit| (hit.t.to_bits(), scene.object(&hit), scene.point(&hit, 0.0).material))
+            };
+            assert_eq!(facts(found), facts(expected), "ray {i}");
+            hits += usize::from(facts(found).is_some());
+        }
+        assert!(hits > 200, "{hits}");
+    }
+
+    #[test]
+    fn a_scene_that_moved_shares_geometry_and_is_as_if_it_were_new() {
+        let meshes = [triangle(0, -2.0), triangle(0, 0.0), triangle(1, -0.5), triangle(1, 0.5)];
+        let first = build(description(&meshes, 0.0, false), &Spectrum::constant(1.0));
+        let next = built(description(&meshes, 0.7, false), Some(&first));
+        assert!(Arc::ptr_eq(&first.geometry, &next.geometry));
+        assert_same_hits(&next, &built(description(&meshes, 0.7, false), None));
+        // A point of the first scene has gone along in the next.
+        let ray = Ray::new(Vec3::new(0.5, 0.1, 5.0), Vec3::NEG_Z);
+        let hit = first.closest(&ray).expect("an instance in front of the wall");
+        let moved = next.point(&first.hit_in(&hit, &next).expect("it is there"), 0.0);
+        let way = moved.position - first.point(&hit, 0.0).position;
+        assert!((way - Vec3::Y * 0.7).length() < 1e-6, "{way}");
+    }
+
+    #[test]
+    fn what_differs_is_built_anew() {
+        let meshes = [triangle(0, -2.0), triangle(0, 0.0), triangle(1, -0.5), triangle(1, 0.5)];
+        let first = build(description(&meshes, 0.0, false), &Spectrum::constant(1.0));
+        let others = [triangle(0, -2.0), triangle(0, 0.0), triangle(1, -0.5), triangle(1, 0.4)];
+        let mut wall_moved = description(&meshes, 0.0, false);
+        wall_moved.instances[0].to_world = DAffine3::from_translation(DVec3::X);
+        let mut one_more = description(&meshes, 0.0, false);
+        one_more.instances.push(InstanceDescription::of_mesh("more", 0, DAffine3::from_translation(DVec3::Y)));
+        for (what, changed) in [
+            ("other meshes", description(&others, 0.0, false)),
+            ("a lamp", description(&meshes, 0.0, true)),
+            ("the wall", wall_moved),
+            ("the wall twice", one_more),
+        ] {
+            let expected = built(changed.clone(), None);
+            let found = built(changed, Some(&first));
+            assert!(!Arc::ptr_eq(&first.geometry, &found.geometry), "{what}");
+            assert_same_hits(&found, &expected);
+        }
+    }
 }

@@ -11,13 +11,16 @@ mod material;
 mod shading;
 pub mod spectral_coverage;
 
-pub use build::build;
+pub use build::{build, build_after};
 pub use build::{emission_spectrum, nit_per_unit};
 pub use material::{
     Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, NormalMap,
     ScatteringModel, Tabled,
 };
 pub use shading::Shading;
+
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
 
 use crate::bsdf::{Mix, Model, SceneTraits};
 use crate::geometry::{
@@ -27,15 +30,22 @@ use crate::light::{
     Choice, LiContext, LightRay, LightSample, LightSampleContext, Lights, SurfaceEmission, Tint, TriangleLight,
 };
 use crate::texture::Texture;
+use layout::{Kept, Part};
 use photosite_core::math::hash::{hash64, unit_f32};
 use photosite_core::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths};
 
 /// Everything that light transport needs to know of a scene. Immutable.
 #[derive(Clone, Debug)]
 pub struct Scene {
-    geometry: Geometry,
+    geometry: Arc<Geometry>,
     accel: Accel,
     instances: InstanceTable,
+    /// Index of the object of each instance.
+    objects: Vec<u32>,
+    /// What the next scene may have in common.
+    kept: Kept,
+    /// Where the surfaces of another scene are in this one, once somebody asks.
+    places: OnceLock<HashMap<Part, [u32; 2]>>,
     materials: Vec<Material>,
     /// Reflectance of each mesh that is diffuse and nothing else.
     diffuse: Vec<Option<ColourSource>>,
@@ -54,12 +64,12 @@ pub struct Scene {
 /// Which instance of the description each surface belongs to.
 #[derive(Clone, Debug, Default)]
 struct InstanceTable {
-    /// Of meshes that stand in world space: the instance, for each mesh of the geometry up to the last of these.
-    of_mesh: Vec<u32>,
-    /// Of the instances of the geometry: `None` for the one in world space.
-    of_instance: Vec<Option<u32>>,
-    /// The mesh of the geometry that each instance has, and its instance there.
-    surfaces: Vec<[u32; 2]>,
+    /// Of the first meshes of the geometry, which stand in world space: instances, and which of its meshes each is.
+    of_mesh: Vec<Part>,
+    /// Of the instances of the geometry: `None` for those in world space.
+    of_placed: Vec<Option<u32>>,
+    /// Of the meshes that follow, which have spaces of their own: which of its meshes an instance has there.
+    numbers: Vec<u32>,
 }
 
 impl Scene {
@@ -71,6 +81,11 @@ impl Scene {
     /// The lights.
     pub fn lights(&self) -> &Lights {
         &self.lights
+    }
+
+    /// Whether it was built of the very meshes of a description, so that one of that may share much with it.
+    pub fn has_meshes_of(&self, description: &description::SceneDescription) -> bool {
+        self.kept.has_meshes(&description.meshes)
     }
 
     /// Lower and upper corner of the geometry, m.
@@ -148,10 +163,47 @@ impl Scene {
         SurfacePoint::new(&self.geometry, &self.accel, hit, time)
     }
 
-    /// Index of the instance that was hit, in the description that the scene was built from.
-    pub fn instance(&self, hit: &Hit) -> u32 {
-        let mesh = self.geometry.mesh_of(hit.primitive);
-        self.instances.of_instance[hit.instance as usize].unwrap_or_else(|| self.instances.of_mesh[mesh as usize])
+    /// Index of the object that was hit, among [all](description::SceneDescription::all_objects) of the description
+    /// that the scene was built from.
+    pub fn object(&self, hit: &Hit) -> u32 {
+        self.objects[self.part(hit).instance as usize]
+    }
+
+    /// Where each mesh of each instance is: its index in the geometry, and that of its instance there.
+    fn places(&self) -> &HashMap<Part, [u32; 2]> {
+        self.places.get_or_init(|| {
+            let InstanceTable { of_mesh, of_placed, numbers } = &self.instances;
+            let in_world = of_placed.iter().take_while(|instance| instance.is_none()).count();
+            let deforms = |mesh: u32| self.geometry.meshes[mesh as usize].deformation.is_some();
+            let deforming = (0..of_mesh.len() as u32).filter(|&mesh| deforms(mesh)).count();
+            // Those that deform come last, each with an instance of its own.
+            let rigid = of_mesh.len() - deforming;
+            let first = in_world - deforming;
+            let placed = |mesh: usize| mesh.checked_sub(rigid).map_or(0, |number| first + number);
+            let of_world = of_mesh.iter().enumerate().map(|(mesh, part)| (*part, [mesh as u32, placed(mesh) as u32]));
+            let first_meshes =
+                self.kept.group_sizes().scan(0, |next, size| Some(std::mem::replace(next, *next + size)));
+            let groups: Vec<(usize, usize)> = first_meshes.zip(self.kept.group_sizes()).collect();
+            let of_groups = of_placed.iter().enumerate().skip(in_world).flat_map(|(placed, instance)| {
+                let (first, size) = groups[self.accel.instances()[placed].blas as usize - in_world];
+                let instance = instance.unwrap_or_default();
+                let meshes = first..first + size;
+                meshes.map(move |mesh| {
+                    let part = Part { instance, number: numbers[mesh] };
+                    (part, [(of_mesh.len() + mesh) as u32, placed as u32])
+                })
+            });
+            of_world.chain(of_groups).collect()
+        })
+    }
+
+    /// The mesh that was hit.
+    fn part(&self, hit: &Hit) -> Part {
+        let mesh = self.geometry.mesh_of(hit.primitive) as usize;
+        match self.instances.of_placed[hit.instance as usize] {
+            None => self.instances.of_mesh[mesh],
+            Some(instance) => Part { instance, number: self.instances.numbers[mesh - self.instances.of_mesh.len()] },
+        }
     }
 
     /// The same point of the same surface in another scene, whose description has the same
@@ -161,7 +213,7 @@ impl Scene {
         if std::ptr::eq(self, other) {
             return Some(*hit);
         }
-        let &[mesh, instance] = other.instances.surfaces.get(self.instance(hit) as usize)?;
+        let &[mesh, instance] = other.places().get(&self.part(hit))?;
         let range = other.geometry.meshes.get(mesh as usize)?;
         let Primitive::Triangle(triangle) = hit.primitive else {
             return Some(Hit { primitive: Primitive::Quadric(range.quadric?), instance, ..*hit });

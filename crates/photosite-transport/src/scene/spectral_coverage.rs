@@ -147,7 +147,7 @@ mod tests {
         let colour = Colour::Spectrum(illuminant::illuminant(light).expect("known"));
         SceneDescription {
             materials: vec![MaterialDescription::new("wall", model)],
-            meshes: vec![MeshDescription::default()],
+            meshes: vec![MeshDescription::default().into()],
             environment: Some(EnvironmentDescription::Constant { colour, luminance_nit: Some(1.0) }),
             ..SceneDescription::default()
         }

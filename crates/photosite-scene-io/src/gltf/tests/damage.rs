@@ -114,7 +114,7 @@ fn no_flipped_byte_makes_a_binary_file_panic() {
             let mut damaged = glb.clone();
             damaged[at] ^= flip;
             if let Ok(mut file) = read_bytes(&damaged, path, Choice::default()) {
-                crate::complete(&mut file.scene);
+                crate::complete(&mut file.scene, &mut crate::ChangedMeshes::default());
             }
         }
     }

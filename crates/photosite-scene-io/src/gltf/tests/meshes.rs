@@ -94,7 +94,7 @@ fn a_second_uv_set_alone_stays_the_second() {
 #[test]
 fn tangents_are_generated_where_a_normal_map_needs_them_only() {
     let mut plain = Fixture::square().scene();
-    crate::complete(&mut plain);
+    crate::complete(&mut plain, &mut crate::ChangedMeshes::default());
     assert!(plain.meshes[0].tangents.is_empty());
 
     let mut fixture = Fixture::square();
@@ -108,7 +108,7 @@ fn tangents_are_generated_where_a_normal_map_needs_them_only() {
     fixture.primitive()["material"] = json!(0);
     fixture.primitive()["attributes"].as_object_mut().expect("an object").remove("NORMAL");
     let mut scene = fixture.scene();
-    crate::complete(&mut scene);
+    crate::complete(&mut scene, &mut crate::ChangedMeshes::default());
     let mesh = &scene.meshes[0];
     assert_eq!(mesh.tangents.len(), mesh.positions.len());
     assert_eq!(mesh.normals.len(), mesh.positions.len());

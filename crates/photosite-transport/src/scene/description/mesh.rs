@@ -1,5 +1,7 @@
 //! Meshes and their instances as files describe them.
 
+use std::ops::Range;
+
 use glam::{DAffine3, Vec2, Vec3, Vec4};
 
 use crate::geometry::{Motion, QuadricKind};
@@ -46,26 +48,39 @@ pub struct ShapeDescription {
     pub normals: Vec<Vec3>,
 }
 
-/// A mesh somewhere in the world.
+/// Meshes somewhere in the world.
 #[derive(Clone, Debug)]
 pub struct InstanceDescription {
     /// Name of the node, for messages.
     pub name: String,
-    /// Index of the mesh.
-    pub mesh: usize,
+    /// Indices of its meshes: one, or several that stand together.
+    pub meshes: Range<usize>,
     /// Mesh space → world. Finite and invertible.
     pub to_world: DAffine3,
     /// The same at the evenly spaced times that follow in the time of the picture, where it moves.
     pub later: Vec<DAffine3>,
+    /// Whether its meshes have a hierarchy of their own even if no other instance shares them: then a scene in which it
+    /// stands elsewhere is [built](crate::scene::build_after) without building that again.
+    pub is_movable: bool,
 }
 
 impl InstanceDescription {
+    /// A single mesh that stands still.
+    pub fn of_mesh(name: impl Into<String>, mesh: usize, to_world: DAffine3) -> Self {
+        Self { name: name.into(), meshes: mesh..mesh + 1, to_world, later: Vec::new(), is_movable: false }
+    }
+
     /// Mesh space → world when this part of the picture's time, 0 to 1, has gone by.
     pub fn at(&self, time: f32) -> DAffine3 {
-        if self.later.iter().all(|pose| *pose == self.to_world) {
-            return self.to_world;
-        }
-        let poses: Vec<DAffine3> = [&self.to_world].into_iter().chain(&self.later).copied().collect();
-        Motion::new(&poses).to_world(time)
+        pose_at(&self.to_world, &self.later, time)
     }
+}
+
+/// The pose on a way through evenly spaced ones when this part of its time, 0 to 1, has gone by.
+pub(super) fn pose_at(first: &DAffine3, later: &[DAffine3], time: f32) -> DAffine3 {
+    if later.iter().all(|pose| pose == first) {
+        return *first;
+    }
+    let poses: Vec<DAffine3> = [first].into_iter().chain(later).copied().collect();
+    Motion::new(&poses).to_world(time)
 }

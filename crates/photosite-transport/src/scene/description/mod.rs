@@ -10,6 +10,7 @@ mod light;
 mod material;
 mod mesh;
 mod model;
+mod object;
 mod texture;
 
 use std::path::PathBuf;
@@ -28,6 +29,7 @@ pub use light::{EmissionDescription, EnvironmentDescription, LightDescription, P
 pub use material::{AlphaMode, MaterialDescription};
 pub use mesh::{InstanceDescription, MeshDescription, ShapeDescription};
 pub use model::{Described, MaterialModel, Roughness, Visit};
+pub use object::ObjectDescription;
 pub use texture::{Channel, Colour, TextureDescription, TexturedColour, TexturedFactor};
 
 /// A whole scene as read from files.
@@ -37,10 +39,12 @@ pub struct SceneDescription {
     pub images: Vec<Arc<Bitmap>>,
     /// Materials that meshes refer to.
     pub materials: Vec<MaterialDescription>,
-    /// Triangle meshes, each with one material.
-    pub meshes: Vec<MeshDescription>,
+    /// Triangle meshes, each with one material. Scenes may share them.
+    pub meshes: Vec<Arc<MeshDescription>>,
     /// Instances of meshes.
     pub instances: Vec<InstanceDescription>,
+    /// Objects that were placed as such, in the order of their instances.
+    pub objects: Vec<ObjectDescription>,
     /// Lights without a surface.
     pub lights: Vec<LightDescription>,
     /// What surrounds the scene, if anything shines from there.
@@ -71,6 +75,12 @@ impl SceneDescription {
             let named = hash64(text(hash, &mesh.name), kind);
             mesh.triangles.iter().fold(hash64(named, mesh.triangles.len() as u64), corners)
         });
-        self.instances.iter().fold(of_meshes, |hash, instance| hash64(text(hash, &instance.name), instance.mesh as u64))
+        let of_instances = self.instances.iter().fold(of_meshes, |hash, instance| {
+            let InstanceDescription { name, meshes, .. } = instance;
+            meshes.clone().fold(text(hash, name), |hash, mesh| hash64(hash, mesh as u64))
+        });
+        self.objects.iter().fold(of_instances, |hash, object| {
+            hash64(text(hash, &object.name), (object.instances.start as u64) << 32 ^ object.instances.end as u64)
+        })
     }
 }

@@ -1,0 +1,158 @@
+//! Files of geometry, each of which is read once for all objects of a capture and for all captures of a data set.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::SystemTime;
+
+use super::geometry_kind::GeometryKind;
+use super::source::CaptureSource;
+use crate::io::gltf::{self, Choice, Moment};
+use crate::io::{ChangedMeshes, MissingNormals, obj, ply, stl};
+use crate::scene::description::{MeshDescription, SceneDescription};
+use crate::texture::Bitmap;
+use crate::{Invalid, Result};
+
+/// What a file of geometry holds.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Model {
+    pub(super) scene: SceneDescription,
+    /// Materials that nothing has described yet.
+    pub(super) undescribed_materials: Vec<String>,
+    /// Names of material variants.
+    pub(super) variants: Vec<String>,
+    /// Names of animations.
+    pub(super) animations: Vec<String>,
+    /// Whether its lengths are metres whatever a capture says.
+    pub(super) is_metric: bool,
+}
+
+impl Model {
+    /// Roughly what it takes in memory.
+    fn bytes(&self) -> usize {
+        let of_mesh = |mesh: &Arc<MeshDescription>| {
+            let shapes = 1 + mesh.later_shapes.len();
+            mesh.positions.len() * (24 * shapes + 32 + 8 * mesh.uvs.len()) + mesh.triangles.len() * 12
+        };
+        let of_image = |image: &Arc<Bitmap>| image.width * image.height * 16;
+        self.scene.meshes.iter().map(of_mesh).sum::<usize>() + self.scene.images.iter().map(of_image).sum::<usize>()
+    }
+}
+
+/// A file, and how it is read.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ModelFile {
+    pub(super) path: PathBuf,
+    pub(super) variant: Option<String>,
+    pub(super) moment: Option<Moment>,
+    pub(super) missing_normals: MissingNormals,
+}
+
+impl ModelFile {
+    /// Reads it. `key` names it in the capture.
+    fn read(&self, key: &str, source: &CaptureSource) -> Result<Model> {
+        let Self { path, variant, moment, missing_normals } = self;
+        match GeometryKind::of(path) {
+            Some(GeometryKind::Gltf) => {
+                let choice =
+                    Choice { variant: variant.as_deref(), moment: moment.as_ref(), sandbox: Some(source.sandbox()) };
+                let gltf::GltfFile { scene, variants, animations } = gltf::read(path, choice)?;
+                Ok(Model { scene, variants, animations, is_metric: true, ..Model::default() })
+            }
+            Some(GeometryKind::Obj) => {
+                let obj::ObjFile { scene, undescribed_materials } =
+                    obj::read(path, *missing_normals, source.sandbox())?;
+                Ok(Model { scene, undescribed_materials, ..Model::default() })
+            }
+            Some(GeometryKind::Ply) => {
+                let scene = ply::read(path, *missing_normals, source.sandbox())?;
+                Ok(Model { scene, ..Model::default() })
+            }
+            Some(GeometryKind::Stl) => {
+                let scene = stl::read(path, *missing_normals)?;
+                Ok(Model { scene, ..Model::default() })
+            }
+            None => {
+                let message = format!("{} is no scene of a known kind", path.display());
+                let help = "geometry is read from .gltf, .glb, .obj, .ply and .stl files";
+                Err(source.error(Invalid::new(key, message).help(help)))
+            }
+        }
+    }
+
+    /// When it was changed last, and its size.
+    fn stamp(&self) -> Option<(SystemTime, u64)> {
+        let facts = std::fs::metadata(&self.path).ok()?;
+        Some((facts.modified().ok()?, facts.len()))
+    }
+}
+
+/// Models that were read, for the captures of a data set. A file that has changed since is read again.
+#[derive(Clone, Debug, Default)]
+pub(super) struct KnownModels(Option<Arc<Mutex<Known>>>);
+
+#[derive(Debug, Default)]
+struct Known {
+    /// The last one was read last.
+    models: Vec<KnownModel>,
+    meshes: ChangedMeshes,
+}
+
+#[derive(Debug)]
+struct KnownModel {
+    file: ModelFile,
+    stamp: Option<(SystemTime, u64)>,
+    model: Arc<Model>,
+}
+
+/// Bytes that models are kept up to; beyond, those that were read first are forgotten.
+const MOST_BYTES: usize = 2 << 30;
+
+impl Known {
+    fn find(&self, file: &ModelFile, stamp: Option<(SystemTime, u64)>) -> Option<Arc<Model>> {
+        let known = self.models.iter().find(|known| known.file == *file && known.stamp == stamp)?;
+        Some(Arc::clone(&known.model))
+    }
+
+    fn add(&mut self, known: KnownModel) {
+        self.models.retain(|other| other.file != known.file);
+        self.models.push(known);
+        let mut bytes = 0;
+        let kept = self.models.iter().rev().take_while(|known| {
+            bytes += known.model.bytes();
+            bytes <= MOST_BYTES
+        });
+        let forgotten = self.models.len() - kept.count().max(1);
+        if forgotten > 0 {
+            self.models.drain(..forgotten);
+            self.meshes = ChangedMeshes::default();
+        }
+    }
+}
+
+impl KnownModels {
+    /// Models that are kept. By default none are.
+    pub(super) fn kept() -> Self {
+        Self(Some(Arc::default()))
+    }
+
+    /// Reads a file, or takes what was read of it before. `key` names it in the capture.
+    pub(super) fn read(&self, file: &ModelFile, key: &str, source: &CaptureSource) -> Result<Model> {
+        let Some(known) = &self.0 else { return file.read(key, source) };
+        let stamp = file.stamp();
+        let lock = || known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(model) = lock().find(file, stamp) {
+            return Ok(Model::clone(&model));
+        }
+        let model = Arc::new(file.read(key, source)?);
+        lock().add(KnownModel { file: file.clone(), stamp, model: Arc::clone(&model) });
+        Ok(Model::clone(&model))
+    }
+
+    /// Changes meshes, of which those that others share stay as they are.
+    pub(super) fn change_meshes<T>(&self, change: impl FnOnce(&mut ChangedMeshes) -> T) -> T {
+        match &self.0 {
+            Some(known) => change(&mut known.lock().unwrap_or_else(PoisonError::into_inner).meshes),
+            None => change(&mut ChangedMeshes::default()),
+        }
+    }
+}
