@@ -1,4 +1,4 @@
-//! photosite renders a glTF or OBJ scene as a camera would record it: spectral radiance is path-traced through a
+//! photosite renders a glTF, OBJ, PLY or STL scene as a camera would record it: spectral radiance is path-traced through a
 //! lens, falls on an image sensor as irradiance, becomes electrons, then digital numbers in a raw file, then an RGB
 //! picture. Every stage is a physical quantity with a unit and can be written out on its own.
 //!
@@ -36,7 +36,7 @@
 //! | `photosite-core` | [`units`], [`math`], [`spectrum`], [`colour`], [`image`], [`projection`], [`cells`], errors | simd |
 //! | `photosite-transport` | [`geometry`] … [`integrator`]: light from its sources to the sensor | simd, core |
 //! | `photosite-imaging` | [`raw`], [`sensor`], [`develop`], [`measure`], [`validation`], [`characterisation`], [`synthetic_noise`] | core |
-//! | `photosite-scene-io` | glTF, OBJ, environments, IES | core, transport |
+//! | `photosite-scene-io` | glTF, OBJ, PLY, STL, environments, IES | core, transport |
 //! | `photosite-calibration` | [`calibration`]: targets, poses, ground truth, camera files | core, transport |
 //! | `photosite-placement` | [`placement`]: places of rigid objects, dropped or standing | core |
 //! | `photosite` | this crate: the [`capture`] language, the [`pipeline`], [`report`]s, files ([`io`]), and the command | all |

@@ -2,8 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use photosite::io::complete;
 use photosite::io::gltf::{Choice, Moment, read_bytes};
+use photosite::io::{ChangedMeshes, complete};
 use photosite_fuzz::files;
 
 fuzz_target!(|data: &[u8]| {
@@ -11,7 +11,7 @@ fuzz_target!(|data: &[u8]| {
     let path = files().join(if data.starts_with(b"glTF") { "fuzzed.glb" } else { "fuzzed.gltf" });
     for choice in [Choice::default(), Choice { variant: Some("day"), moment: Some(&moment), ..Choice::default() }] {
         if let Ok(mut file) = read_bytes(data, &path, choice) {
-            complete(&mut file.scene);
+            complete(&mut file.scene, &mut ChangedMeshes::default());
         }
     }
 });

@@ -2,7 +2,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use photosite::io::obj::{Choice, MissingNormals, parse};
+use photosite::io::MissingNormals;
+use photosite::io::obj::{Choice, parse};
 use photosite_fuzz::files;
 
 fuzz_target!(|text: &str| {

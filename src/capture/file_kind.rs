@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::geometry_kind::GeometryKind;
 use super::source::CaptureSource;
 use super::tables::SECTIONS;
 use super::text_file::read_text;
@@ -34,9 +35,11 @@ impl FileKind {
     /// The kind that the name of a file tells; TOML files may be several.
     pub(super) fn of_name(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();
+        if GeometryKind::of(path).is_some() {
+            return Some(Self::Model);
+        }
         match extension.as_str() {
             "json" => Some(Self::Report),
-            "gltf" | "glb" | "obj" | "ply" | "stl" => Some(Self::Model),
             "dng" => Some(Self::Raw),
             "tif" | "tiff" | "pbm" | "pgm" | "ppm" | "pnm" | "npy" => Some(Self::Numbers),
             "exr" | "hdr" => Some(Self::Light),

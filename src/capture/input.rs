@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::file_kind::FileKind;
+use super::geometry_kind::GeometryKind;
 use super::source::CaptureSource;
 use super::stored_report::StoredReport;
 use super::text_file::{read_text, unknown_kind};
@@ -44,6 +45,5 @@ pub(super) fn focus_on_scene(source: &mut CaptureSource) {
 
 /// Whether a path names a file of geometry rather than a capture file.
 pub(super) fn is_scene_file(path: &Path) -> bool {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-    matches!(extension.as_deref(), Some("gltf" | "glb" | "obj"))
+    GeometryKind::of(path).is_some()
 }

@@ -1,7 +1,7 @@
 //! The capture file: a scene, the camera that looks at it and what to make of it, as TOML.
 //!
-//! In: the path of a capture file, or of a scene file (`.gltf`, `.glb`, `.obj`) that stands for a capture of defaults,
-//! and overrides, `key=value`. Out: a [`Capture`], everything checked and in SI units. Every error names the file,
+//! In: the path of a capture file, or of a scene file (`.gltf`, `.glb`, `.obj`, `.ply`, `.stl`) that stands for a
+//! capture of defaults, and overrides, `key=value`. Out: a [`Capture`], everything checked and in SI units. Every error names the file,
 //! the key and its line, or the argument.
 //!
 //! The text becomes a tree of values that know their lines (`tree.rs`, `source.rs`), the tree becomes tables of keys
@@ -30,10 +30,12 @@ mod dataset;
 mod default_light;
 mod develop;
 mod environment;
+mod extent;
 mod file;
 mod file_kind;
 mod focus;
 mod framing;
+mod geometry_kind;
 mod ground;
 mod init;
 mod input;
@@ -85,6 +87,7 @@ use photosite_core::warnings::Warnings;
 
 use camera::place_camera;
 use colour::Finder;
+pub(crate) use extent::{Extent, FileUnit};
 pub use init::{InitialCapture, initial_capture};
 use input::{focus_on_scene, is_scene_file, read_source};
 use models::KnownModels;
@@ -177,7 +180,7 @@ impl TablesOfScene {
 
 impl Capture {
     /// Loads a capture file (`.toml`), a report of one that was rendered (`capture.json`) or a scene file (`.gltf`,
-    /// `.glb`, `.obj`), which stands for a capture of defaults.
+    /// `.glb`, `.obj`, `.ply`, `.stl`), which stands for a capture of defaults.
     ///
     /// # Errors
     ///
@@ -239,6 +242,16 @@ impl Capture {
     /// Things worth telling the user that are no errors, each once.
     pub fn warnings(&self) -> Vec<String> {
         [&*self.scene.warnings, &*self.warnings].concat()
+    }
+
+    /// The units of the files of its geometry.
+    pub(crate) fn units(&self) -> Result<Vec<FileUnit>> {
+        extent::units(&self.source)
+    }
+
+    /// Tells where the scene is so large that its unit is hardly the metre.
+    pub(crate) fn unit_warning(&self) -> Option<String> {
+        extent::unit_warning(&self.scene, &self.source)
     }
 
     /// Takes the scene out; its files still tell what results are made of.
@@ -304,8 +317,9 @@ impl Capture {
         let (scene, targets) = match earlier.and_then(|earlier| Some((earlier.scene_of(&tables)?, &earlier.targets))) {
             Some((scene, targets)) => (scene, targets.clone()),
             None => {
-                let geometry = ReadScene::of_capture(&source, &file, &tables.moments, folder, &models)?;
+                let mut geometry = ReadScene::of_capture(&source, &file, &tables.moments, folder, &models)?;
                 if is_scene_file(path) {
+                    geometry.scene.warnings.extend(extent::unit_warning(&geometry.scene, &source));
                     geometry.surround(&mut source)?;
                     file.scene = source.read("scene")?.unwrap_or_default();
                     file.exposure = source.read("exposure")?.unwrap_or_default();

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::SystemTime;
 
+use super::geometry_kind::GeometryKind;
 use super::source::CaptureSource;
-use crate::io::ChangedMeshes;
 use crate::io::gltf::{self, Choice, Moment};
-use crate::io::obj::{self, MissingNormals};
+use crate::io::{ChangedMeshes, MissingNormals, obj, ply, stl};
 use crate::scene::description::{MeshDescription, SceneDescription};
 use crate::texture::Bitmap;
 use crate::{Invalid, Result};
@@ -33,7 +33,7 @@ impl Model {
             let shapes = 1 + mesh.later_shapes.len();
             mesh.positions.len() * (24 * shapes + 32 + 8 * mesh.uvs.len()) + mesh.triangles.len() * 12
         };
-        let of_image = |image: &Arc<Bitmap>| image.width as usize * image.height as usize * 16;
+        let of_image = |image: &Arc<Bitmap>| image.width * image.height * 16;
         self.scene.meshes.iter().map(of_mesh).sum::<usize>() + self.scene.images.iter().map(of_image).sum::<usize>()
     }
 }
@@ -53,9 +53,8 @@ impl ModelFile {
     /// Reads it. `key` names it in the capture.
     fn read(&self, key: &str, source: &CaptureSource) -> Result<Model> {
         let &Self { ref path, ref variant, ref moment, missing_normals, is_lenient } = self;
-        let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-        match extension.as_deref() {
-            Some("gltf" | "glb") => {
+        match GeometryKind::of(path) {
+            Some(GeometryKind::Gltf) => {
                 let choice = Choice {
                     variant: variant.as_deref(),
                     moment: moment.as_ref(),
@@ -65,14 +64,22 @@ impl ModelFile {
                 let gltf::GltfFile { scene, variants, animations } = gltf::read(path, choice)?;
                 Ok(Model { scene, variants, animations, is_metric: true, ..Model::default() })
             }
-            Some("obj") => {
+            Some(GeometryKind::Obj) => {
                 let choice = obj::Choice { missing_normals, sandbox: source.sandbox().clone(), is_lenient };
                 let obj::ObjFile { scene, undescribed_materials } = obj::read(path, &choice)?;
                 Ok(Model { scene, undescribed_materials, ..Model::default() })
             }
-            _ => {
+            Some(GeometryKind::Ply) => {
+                let scene = ply::read(path, missing_normals, source.sandbox())?;
+                Ok(Model { scene, ..Model::default() })
+            }
+            Some(GeometryKind::Stl) => {
+                let scene = stl::read(path, missing_normals)?;
+                Ok(Model { scene, ..Model::default() })
+            }
+            None => {
                 let message = format!("{} is no scene of a known kind", path.display());
-                let help = "geometry is read from .gltf, .glb and .obj files";
+                let help = "geometry is read from .gltf, .glb, .obj, .ply and .stl files";
                 Err(source.error(Invalid::new(key, message).help(help)))
             }
         }

@@ -19,8 +19,7 @@ use super::source::CaptureSource;
 use super::tables::{CaptureFile, MaterialTable, NormalsName};
 use super::target::scene_of;
 use crate::calibration::targets::PlacedTarget;
-use crate::io::MeshChange;
-use crate::io::obj::MissingNormals;
+use crate::io::{MeshChange, MissingNormals};
 use crate::scene::description::{
     Colour, Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription,
     TexturedColour,

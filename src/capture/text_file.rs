@@ -27,5 +27,5 @@ pub(super) fn read_text(path: &Path) -> Result<String> {
 /// The error of a file that is none of those.
 pub(super) fn unknown_kind(path: &Path) -> Error {
     let invalid = Invalid::new("", "is neither TOML nor a scene of a known kind");
-    invalid.help("give a capture file (.toml) or a scene (.gltf, .glb, .obj)").in_file(path)
+    invalid.help("give a capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl)").in_file(path)
 }

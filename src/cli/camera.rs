@@ -25,7 +25,7 @@ use crate::{Invalid, Result, Sandbox};
 /// `capture.json` says (`pose_time_s`).
 #[derive(Args)]
 pub(super) struct CameraArgs {
-    /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
+    /// A capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl).
     input: PathBuf,
     /// The tool.
     #[arg(long, value_enum)]

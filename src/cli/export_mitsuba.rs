@@ -24,7 +24,7 @@ use crate::{Error, Result, Sandbox};
 /// difference.
 #[derive(Args)]
 pub(super) struct ExportMitsubaArgs {
-    /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
+    /// A capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl).
     input: PathBuf,
     /// Folder for scene.xml, the files that it names, and render.py, created where missing.
     #[arg(short, long, value_name = "DIR")]

@@ -12,22 +12,25 @@ use serde_json::{Map, Value, json};
 use super::listing::listing;
 use super::print::{print_json, println_out, rounded};
 use super::scene_args::SceneArgs;
-use crate::capture::{Capture, ExposureTime, read_sensor_file};
+use crate::capture::{Capture, ExposureTime, Extent, read_sensor_file};
 use crate::image::Planes;
 use crate::io::exr::{Attribute, read_exr};
 use crate::optics::{Camera, Focus, LensDescription, LensKind};
 use crate::pipeline::standalone_camera;
 use crate::raw::{self, RawImage};
 use crate::report::LensReport;
-use crate::scene::description::{EnvironmentDescription, MaterialDescription, SceneDescription};
+use crate::scene::description::{EnvironmentDescription, InstanceDescription, MaterialDescription, SceneDescription};
 use crate::sensor::{Binning, Format, SensorModel, presets};
 use crate::{Error, Invalid, Result, Sandbox};
 
 /// Say what a scene, capture, sensor, raw or EXR file holds.
+///
+/// Of a scene it says how large it is, and warns where its unit is hardly the metre: where it is longer than 20 m though
+/// nothing states the unit of its OBJ, PLY or STL files (meters_per_unit), or a glTF file longer than 100 m.
 #[derive(Args)]
 pub(super) struct InfoArgs {
-    /// A .toml, capture.json, .gltf, .glb, .obj, .dng, .tiff, .pgm, .ppm, .npy or .exr file, or the name of a sensor
-    /// preset.
+    /// A .toml, capture.json, .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pgm, .ppm, .npy or .exr file, or the name of a
+    /// sensor preset.
     file: PathBuf,
     /// Print JSON instead of text.
     #[arg(long)]
@@ -37,11 +40,24 @@ pub(super) struct InfoArgs {
 }
 
 pub(super) fn run(args: &InfoArgs, sandbox: &Sandbox) -> Result<()> {
-    let facts = facts(&args.file, sandbox, &args.scene.after(&[]))?;
+    let mut facts = facts(&args.file, sandbox, &args.scene.after(&[]))?;
     if args.json {
         return print_json(&facts);
     }
+    if let Some(Value::Array(objects)) = facts.get_mut("objects") {
+        shorten(objects);
+    }
     println_out(&listing(&facts))
+}
+
+/// Leaves the first objects of many in a list for people.
+fn shorten(objects: &mut Vec<Value>) {
+    const MOST: usize = 40;
+    if objects.len() > MOST {
+        let left_out = objects.len() - MOST;
+        objects.truncate(MOST);
+        objects.push(json!({ "name": format!("and {left_out} more, which --json lists") }));
+    }
 }
 
 /// What the file holds, by the kind that its name says.
@@ -53,9 +69,9 @@ fn facts(path: &Path, sandbox: &Sandbox, overrides: &[String]) -> Result<Map<Str
         }
         "toml" => match read_sensor_file(path, sandbox)? {
             Some(sensor) => Ok(of_sensor(&sensor)),
-            None => Ok(of_capture(&Capture::load_within(sandbox, path, overrides)?)),
+            None => of_capture(&Capture::load_within(sandbox, path, overrides)?),
         },
-        "gltf" | "glb" | "obj" | "json" => Ok(of_capture(&Capture::load_within(sandbox, path, overrides)?)),
+        "gltf" | "glb" | "obj" | "ply" | "stl" | "json" => of_capture(&Capture::load_within(sandbox, path, overrides)?),
         "exr" => {
             let picture = read_exr(open(path)?).map_err(|invalid| invalid.in_file(path))?;
             let mut facts = of_planes(&picture.planes);
@@ -73,8 +89,8 @@ fn facts(path: &Path, sandbox: &Sandbox, overrides: &[String]) -> Result<Map<Str
         "dng" => Ok(of_raw(&raw::read(path)?.linear())),
         "tif" | "tiff" | "pbm" | "pgm" | "ppm" | "pnm" | "npy" => Ok(of_numbers(&raw::read(path)?)),
         _ => {
-            let help = "give a .toml, .json (a capture.json), .gltf, .glb, .obj, .dng, .tiff, .pbm, .pgm, .ppm, .npy or .exr file, or \
-                        a name that `photosite sensors` lists";
+            let help = "give a .toml, .json (a capture.json), .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pbm, .pgm, .ppm, \
+                        .npy or .exr file, or a name that `photosite sensors` lists";
             Err(Invalid::new("", "is of no kind that photosite knows").help(help).in_file(path))
         }
     }
@@ -101,10 +117,14 @@ fn position_halfway(capture: &Capture) -> [f64; 3] {
     moved.unwrap_or(start).translation.to_array()
 }
 
-fn of_capture(capture: &Capture) -> Map<String, Value> {
+fn of_capture(capture: &Capture) -> Result<Map<String, Value>> {
     let Capture { scene, lens, sensor, exposure, render, .. } = capture;
-    let mut facts = of_scene(scene);
+    let units = capture.units()?;
+    let units = units.iter().map(|u| json!({"file": u.file, "unit_m": u.unit_m, "unit_from": u.source.name()}));
+    let mut facts = map(json!({ "geometry": units.collect::<Vec<_>>() }));
+    facts.extend(of_scene(scene));
     let mut warnings = capture.warnings();
+    warnings.extend(capture.unit_warning().filter(|warning| !warnings.contains(warning)));
     match standalone_camera(capture) {
         Err(error) => warnings.push(error.to_string()),
         Ok(camera) => {
@@ -151,7 +171,7 @@ fn of_capture(capture: &Capture) -> Map<String, Value> {
         "samples_per_pixel": render.samples_per_pixel,
         "warnings": warnings,
     })));
-    facts
+    Ok(facts)
 }
 
 fn lens_in_words(lens: &LensDescription) -> String {
@@ -199,6 +219,11 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
     let triangles = |mesh: usize| scene.meshes[mesh].triangles.len();
     let named = |name: &str| if name.is_empty() { "unnamed".to_owned() } else { name.to_owned() };
     let emits = |m: &&MaterialDescription| m.emission.is_some();
+    let object = |instance: &InstanceDescription| {
+        let mut facts = map(json!({ "name": named(&instance.name) }));
+        facts.extend(map(of_extent(&Extent::of_instance(scene, instance)?)));
+        Some(Value::Object(facts))
+    };
     let environment = scene.environment.as_ref().map(|environment| match environment {
         EnvironmentDescription::Constant { luminance_nit: Some(nit), .. } => {
             format!("the same light everywhere, {} lux on a plane", round(PI * nit))
@@ -214,6 +239,8 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
         "triangles": (0..scene.meshes.len()).map(triangles).sum::<usize>(),
         "instances": scene.instances.len(),
         "triangles_of_instances": scene.instances.iter().flat_map(|i| i.meshes.clone()).map(triangles).sum::<usize>(),
+        "bounding_box": Extent::of_scene(scene).as_ref().map(of_extent),
+        "objects": scene.instances.iter().filter_map(object).collect::<Vec<_>>(),
         "textures": scene.images.len(),
         "materials": scene.materials.iter().map(|m| named(&m.name)).collect::<Vec<_>>(),
         "emitting_materials": scene.materials.iter().filter(emits).map(|m| named(&m.name)).collect::<Vec<_>>(),
@@ -221,6 +248,11 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
         "environment": environment,
         "cameras": scene.cameras.iter().map(|c| named(&c.name)).collect::<Vec<_>>(),
     }))
+}
+
+fn of_extent(extent: &Extent) -> Value {
+    let [min, max, size] = [extent.low, extent.high, extent.size()].map(|v| v.to_array());
+    json!({ "min_m": min, "max_m": max, "size_m": size })
 }
 
 fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {

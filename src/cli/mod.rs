@@ -60,7 +60,7 @@ Exit status: 0 done; 1 failed, or pictures differ; 2 wrong usage; 3 and 4 of `ph
 a file went away, another process writes to the same place); 129, 130, 143 ended by SIGHUP, SIGINT, SIGTERM, after which a
 render goes on from its checkpoint when the same command is given again.";
 
-/// Renders glTF and OBJ scenes as a camera would record them: photons, electrons, raw files.
+/// Renders glTF, OBJ, PLY and STL scenes as a camera would record them: photons, electrons, raw files.
 #[derive(Parser)]
 #[command(version, about, max_term_width = 100, after_help = EXIT_STATUS)]
 struct Cli {

@@ -21,7 +21,7 @@ use crate::{Error, Invalid, Result, Sandbox};
 /// its row of the first picture, as it does in ground truth.
 #[derive(Args)]
 pub(super) struct ProjectArgs {
-    /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
+    /// A capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl).
     input: PathBuf,
     /// A file with a point x, y, z a line; - for standard input.
     #[arg(long, value_name = "FILE")]

@@ -19,12 +19,12 @@ use crate::{Result, Sandbox};
 
 /// Render a scene as the camera of a capture file records it.
 ///
-/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj), which then gets a camera that frames it, a clear day
+/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl), which then gets a camera that frames it, a clear day
 /// and a ground unless it has lights of its own, the default lens and the default sensor. `photosite init` writes that
 /// out as a capture file; --set scene.environment=even lights it from all sides.
 #[derive(Args)]
 pub(super) struct RenderArgs {
-    /// A capture file (.toml) or a scene (.gltf, .glb, .obj).
+    /// A capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl).
     input: PathBuf,
     /// Trace these samples of every pixel only: from A up to, but without, B. `photosite merge` makes the picture of
     /// all parts.

@@ -36,5 +36,4 @@ pub mod truth;
 pub mod unfinished;
 
 pub use photosite_core::{cleanup, output};
-pub use photosite_scene_io::{ChangedMeshes, MeshChange, complete};
-pub use photosite_scene_io::{gltf, obj};
+pub use photosite_scene_io::{ChangedMeshes, MeshChange, MissingNormals, complete, gltf, obj, ply, stl};

@@ -69,7 +69,13 @@ fn errors_name_file_key_and_line(
 
 #[rstest]
 #[case::missing("room.obj", "rom.obj", 2, "scene.geometry[0]: there is no file rom.obj", "relative to the capture")]
-#[case::kind("room.obj", "capture.toml", 2, "capture.toml is no scene of a known kind", ".gltf, .glb and .obj")]
+#[case::kind(
+    "room.obj",
+    "capture.toml",
+    2,
+    "capture.toml is no scene of a known kind",
+    ".gltf, .glb, .obj, .ply and .stl"
+)]
 #[case::illuminant("D65", "D66X", 3, "there is no illuminant \"D66X\"; did you mean `D65`?", "blackbodies as 3000K")]
 #[case::too_bright("500", "1e300", 1, "scene: its size or its lights are too large to compute with", "meters_per_unit")]
 fn errors_of_the_scene_name_file_key_and_line(

@@ -28,6 +28,13 @@ fn obj(line: &str) -> Vec<u8> {
     format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{line}\n").into()
 }
 
+/// Three vertices and a face.
+fn ply(face: &str) -> Vec<u8> {
+    let head = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1";
+    let list = "property list uchar int vertex_indices";
+    format!("ply\nformat ascii 1.0\n{head}\n{list}\nend_header\n0 0 0\n1 0 0\n0 1 0\n{face}\n").into()
+}
+
 /// Not a number at the second vertex.
 fn damaged_vertex() -> Document {
     with_vertices([[0.0, 0.0, 0.0], [1.0, f32::NAN, 0.0], [0.0, 1.0, 0.0]], [0, 1, 2])
@@ -107,6 +114,18 @@ fn damaged_vertex() -> Document {
 #[case::obj_no_faces("a.obj", obj(""), "", "has no triangles", "export the scene with its faces")]
 #[case::obj_zero_area("a.obj", obj("f 1 2 1"), "", "has no triangles but 1 of zero area", "")]
 #[case::obj_empty("a.obj", vec![], "", "has no triangles", "")]
+#[case::ply_index(
+    "a.ply",
+    ply("3 0 1 9"),
+    "0 1 9",
+    "face 0: refers to vertex 9, but there are 3",
+    "copy or export it again"
+)]
+#[case::ply_cloud("a.ply", b"ply\nformat ascii 1.0\nelement vertex 9\nend_header\n".to_vec(), "", "is a cloud of 9 points", "Poisson")]
+#[case::ply_empty("a.ply", vec![], "", "is no PLY file", "begins with the line \"ply\"")]
+#[case::stl_torn("a.stl", b"solid a\nfacet normal 0 0 1\n".to_vec(), "facet", "the file ends where \"outer\" must follow", "copy or export")]
+#[case::stl_short("a.stl", vec![1; 99], "", "is truncated: 16843009 facets are announced, and 0 are there", "copy or export")]
+#[case::stl_empty("a.stl", vec![], "", "is no STL file", "")]
 fn damaged_scenes_are_refused(
     #[case] name: &str,
     #[case] bytes: Vec<u8>,

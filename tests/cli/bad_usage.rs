@@ -93,8 +93,12 @@ fn missing_files_are_named(#[case] name: &str) {
 }
 
 #[rstest]
-#[case::model("scene.fbx", "Kaydara FBX Binary", "give a capture file (.toml) or a scene (.gltf, .glb, .obj)")]
-#[case::no_ending("scene", "o chair", "give a capture file (.toml) or a scene (.gltf, .glb, .obj)")]
+#[case::model(
+    "scene.fbx",
+    "Kaydara FBX Binary",
+    "give a capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl)"
+)]
+#[case::no_ending("scene", "o chair", "give a capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl)")]
 fn files_of_other_kinds_are_refused(#[case] name: &str, #[case] text: &str, #[case] help: &str) {
     let folder = Folder::new([(name, text.into())]);
     folder.fail(&format!("render {name}"), 1, &[&format!("{name}: is neither TOML nor a scene of a known kind"), help]);

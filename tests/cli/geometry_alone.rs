@@ -18,13 +18,25 @@ const CORNERS: [DVec3; 3] = [DVec3::new(-1.0, 0.0, 0.0), DVec3::new(1.0, 0.0, 0.
 fn folder() -> Folder {
     Folder::new([
         ("sail.obj", b"v -1 0 0\nv 1 0 0\nv 0 1.5 0\nf 1 2 3\n".to_vec()),
+        (
+            "sail.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+              property list uchar int vertex_indices\nend_header\n-1 0 0\n1 0 0\n0 1.5 0\n3 0 1 2\n"
+                .to_vec(),
+        ),
+        (
+            "sail.stl",
+            b"solid sail\nfacet normal 0 0 1\nouter loop\nvertex -1 0 0\nvertex 1 0 0\nvertex 0 1.5 0\nendloop\nendfacet\n\
+              endsolid sail\n"
+                .to_vec(),
+        ),
         ("sail.gltf", triangle().text()),
         ("sail.glb", triangle().binary()),
     ])
 }
 
 #[rstest]
-fn everything_else_takes_its_default(#[values("obj", "gltf", "glb")] kind: &str) {
+fn everything_else_takes_its_default(#[values("obj", "ply", "stl", "gltf", "glb")] kind: &str) {
     let folder = folder();
     folder.succeed(&format!("render sail.{kind} {SMALL}"));
     let report = folder.report("sail");

@@ -127,3 +127,122 @@ fn of_sensors() {
         }
     }
 }
+
+#[test]
+fn how_large_a_scene_is() {
+    let capture = "[scene]\ngeometry = ['a.obj', 'a.gltf', 'b.ply']\nmeters_per_unit = 0.5\n\
+        [[scene.spheres]]\nmaterial = 'paper'\nposition_m = [0, 5, 0]\nradius_m = 0.5\n\
+        [[scene.disks]]\nname = 'lid'\nmaterial = 'paper'\nposition_m = [0, 0, 0]\nnormal = [0, 2, 0]\nradius_m = 3\n\
+        [[scene.cylinders]]\nname = 'stick'\nmaterial = 'paper'\nposition_m = [1, 0, 0]\naxis = [1, 0, 0]\nradius_m = 0.25\nlength_m = 4\n";
+    let moved = triangle().with("/nodes/0/translation", json!([0, 0, -2])).with("/nodes/0/scale", json!([2, 1, 1]));
+    let folder = Folder::new([
+        // The last vertex is no corner of anything.
+        ("a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 99 99 99\nusemtl paper\nf 1 2 3\n".to_vec()),
+        ("a.gltf", moved.text()),
+        (
+            "b.ply",
+            b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
+              property list uchar int vertex_indices\nend_header\n0 0 -1\n4 0 -1\n0 4 -1\n50 50 50\n3 0 1 2\n"
+                .to_vec(),
+        ),
+        ("capture.toml", capture.into()),
+    ]);
+    let found = facts(&folder, "capture.toml");
+    let object = |name: &str, min: [f64; 3], max: [f64; 3]| {
+        let size: Vec<f64> = max.iter().zip(min).map(|(high, low)| high - low).collect();
+        json!({ "name": name, "min_m": min, "max_m": max, "size_m": size })
+    };
+    let objects = [
+        object("paper", [0.0, 0.0, 0.0], [0.5, 0.5, 0.0]),
+        object("sail", [-2.0, 0.0, -2.0], [2.0, 1.5, -2.0]),
+        object("b", [0.0, 0.0, -0.5], [2.0, 2.0, -0.5]),
+        object("sphere-0", [-0.5, 4.5, -0.5], [0.5, 5.5, 0.5]),
+        object("lid", [-3.0, 0.0, -3.0], [3.0, 0.0, 3.0]),
+        object("stick", [-1.0, -0.25, -0.25], [3.0, 0.25, 0.25]),
+    ];
+    let close = |a: &Value, b: &Value| (a.as_f64().expect("a number") - b.as_f64().expect("a number")).abs() < 1e-12;
+    let same = |found: &Value, expected: &Value| {
+        ["min_m", "max_m", "size_m"].iter().all(|key| (0..3).all(|i| close(&found[key][i], &expected[key][i])))
+    };
+    let list = found["objects"].as_array().expect("a list");
+    assert_eq!(list.len(), objects.len());
+    for (found, expected) in list.iter().zip(&objects) {
+        assert!(found["name"] == expected["name"] && same(found, expected), "{found} is not {expected}");
+    }
+    assert!(
+        same(&found["bounding_box"], &object("", [-3.0, -0.25, -3.0], [3.0, 5.5, 3.0])),
+        "{}",
+        found["bounding_box"]
+    );
+    let unit = |file: &str, unit_m: f64, from: &str| json!({ "file": file, "unit_m": unit_m, "unit_from": from });
+    let units =
+        [unit("a.obj", 0.5, "meters_per_unit"), unit("a.gltf", 1.0, "glTF"), unit("b.ply", 0.5, "meters_per_unit")];
+    assert_eq!(found["geometry"], json!(units));
+    let text = folder.succeed("info capture.toml").stdout;
+    for words in ["b.ply      0.5  meters_per_unit", "size_m  6, 5.75, 6", "sail", "-2, 0, -2"] {
+        assert!(text.contains(words), "{words} in\n{text}");
+    }
+}
+
+#[test]
+fn many_objects_are_cut_off_for_people() {
+    let nodes: Vec<Value> = (0..50).map(|i| json!({ "mesh": 0, "translation": [i, 0, 0] })).collect();
+    let indices: Vec<usize> = (0..50).collect();
+    let folder = Folder::new([(
+        "a.gltf",
+        triangle().with("/nodes", json!(nodes)).with("/scenes/0/nodes", json!(indices)).text(),
+    )]);
+    assert_eq!(facts(&folder, "a.gltf")["objects"].as_array().map(Vec::len), Some(50));
+    assert!(folder.succeed("info a.gltf").stdout.contains("and 10 more, which --json lists"));
+}
+
+/// A triangle of 30 × 40 units.
+const LARGE: &str = "v 0 0 0\nv 30 0 0\nv 0 40 0\nf 1 2 3\n";
+
+#[test]
+fn units_that_are_hardly_metres_are_told_of() {
+    let facet = |x: f32| {
+        format!(
+            "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex {x} 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"
+        )
+    };
+    let long = |x: f32| triangle().with("/nodes/0/scale", json!([x, 1, 1])).text();
+    let folder = Folder::new([
+        ("large.obj", LARGE.into()),
+        ("part.stl", facet(20.5).into()),
+        ("small.stl", facet(20.0).into()),
+        ("hall.gltf", long(50.0)),
+        ("train.gltf", long(50.5)),
+        ("capture.toml", b"[scene]\ngeometry = ['small.stl', 'large.obj']\n[camera]\nposition_m = [0, 0, 9]\nlook_at_m = [0, 0, 0]\n".to_vec()),
+        ("stated.toml", b"[scene]\ngeometry = ['large.obj']\nmeters_per_unit = 1\n".to_vec()),
+    ]);
+    let doubts = |name: &str| {
+        let found = facts(&folder, name)["warnings"].clone();
+        let doubtful = |warning: &&Value| warning.as_str().is_some_and(|text| text.contains(" m large, as "));
+        found.as_array().expect("a list").iter().filter(doubtful).cloned().collect::<Vec<_>>()
+    };
+    assert_eq!(
+        doubts("large.obj"),
+        ["the scene is 30 × 40 × 0 m large, as large.obj states no unit and is taken to be in metres: write \
+          scene.meters_per_unit = 0.001 for millimetres, 0.01 for centimetres, 0.0254 for inches, or 1 if it is right"]
+    );
+    assert_eq!(doubts("part.stl").len(), 1);
+    assert_eq!(doubts("small.stl").len(), 0);
+    assert_eq!(doubts("hall.gltf").len(), 0);
+    assert_eq!(
+        doubts("train.gltf"),
+        ["the scene is 101 × 1.5 × 0 m large, as glTF is in metres: if it is not, export it in metres"]
+    );
+    assert_eq!(doubts("capture.toml").len(), 1);
+    assert_eq!(doubts("stated.toml").len(), 0);
+
+    // Whoever renders such a model alone is told, too; who has placed a camera knows.
+    let small = "--set sensor.resolution_px=[8,6] --set render.samples_per_pixel=1";
+    let told =
+        |arguments: &str| folder.succeed(&format!("render {arguments} {small}")).stderr.contains("states no unit");
+    assert!(told("large.obj -o a"));
+    assert!(!told("large.obj -o b --set scene.meters_per_unit=1"));
+    assert!(!told(
+        "capture.toml -o c --set scene.environment.illuminant=D65 --set scene.environment.illuminance_lux=500"
+    ));
+}

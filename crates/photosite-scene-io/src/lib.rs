@@ -1,8 +1,9 @@
-//! Scene files: glTF, OBJ with MTL, environment pictures and IES profiles become the descriptions of
+//! Scene files: glTF, OBJ with MTL, PLY, STL, environment pictures and IES profiles become the descriptions of
 //! [`photosite_transport::scene`].
 
 #![forbid(unsafe_code)]
 
+mod assemble;
 mod changed_meshes;
 mod complete;
 mod environment;
@@ -11,13 +12,17 @@ mod ies;
 mod mesh;
 pub mod obj;
 mod picture;
+pub mod ply;
+mod polygon;
 mod stand_in;
+pub mod stl;
 mod tangents;
 
 pub use changed_meshes::{ChangedMeshes, MeshChange};
 pub use complete::complete;
 pub use environment::{decode_environment, read_environment};
 pub use ies::{parse_ies, read_ies};
+pub use mesh::MissingNormals;
 pub use picture::{decode, dimensions, read_picture};
 
 /// Tells the user of triangles that were left out.

@@ -1,10 +1,22 @@
 //! What every mesh goes through, whatever file it came from: values are checked to be finite, triangles of zero area
 //! are dropped, normals are made unit vectors.
 
+use std::collections::HashMap;
+
 use glam::{DVec3, Vec3, Vec4};
 
 use photosite_core::Invalid;
 use photosite_transport::scene::description::{MeshDescription, ShapeDescription};
+
+/// What faces without normals get.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MissingNormals {
+    /// Flat shading, except within the smoothing groups (`s`) of an OBJ file.
+    #[default]
+    Flat,
+    /// One normal per position, smooth over everything.
+    Smooth,
+}
 
 /// What [`checked`] had to mend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -128,6 +140,20 @@ pub(crate) fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<
     sums.into_iter().map(|sum| sum.try_normalize().map_or(Vec3::Y, DVec3::as_vec3)).collect()
 }
 
+/// The same, smooth over positions that several vertices share, as those do where the UVs of a surface tear.
+pub(crate) fn seamless_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
+    let mut first: HashMap<[u32; 3], u32> = HashMap::new();
+    let places: Vec<u32> = (0..).zip(positions).map(|(i, &p)| *first.entry(place(p)).or_insert(i)).collect();
+    let joined: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|corner| places[corner as usize])).collect();
+    let normals = smooth_normals(positions, &joined);
+    places.iter().map(|&place| normals[place as usize]).collect()
+}
+
+/// Tells positions apart; 0 and −0 are the same.
+pub(crate) fn place(position: Vec3) -> [u32; 3] {
+    (position + Vec3::ZERO).to_array().map(f32::to_bits)
+}
+
 /// Gives every triangle corners of its own with the geometric normal, so that the mesh is flat-shaded with explicit
 /// normals.
 pub(crate) fn flatten(mesh: &MeshDescription) -> MeshDescription {
@@ -209,6 +235,20 @@ mod tests {
         let triangles = [[0, 2, 4], [0, 4, 1], [0, 1, 3], [1, 5, 3], [0, 3, 2], [3, 6, 2]];
         let normal = smooth_normals(&positions, &triangles)[0];
         assert!((normal + Vec3::ONE.normalize()).length() < 1e-6, "{normal}");
+    }
+
+    #[test]
+    fn seams_do_not_show_in_smooth_normals() {
+        // A roof whose ridge has its vertices twice.
+        let roof =
+            [[0., 1., 0.], [-0., 1., 1.], [1., 0., 0.], [0., 1., 0.], [0., 1., 1.], [-1., 0., 1.]].map(Vec3::from);
+        let triangles = [[0, 1, 2], [4, 3, 5]];
+        assert_eq!(smooth_normals(&roof, &triangles)[..2], [Vec3::new(1.0, 1.0, 0.0).normalize(); 2]);
+        let normals = seamless_normals(&roof, &triangles);
+        for (ridge, twin) in [(0, 3), (1, 4)] {
+            assert_eq!(normals[ridge], normals[twin]);
+            assert_eq!(normals[ridge].z, 0.0, "{normals:?}");
+        }
     }
 
     #[test]

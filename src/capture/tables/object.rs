@@ -31,7 +31,7 @@ pub(crate) struct ObjectTable {
     pub(crate) scale: Option<ScaleSource>,
     /// Which axis of the file points up. The object's own axes are those after it was turned to y. Left out: "y".
     pub(crate) up: Option<UpAxis>,
-    /// Length of the unit of the file, m. Left out: 1.
+    /// Length of the unit of the file, m. Left out: 1. OBJ, PLY and STL files state none.
     pub(crate) meters_per_unit: Option<f64>,
     /// Name of a material of `[materials]` or of the geometry's files, for all of it, or by the names that the file uses:
     /// { paint = "red", "*" = "grey" }.

@@ -12,8 +12,8 @@ use super::{LightColour, ObjectTable};
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SceneTable {
-    /// Files of geometry, glTF (.gltf, .glb) or OBJ (.obj), relative to this file: they stand as they are, the short form
-    /// of `[[scene.objects]]` without poses.
+    /// Files of geometry, glTF (.gltf, .glb), OBJ (.obj), PLY (.ply) or STL (.stl), relative to this file: they stand as
+    /// they are, the short form of `[[scene.objects]]` without poses.
     #[serde(default)]
     pub(crate) geometry: Vec<String>,
     /// Name of a material variant of the glTF files (KHR_materials_variants). Left out: their basic materials.
@@ -23,9 +23,10 @@ pub(crate) struct SceneTable {
     pub(crate) animation: Option<String>,
     /// When the first picture starts, s of the animation. Left out: 0.
     pub(crate) animation_time_s: Option<f64>,
-    /// Length of the unit of OBJ files, m. Left out: 1. (glTF is in metres.)
+    /// Length of the unit of OBJ, PLY and STL files, which state none, m. Left out: 1. (glTF is in metres.)
+    /// Without it a scene of such files that is longer than 20 units is told of, as most of these are in millimetres.
     pub(crate) meters_per_unit: Option<f64>,
-    /// What OBJ faces without normals get, outside the smoothing groups of the file. Left out: "flat".
+    /// What faces without normals get in OBJ, PLY and STL files, outside the smoothing groups of OBJ. Left out: "flat".
     pub(crate) generate_normals: Option<NormalsName>,
     /// Whether grey stands for a texture of these files that is missing or broken, with a warning. Left out: false, it is
     /// an error.

@@ -6,6 +6,7 @@ use std::path::Path;
 use glam::{Vec2, Vec3};
 
 use super::lines::{Statement, statements};
+use crate::polygon::MOST_CORNERS;
 use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, Result};
 
@@ -118,6 +119,10 @@ impl Geometry {
         let corners = self.corners.len() - first_corner;
         if corners < 3 {
             return Err(Invalid::new("", format!("a face needs 3 corners, found {corners}")));
+        }
+        if corners > MOST_CORNERS {
+            let message = format!("a face has {corners} corners, more than {MOST_CORNERS}");
+            return Err(Invalid::new("", message).help("triangulate the mesh"));
         }
         let State { object, material, smoothing_group, .. } = *state;
         self.faces.push(Face { first_corner, corners, object, material, smoothing_group, line: statement.line });

@@ -24,6 +24,7 @@
 
 use super::mtl::{MtlMaterial, roughness_of_exponent};
 use super::pictures::MaterialTextures;
+use crate::assemble::DEFAULT_REFLECTANCE;
 use photosite_core::spectrum::upsampling::reflectance_spectrum;
 use photosite_core::spectrum::{Dispersion, Spectrum};
 use photosite_core::warnings::Warnings;
@@ -36,22 +37,10 @@ use photosite_transport::scene::description::{
 /// Perceptual roughness of sheen, of which the format says nothing.
 const SHEEN_ROUGHNESS: f32 = 0.5;
 
-/// Reflectance of surfaces of which nothing is known.
-const DEFAULT_REFLECTANCE: f32 = 0.5;
-
 /// `Ks` of a surface that reflects as its index says.
 const ORDINARY_SPECULAR: f32 = 0.5;
 
 const WHITE: [f32; 3] = [1.0; 3];
-
-/// A diffuse grey material, for faces whose material is not described.
-pub(super) fn undescribed(name: &str) -> MaterialDescription {
-    let reflectance = TexturedColour::plain(Colour::Rgb([DEFAULT_REFLECTANCE; 3]));
-    MaterialDescription {
-        double_sided: true,
-        ..MaterialDescription::new(name, MaterialModel::Diffuse(Diffuse { reflectance }))
-    }
-}
 
 /// The material that the module's table gives.
 pub(super) fn describe(

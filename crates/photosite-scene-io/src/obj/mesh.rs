@@ -5,18 +5,9 @@ use std::collections::{BTreeMap, HashMap};
 use glam::{DVec3, Vec2, Vec3};
 
 use super::geometry::{Corner, Face, Geometry};
-use super::polygon::triangulate;
+use crate::mesh::MissingNormals;
+use crate::polygon::triangulate;
 use photosite_transport::scene::description::MeshDescription;
-
-/// What faces without normals get.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum MissingNormals {
-    /// Flat shading, except within the smoothing groups (`s`) of the file.
-    #[default]
-    Flat,
-    /// One normal per vertex, smooth over everything.
-    Smooth,
-}
 
 /// Makes the meshes. Their materials are indices into [`Geometry::materials`], or its length for faces without one.
 pub(super) fn meshes(geometry: &Geometry, missing: MissingNormals) -> Vec<MeshDescription> {

@@ -16,7 +16,6 @@ mod material;
 mod mesh;
 mod mtl;
 mod pictures;
-mod polygon;
 
 #[cfg(test)]
 mod tests;
@@ -24,19 +23,16 @@ mod tests;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use glam::DAffine3;
-
-use super::mesh::checked;
+use super::assemble::{add_meshes, undescribed};
+use super::mesh::MissingNormals;
 use files::{file_beside, read_text};
 use geometry::Geometry;
-use material::{describe, undescribed};
+use material::describe;
 use mtl::MtlMaterial;
 use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, Result, Sandbox, memory};
-use photosite_transport::scene::description::{InstanceDescription, SceneDescription};
+use photosite_transport::scene::description::SceneDescription;
 use pictures::Pictures;
-
-pub use mesh::MissingNormals;
 
 /// An OBJ file as read.
 #[derive(Debug)]
@@ -101,32 +97,9 @@ pub fn parse(text: &str, path: &Path, choice: &Choice) -> Result<ObjFile> {
             }
         });
     }
-    let mut zero_area = 0;
-    for mesh in mesh::meshes(&geometry, choice.missing_normals) {
-        let (mesh, mended) = checked(mesh).map_err(|invalid| invalid.in_file(path))?;
-        zero_area += mended.zero_area;
-        if mended.normals > 0 {
-            warnings.once("some normals have no length and were computed from the triangles around them");
-        }
-        if mesh.triangles.is_empty() {
-            continue;
-        }
-        if mesh.material == scene.materials.len() {
-            scene.materials.push(undescribed("default"));
-        }
-        let (name, index) = (mesh.name.clone(), scene.meshes.len());
-        scene.meshes.push(mesh.into());
-        scene.instances.push(InstanceDescription::of_mesh(name, index, DAffine3::IDENTITY));
-    }
-    if zero_area > 0 {
-        warnings.once(super::zero_area_message(zero_area));
-    }
-    if scene.meshes.is_empty() {
-        let message = match zero_area {
-            0 => "has no triangles".to_owned(),
-            _ => format!("has no triangles but {zero_area} of zero area"),
-        };
-        return Err(Invalid::new("", message).help("export the scene with its faces").in_file(path));
+    add_meshes(&mut scene, mesh::meshes(&geometry, choice.missing_normals), path, &mut warnings)?;
+    if scene.meshes.iter().any(|mesh| mesh.material == scene.materials.len()) {
+        scene.materials.push(undescribed("default"));
     }
     pictures.warnings.into_messages().into_iter().for_each(|message| warnings.once(message));
     let libraries = libraries.into_values().map(|(path, _)| path);

@@ -7,6 +7,7 @@ use rstest::rstest;
 use tempfile::TempDir;
 
 use super::*;
+use crate::mesh::checked;
 use photosite_transport::scene::description::{AlphaMode, Colour, Diffuse, MaterialModel};
 use photosite_transport::texture::Texels;
 

@@ -2,10 +2,14 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
+/// Most corners of a polygon. To cut a concave one takes time by their square, or their cube where it winds: seconds for
+/// so many.
+pub(crate) const MOST_CORNERS: usize = 5_000;
+
 /// Calls `emit` with the positions, in `corners`, of each triangle's corners. Convex polygons become a fan around their
 /// first corner; concave ones are cut by clipping ears ([Meisters75](photosite_core::references#meisters75)). A polygon
 /// that crosses itself or has no area is fanned as well: then there is no right answer.
-pub(super) fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
+pub(crate) fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
     let n = corners.len();
     if n == 3 {
         return emit([0, 1, 2]);
