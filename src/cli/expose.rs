@@ -82,7 +82,9 @@ pub(super) fn run(args: &ExposeArgs, sandbox: &Sandbox) -> Result<()> {
     let overrides = args.common.overrides();
     let stored = match args.scale()? {
         None => {
-            FileKind::expect(&args.input, &[FileKind::Light], "a folder of a render or stored light (.exr)")?;
+            // Pictures are told what they lack.
+            let pictures = [FileKind::Light, FileKind::Numbers, FileKind::Picture];
+            FileKind::expect(&args.input, &pictures, "a folder of a render or stored light (.exr)")?;
             StoredRender::read(sandbox, &args.input, &overrides)?
         }
         Some(_) if args.input.is_dir() => {

@@ -266,7 +266,7 @@ fn what_cannot_be_exposed_is_told() {
     };
     fail("expose nowhere", 1, &["nowhere", "cannot read"]);
     fail("expose .", 1, &["holds no capture.json", "photosite render filled"]);
-    fail("expose capture.toml", 1, &["capture.toml", "OpenEXR"]);
+    fail("expose capture.toml", 1, &["capture.toml: is a capture file", "photosite render"]);
     folder.add("half.exr", &electrons[..electrons.len() / 2]);
     fail("expose half.exr", 1, &["half.exr", "OpenEXR"]);
     folder.add("bare/capture.json", folder.results("out")["capture.json"].clone());

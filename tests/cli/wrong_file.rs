@@ -41,7 +41,6 @@ fn folder() -> Folder {
 #[case::exposed_capture("expose board.toml", "is a capture file", "photosite render")]
 #[case::exposed_set("expose set.toml", "is a data set file", "photosite dataset")]
 #[case::exposed_raw("expose raw.dng", "is a raw file", "photosite develop")]
-#[case::exposed_picture("expose picture.png", "is a picture", "with --unit")]
 #[case::exposed_model("expose model.glb", "is a scene", "photosite render")]
 #[case::developed_capture("develop board.toml", "is a capture file", "photosite render")]
 #[case::developed_set("develop set.toml", "is a data set file", "photosite dataset")]

@@ -235,7 +235,8 @@ fn within(key: &str, range: [f64; 2], [low, high]: [f64; 2]) -> Result<[f64; 2],
     if low <= a && b <= high {
         return Ok(range);
     }
-    Err(Invalid::new(key, format!("must lie between {low} and {high}, got {a} and {b}")))
+    let message = format!("must lie between {low:?} and {high:?}, got {a} and {b}");
+    Err(Invalid::new(key, message).help("write two numbers within these"))
 }
 
 fn direction(key: &str, value: [f64; 3]) -> Result<DVec3, Invalid> {
