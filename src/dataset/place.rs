@@ -70,8 +70,10 @@ impl Places {
         if tables.is_empty() {
             return Ok(Self::default());
         }
-        // All files as objects of one capture.
-        let (mut names, mut objects) = (Vec::new(), Vec::new());
+        // All files as objects of one capture, beside its own.
+        let mut objects = own_objects(capture)?;
+        let own = objects.len();
+        let mut names = Vec::new();
         for (i, description) in tables.iter().enumerate() {
             let at = |invalid: Invalid| file.error(invalid.within(&format!("place[{i}]")));
             check(description).map_err(at)?;
@@ -79,7 +81,7 @@ impl Places {
                 let within = |invalid: Invalid| at(invalid.within(&format!("objects[{number}]")));
                 for name in files_of(pattern, file.path(), capture, sandbox).map_err(within)? {
                     let mut object = of_file(description, &name);
-                    object["name"] = probe_name(objects.len()).into();
+                    object["name"] = probe_name(objects.len() - own).into();
                     objects.push(object);
                     names.push((i, number, name));
                 }
@@ -124,7 +126,7 @@ impl Places {
             return Ok(Some(drawn.clone()));
         }
         let capture = before()?;
-        let objects = capture.value("scene.objects")?.and_then(|value| value.as_array().cloned()).unwrap_or_default();
+        let objects = own_objects(&capture)?;
         let ground = capture.value("scene.ground.height_m")?.and_then(|value| value.as_f64());
         let change = self.draw(plan, number, (&capture.scene, objects, ground)).map_err(|e| file.error(e))?;
         let mut drawn = locked(&self.drawn);
@@ -374,6 +376,12 @@ fn of_file(d: &PlaceDescription, file: &str) -> Value {
         table["meters_per_unit"] = unit.into();
     }
     table
+}
+
+/// The objects of a capture, as it states them.
+fn own_objects(capture: &Capture) -> Result<Vec<Value>> {
+    let objects = capture.value("scene.objects")?;
+    Ok(objects.and_then(|objects| objects.as_array().cloned()).unwrap_or_default())
 }
 
 /// What an object is called in the capture of all files.
