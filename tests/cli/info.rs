@@ -51,7 +51,11 @@ fn of_scenes() {
     ]);
     for name in ["a.gltf", "a.glb"] {
         let found = facts(&folder, name);
-        assert_eq!((&found["cameras"], &found["materials"]), (&json!(["front"]), &json!(["cloth", "ground"])), "{name}");
+        assert_eq!(
+            (&found["cameras"], &found["materials"]),
+            (&json!(["front"]), &json!(["cloth", "ground"])),
+            "{name}"
+        );
         assert_eq!((&found["instances"], &found["camera_position_m"]), (&json!(2), &json!([0.0, 1.0, 5.0])));
         assert_eq!(found["environment"], "the sky by day");
         assert_eq!(line(&folder.succeed(&format!("info {name}")).stdout, "cameras"), "front");
