@@ -27,12 +27,10 @@ pub(super) fn scale_to(source: &CaptureSource, sensor: &mut Node, wanted: &Node)
     if size.contains(&0) {
         return Err(invalid("must be at least one pixel each way", "for example scaled_to_px = [400, 300]"));
     }
-    // A place in the picture would be another one.
-    let in_pixels = [("lens.intrinsics", true), ("exposure.region_px", true), ("lens.autofocus_px", false)];
-    for (key, _) in in_pixels
-        .into_iter()
-        .filter(|(key, always)| source.get(key).is_some_and(|node| *always || matches!(node.value, Value::Array(_))))
-    {
+    // A place in the picture would be another one; "centre" stays what it is.
+    let in_pixels = ["lens.intrinsics", "exposure.region_px", "lens.autofocus_px"];
+    let is_place = |key: &&str| source.get(key).is_some_and(|node| !matches!(node.value, Value::String(_)));
+    if let Some(key) = in_pixels.into_iter().find(is_place) {
         return Err(invalid(
             &format!("cannot go with {key}, which is in pixels of the other size"),
             &format!("remove {key}, or write resolution_px and pixel_pitch_um yourself"),

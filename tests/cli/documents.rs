@@ -134,7 +134,7 @@ fn the_capture_of_the_readme_is_one() {
         ("capture.toml", capture.into()),
     ]);
     let facts: Value = serde_json::from_str(&folder.succeed("info capture.toml --json").stdout).expect("JSON");
-    assert_eq!(facts["materials"], json!(["wall", "vase", "chessboard-white", "chessboard-black"]));
+    assert_eq!(facts["materials"], json!(["wall", "vase", "chessboard-white", "chessboard-black", "ground"]));
     // The example shows every table but [output] and [[lights]].
     for table in ["scene", "materials.", "camera", "lens", "sensor", "exposure", "render"] {
         assert!(capture.contains(&format!("[{table}")), "{table}");

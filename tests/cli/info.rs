@@ -51,14 +51,18 @@ fn of_scenes() {
     ]);
     for name in ["a.gltf", "a.glb"] {
         let found = facts(&folder, name);
-        assert_eq!((&found["cameras"], &found["materials"]), (&json!(["front"]), &json!(["cloth"])), "{name}");
-        assert_eq!((&found["triangles"], &found["camera_position_m"]), (&json!(1), &json!([0.0, 1.0, 5.0])));
-        assert_eq!(found["environment"], "the same light everywhere, 500 lux on a plane");
+        assert_eq!(
+            (&found["cameras"], &found["materials"]),
+            (&json!(["front"]), &json!(["cloth", "ground"])),
+            "{name}"
+        );
+        assert_eq!((&found["instances"], &found["camera_position_m"]), (&json!(2), &json!([0.0, 1.0, 5.0])));
+        assert_eq!(found["environment"], "the sky by day");
         assert_eq!(line(&folder.succeed(&format!("info {name}")).stdout, "cameras"), "front");
     }
-    assert_eq!(facts(&folder, "a.obj")["materials"], json!(["paper", "ink"]));
+    assert_eq!(facts(&folder, "a.obj")["materials"], json!(["paper", "ink", "ground"]));
     let text = folder.succeed("info a.obj").stdout;
-    assert_eq!((line(&text, "meshes"), line(&text, "exposure_time_s")), ("2", "automatic"));
+    assert_eq!((line(&text, "meshes"), line(&text, "exposure_time_s")), ("3", "automatic"));
 }
 
 #[test]

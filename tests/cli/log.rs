@@ -43,7 +43,7 @@ fn a_log_for_programs_has_an_object_per_line() {
     let events = events(&outcome.stderr);
     let names: Vec<&str> = events.iter().filter_map(|event| event["event"].as_str()).collect();
     let of = |name: &str| names.iter().filter(|found| **found == name).count();
-    assert_eq!([of("trace_begins"), of("trace_ends"), of("message")], [1, 1, 1], "{}", outcome.stderr);
+    assert_eq!([of("trace_begins"), of("trace_ends"), of("message")], [1, 1, 2], "{}", outcome.stderr);
     let begun = events.iter().find(|event| event["event"] == "trace_begins").expect("a beginning");
     assert_eq!(begun["paths"], 32 * 24 * 2);
     // Warnings are those of the report.

@@ -12,15 +12,20 @@ fn names(folder: &Folder, results: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_usual_files_appear_and_one_line_says_so() {
+fn the_usual_files_appear_and_two_lines_say_so() {
     let folder = room("[render]\nsamples_per_pixel = 2");
     let outcome = folder.succeed("render capture.toml -o out");
     assert_eq!(names(&folder, "out"), ["capture.json", "electrons.exr", "image.png", "raw.dng"]);
     assert_eq!(outcome.stdout, "");
     // Progress is for people at a terminal: no bar, no control characters.
-    assert_eq!(outcome.stderr.lines().count(), 1, "{}", outcome.stderr);
+    assert_eq!(outcome.stderr.lines().count(), 2, "{}", outcome.stderr);
     assert!(!outcome.stderr.contains(['\r', '\u{1b}']), "{:?}", outcome.stderr);
-    for words in ["traced 1536 paths", "exposed for 0.2 ms", "raw.dng, electrons.exr, image.png, capture.json to out"] {
+    for words in [
+        "traced 1536 paths",
+        "exposed for 0.2 ms",
+        "raw.dng, electrons.exr, image.png, capture.json to out",
+        "Monte Carlo",
+    ] {
         assert!(outcome.stderr.contains(words), "{words:?} in {}", outcome.stderr);
     }
     let picture = image::load_from_memory(&folder.results("out")["image.png"]).expect("a picture");

@@ -319,7 +319,11 @@ fn errors_name_file_key_and_line(#[case] more: &str, #[case] line: usize, #[case
     3,
     "says only the colour"
 )]
-#[case::environment_type("[scene]\ngeometry = ['room.obj']\nenvironment = 4", 3, "expected \"none\" or a table")]
+#[case::environment_type(
+    "[scene]\ngeometry = ['room.obj']\nenvironment = 4",
+    3,
+    "expected \"none\", \"even\" or a table"
+)]
 #[case::picture(
     "[scene]\ngeometry = ['room.obj']\nenvironment = { image = 'gone.hdr', illuminance_lux = 1 }",
     3,
