@@ -71,7 +71,7 @@ up = "z"
 [[scene.objects]]
 file = "tetrahedron.obj"
 name = "hidden"
-position_m = [0.02, 0.0, -0.9]
+position_m = [-0.09, -0.1, -0.4]
 scale = 0.1
 """
 CAPTURE = """\
@@ -142,7 +142,7 @@ def project(camera: dict, thing: dict, points: np.ndarray) -> np.ndarray:
     translation, matrix = np.array(thing["translation_m"]), np.array(camera["camera_matrix"])
     distortion = np.array(camera["distortion"], dtype=float)
     points = points.astype(float).reshape(-1, 1, 3)
-    if camera["projection"] == "fisheye":
+    if camera["projection"] == "kannala-brandt":
         found, _ = cv2.fisheye.projectPoints(points, rotation, translation, matrix, distortion)
     else:
         found, _ = cv2.projectPoints(points, rotation, translation, matrix, distortion if distortion.size else None)
