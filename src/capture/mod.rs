@@ -110,6 +110,7 @@ pub use settings::{
 pub use source::CaptureSource;
 pub use stored::StoredCapture;
 pub use stored_report::StoredReport;
+pub(crate) use surroundings::GROUND;
 pub use synthetic_noise::read_synthetic_noise;
 pub use tables::RawFormat;
 pub use target::read_target;

@@ -22,6 +22,9 @@ use crate::scene::description::{
 };
 use photosite_core::Sandbox;
 
+/// Name of the ground among the objects.
+pub(crate) const GROUND: &str = "ground";
+
 /// Reflectance of a backdrop of grey card.
 const DEFAULT_BACKDROP_REFLECTANCE: f64 = 0.5;
 
@@ -60,7 +63,7 @@ pub(super) fn add(read: &mut ReadScene, file: &CaptureFile, folder: &Path, sandb
         }
         (Some(GroundTable { height_m, reflectance, material, size_m }), None) => {
             let grey = ground_albedo(&file.scene);
-            let floor = Floor { name: "ground", height_m: *height_m, turn_deg: 0.0, reflectance, material, grey };
+            let floor = Floor { name: GROUND, height_m: *height_m, turn_deg: 0.0, reflectance, material, grey };
             (floor, ground::surface(&subject, *size_m))
         }
         (None, Some(table)) => {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3, Vec3};
 
+use crate::capture::GROUND;
 use crate::geometry::QuadricKind;
 use crate::placement::Shape;
 use crate::scene::description::{MeshDescription, ObjectDescription, SceneDescription};
@@ -27,13 +28,15 @@ pub(super) fn shape(scene: &SceneDescription, object: &ObjectDescription) -> Res
     Shape::new(&positions, &triangles).map(Some)
 }
 
-/// All objects of a scene with their names.
+/// All objects of a scene with their names, without its ground, which is known as a plane.
 pub(super) fn shapes(scene: &SceneDescription) -> Result<Vec<(String, Arc<Shape>)>, Invalid> {
     let of = |object: &ObjectDescription| {
         let shape = shape(scene, object).transpose()?;
         Some(shape.map(|shape| (object.name.clone(), Arc::new(shape))))
     };
-    scene.all_objects().iter().filter_map(of).collect()
+    let is_ground =
+        |object: &ObjectDescription| object.name == GROUND && scene.surroundings.contains(&object.instances.start);
+    scene.all_objects().iter().filter(|object| !is_ground(object)).filter_map(of).collect()
 }
 
 fn add(mesh: &MeshDescription, to_world: &DAffine3, positions: &mut Vec<DVec3>, triangles: &mut Vec<[u32; 3]>) {

@@ -40,6 +40,7 @@ mod noise;
 mod noise_add;
 mod noise_target;
 mod outputs;
+mod place;
 mod rectify;
 mod report;
 mod room;
