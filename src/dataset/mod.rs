@@ -5,6 +5,7 @@ mod calibration;
 mod claim_model;
 mod epipolar_lines;
 mod failure;
+mod file_pattern;
 mod finished;
 mod folder;
 mod forecast;

@@ -43,7 +43,8 @@ impl DataSet {
         }
     }
 
-    /// Makes a capture ready to be rendered. A scene that nothing varies is built for the first picture and kept.
+    /// Makes a capture ready to be rendered. A scene that nothing varies is built for the first picture and kept, as is the
+    /// geometry of one in which only poses, materials or lights vary.
     pub(super) fn make_ready<'a>(
         &self,
         camera: &str,
@@ -51,7 +52,7 @@ impl DataSet {
         request: &'a Request<'a>,
         timings: Timings,
     ) -> Result<ReadyRender<'a>> {
-        if !self.captures.iter().any(|before| Arc::ptr_eq(&before.scene, &capture.scene)) {
+        if !self.captures.iter().any(|before| before.scene.has_meshes_of(&capture.scene)) {
             return ReadyRender::new(capture, None, request, timings);
         }
         let mut kept = locked(&self.kept);

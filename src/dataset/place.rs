@@ -5,14 +5,14 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use glam::DVec3;
-use glob::{MatchOptions, Pattern};
 use rand::RngExt;
 use serde_json::{Value, json};
 
+use super::file_pattern::files_of;
 use super::picture::locked;
 use super::shapes::{shape, shapes};
 use crate::calibration::dataset::{PlaceDescription, PlaceMethod, PlaceRotation, Plan, RegionDescription, toml};
-use crate::capture::{Capture, DatasetFile, relative_path};
+use crate::capture::{Capture, DatasetFile};
 use crate::math::philox::Philox;
 use crate::placement::{Bin, Contact, Fixed, Item, Method, Pose, Region, Request, Shape, Support, Turn, place};
 use crate::scene::description::{ObjectDescription, SceneDescription};
@@ -73,13 +73,14 @@ impl Places {
         // All files as objects of one capture, beside its own.
         let mut objects = own_objects(capture)?;
         let own = objects.len();
+        let folder = capture.source.path().parent().unwrap_or(Path::new(""));
         let mut names = Vec::new();
         for (i, description) in tables.iter().enumerate() {
             let at = |invalid: Invalid| file.error(invalid.within(&format!("place[{i}]")));
             check(description).map_err(at)?;
             for (number, pattern) in description.objects.iter().enumerate() {
                 let within = |invalid: Invalid| at(invalid.within(&format!("objects[{number}]")));
-                for name in files_of(pattern, file.path(), capture, sandbox).map_err(within)? {
+                for name in files_of(pattern, file.path(), folder, sandbox).map_err(within)? {
                     let mut object = of_file(description, &name);
                     object["name"] = probe_name(objects.len() - own).into();
                     objects.push(object);
@@ -387,30 +388,4 @@ fn own_objects(capture: &Capture) -> Result<Vec<Value>> {
 /// What an object is called in the capture of all files.
 fn probe_name(number: usize) -> String {
     format!("placed-{number}")
-}
-
-/// The files that a pattern stands for, in the order of their names, relative to the capture.
-fn files_of(pattern: &str, dataset: &Path, capture: &Capture, sandbox: &Sandbox) -> Result<Vec<String>, Invalid> {
-    let folder = dataset.parent().unwrap_or(Path::new(""));
-    let is_whole = Path::new(pattern).is_absolute() || folder.as_os_str().is_empty();
-    let whole =
-        if is_whole { pattern.to_owned() } else { format!("{}/{pattern}", Pattern::escape(&folder.to_string_lossy())) };
-    let options = MatchOptions { require_literal_leading_dot: true, ..MatchOptions::new() };
-    let found = glob::glob_with(&whole, options).map_err(|error| {
-        Invalid::new("", format!("{pattern:?} is no pattern: {}", error.msg)).help("for example \"models/*.glb\"")
-    })?;
-    let from = capture.source.path().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut names = BTreeSet::new();
-    for path in found {
-        let path = path.map_err(|error| Invalid::new("", format!("cannot be looked for: {error}")))?;
-        if path.is_file() {
-            sandbox.check(&path)?;
-            names.insert(relative_path(&path, from));
-        }
-    }
-    if names.is_empty() {
-        let help = "paths are relative to the data set file; * stands for any letters of a name";
-        return Err(Invalid::new("", format!("no file is like {pattern:?}")).help(help));
-    }
-    Ok(names.into_iter().collect())
 }

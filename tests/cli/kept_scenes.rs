@@ -45,13 +45,22 @@ fn pictures_are_those_of_a_process_of_their_own(#[case] key: &str, #[case] choic
     if !key.starts_with("targets") {
         add_objects(&folder);
     }
+    assert_same_however_made(&folder, 5);
+    let values: BTreeSet<String> =
+        manifest(&folder, "together").iter().map(|line| line["overrides"].to_string()).collect();
+    assert!(values.len() >= 2, "{key} varies");
+}
+
+/// Makes a set of so many frames in one process, several pictures at once, and each frame in a process of its own: all
+/// files must be the same. They are in `together` then.
+pub(crate) fn assert_same_however_made(folder: &Folder, frames: u32) {
     folder.succeed("dataset set.toml -o together --jobs 1");
     folder.succeed("dataset set.toml -o at-once --jobs 3 --threads 2");
-    for frame in 0..5 {
+    for frame in (0..frames).rev() {
         folder.succeed(&format!("dataset set.toml -o apart --frames {frame}"));
     }
     let of = |name: &str| {
-        let mut files = files(&folder, name);
+        let mut files = files(folder, name);
         // Folders that are empty by now say nothing.
         files.retain(|_, bytes| bytes.is_some());
         files
@@ -63,9 +72,6 @@ fn pictures_are_those_of_a_process_of_their_own(#[case] key: &str, #[case] choic
         let differ: BTreeSet<_> = names.filter(|name| together.get(*name) != found.get(*name)).collect();
         assert_eq!(differ, BTreeSet::new(), "{other}");
     }
-    let values: BTreeSet<String> =
-        manifest(&folder, "together").iter().map(|line| line["overrides"].to_string()).collect();
-    assert!(values.len() >= 2, "{key} varies");
 }
 
 /// Objects of two files before the board; a shared one, one with a material of its own, and one that no pose moves.

@@ -5,8 +5,9 @@ use std::collections::BTreeSet;
 use rstest::rstest;
 use serde_json::Value;
 
-use crate::dataset::{BOARD, files, manifest};
+use crate::dataset::{BOARD, manifest};
 use crate::folder::Folder;
+use crate::kept_scenes::assert_same_however_made;
 
 /// A block of 0.2 × 0.1 × 0.12 m around its origin.
 const BLOCK: &str = "\
@@ -54,23 +55,7 @@ rotation = 'any'
 #[test]
 fn a_frame_is_the_same_alone_at_once_and_from_its_manifest() {
     let folder = placed(DROPPED);
-    folder.succeed("dataset set.toml -o together --jobs 1");
-    folder.succeed("dataset set.toml -o at-once --jobs 2 --threads 2");
-    for frame in [2, 0, 1] {
-        folder.succeed(&format!("dataset set.toml -o apart --frames {frame}"));
-    }
-    let of = |name: &str| {
-        let mut files = files(&folder, name);
-        files.retain(|_, bytes| bytes.is_some());
-        files
-    };
-    let together = of("together");
-    for other in ["at-once", "apart"] {
-        let found = of(other);
-        let names = together.keys().chain(found.keys());
-        let differ: BTreeSet<_> = names.filter(|name| together.get(*name) != found.get(*name)).collect();
-        assert_eq!(differ, BTreeSet::new(), "{other}");
-    }
+    assert_same_however_made(&folder, 3);
     let lines = manifest(&folder, "together");
     assert_eq!(lines.iter().map(|line| line["overrides"].to_string()).collect::<BTreeSet<_>>().len(), 3);
     // What stands in the manifest makes the picture again.

@@ -79,6 +79,12 @@ impl SceneDescription {
         (low.x <= high.x).then_some((low, high))
     }
 
+    /// Whether it has the very meshes of another scene.
+    pub fn has_meshes_of(&self, other: &Self) -> bool {
+        let pairs = || self.meshes.iter().zip(&other.meshes);
+        self.meshes.len() == other.meshes.len() && pairs().all(|(own, other)| Arc::ptr_eq(own, other))
+    }
+
     /// What tells surfaces apart, hashed: names, instances of meshes and their triangles, whatever their place and
     /// shape. Scenes that have it in common show the same surfaces, which may have moved.
     pub fn surfaces(&self) -> u64 {
