@@ -1,6 +1,6 @@
 //! One picture of a data set: its capture, rendered into a folder of its own, with what it has in common with the last.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use super::DataSet;

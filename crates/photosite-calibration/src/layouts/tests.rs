@@ -9,7 +9,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3, Vec3};
 use rstest::rstest;
 use serde_json::Value;
 
-use super::models::{Model, rigid};
+use super::models::Model;
 use super::silhouette::Silhouette;
 use super::*;
 use crate::camera_files::CalibratedCamera;
@@ -23,7 +23,7 @@ use photosite_transport::optics::{Intrinsics, Projection};
 use photosite_transport::scene;
 use photosite_transport::scene::description::SceneDescription;
 use photosite_transport::scene::description::{
-    Colour, Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, TexturedColour,
+    Colour, Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, TexturedColour, rigid,
 };
 
 /// Files in memory.
