@@ -7,7 +7,7 @@ use std::f64::consts::FRAC_PI_2;
 
 use glam::{DVec3, Vec2};
 
-use super::surroundings::{Subject, Surface, length};
+use super::floor_surface::{Subject, Surface, length};
 use super::tables::BackdropTable;
 use crate::Invalid;
 

@@ -6,7 +6,7 @@
 
 use glam::{DVec3, Vec2};
 
-use super::surroundings::{Subject, Surface, length};
+use super::floor_surface::{Subject, Surface, length};
 use crate::Invalid;
 
 /// Half the sides of the square in the middle, which shadows of the subject mostly fall on, in radii of the subject.

@@ -33,6 +33,7 @@ mod environment;
 mod extent;
 mod file;
 mod file_kind;
+mod floor_surface;
 mod focus;
 mod framing;
 mod geometry_kind;
@@ -92,6 +93,7 @@ pub use init::{InitialCapture, initial_capture};
 use input::{focus_on_scene, is_scene_file, read_source};
 use models::KnownModels;
 use motion::Moments;
+use quadrics::refuse_shining;
 use relocate::keys_of;
 pub use relocate::{real_path, relative_path};
 use scene::ReadScene;
@@ -352,7 +354,9 @@ impl Capture {
             geometry.add_quadrics(&file.scene, &file.materials)?;
             geometry.add_targets(&targets)?;
             surroundings::add(&mut geometry, file, folder, source.sandbox())?;
-            Ok((Arc::new(geometry.with_tables(file, folder, source.sandbox())?), targets))
+            let scene = geometry.with_tables(file, folder, source.sandbox())?;
+            refuse_shining(&file.scene, &scene)?;
+            Ok((Arc::new(scene), targets))
         };
         described().map_err(|invalid| source.error(invalid))
     }

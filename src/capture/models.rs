@@ -1,13 +1,14 @@
 //! Files of geometry, each of which is read once for all objects of a capture and for all captures of a data set.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::SystemTime;
 
 use super::geometry_kind::GeometryKind;
 use super::source::CaptureSource;
 use crate::io::gltf::{self, Choice, Moment};
 use crate::io::{ChangedMeshes, MissingNormals, obj, ply, stl};
+use crate::locked::locked;
 use crate::scene::description::{MeshDescription, SceneDescription};
 use crate::texture::Bitmap;
 use crate::{Invalid, Result};
@@ -145,7 +146,7 @@ impl KnownModels {
     pub(super) fn read(&self, file: &ModelFile, key: &str, source: &CaptureSource) -> Result<Model> {
         let Some(known) = &self.0 else { return file.read(key, source) };
         let stamp = file.stamp();
-        let lock = || known.lock().unwrap_or_else(PoisonError::into_inner);
+        let lock = || locked(known);
         if let Some(model) = lock().find(file, stamp) {
             return Ok(Model::clone(&model));
         }
@@ -157,7 +158,7 @@ impl KnownModels {
     /// Changes meshes, of which those that others share stay as they are.
     pub(super) fn change_meshes<T>(&self, change: impl FnOnce(&mut ChangedMeshes) -> T) -> T {
         match &self.0 {
-            Some(known) => change(&mut known.lock().unwrap_or_else(PoisonError::into_inner).meshes),
+            Some(known) => change(&mut locked(known).meshes),
             None => change(&mut ChangedMeshes::default()),
         }
     }

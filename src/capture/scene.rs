@@ -14,7 +14,6 @@ use super::light::describe_lights;
 use super::material::override_materials;
 use super::models::{KnownModels, Model, ModelFile};
 use super::motion::Moments;
-use super::quadrics::refuse_shining;
 use super::source::CaptureSource;
 use super::tables::{CaptureFile, MaterialTable, NormalsName};
 use super::target::scene_of;
@@ -228,7 +227,6 @@ impl ReadScene {
         for name in self.undescribed_materials.iter().filter(|name| !file.materials.contains_key(*name)) {
             warnings.once(format!("nothing describes the material {name:?}; it is diffuse grey"));
         }
-        refuse_shining(&file.scene, &self.scene)?;
         if let Some(environment) = &file.scene.environment {
             let described = describe_environment(&finder, environment, &mut warnings);
             self.scene.environment = described.map_err(|e| e.within("environment").within("scene"))?;

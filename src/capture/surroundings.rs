@@ -5,21 +5,18 @@
 
 use std::path::Path;
 
-use glam::{DAffine3, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DVec3};
 
 use super::colour::Finder;
 use super::environment::DEFAULT_GROUND_ALBEDO;
-use super::framing::{Sphere, bounding_sphere, to_power};
-use super::quadrics::SMALLEST_SIZE_M;
+use super::floor_surface::Subject;
 use super::scene::{FARTHEST_M, ReadScene};
 use super::tables::{
     BackdropTable, CaptureFile, EnvironmentSource, GroundSource, GroundTable, ReflectanceSource, SceneTable,
 };
 use super::{backdrop, ground};
 use crate::Invalid;
-use crate::scene::description::{
-    Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription,
-};
+use crate::scene::description::{Diffuse, InstanceDescription, MaterialDescription, MaterialModel};
 use photosite_core::Sandbox;
 
 /// Name of the ground among the objects.
@@ -27,24 +24,6 @@ pub(crate) const GROUND: &str = "ground";
 
 /// Reflectance of a backdrop of grey card.
 const DEFAULT_BACKDROP_REFLECTANCE: f64 = 0.5;
-
-/// The geometry that is surrounded.
-pub(super) struct Subject {
-    pub(super) sphere: Sphere,
-    /// Height of its lowest point, m.
-    pub(super) lowest_m: f64,
-}
-
-/// Corners and triangles in the space of a mesh, whose origin lies under the middle of the subject, at the height of
-/// the floor.
-pub(super) struct Surface {
-    pub(super) positions: Vec<DVec3>,
-    /// One for each corner, or none.
-    pub(super) normals: Vec<Vec3>,
-    /// Metres along the surface.
-    pub(super) uvs: Vec<Vec2>,
-    pub(super) triangles: Vec<[u32; 3]>,
-}
 
 /// Adds ground or backdrop to a scene of which all else is there.
 pub(super) fn add(read: &mut ReadScene, file: &CaptureFile, folder: &Path, sandbox: &Sandbox) -> Result<(), Invalid> {
@@ -113,26 +92,6 @@ fn ground_albedo(scene: &SceneTable) -> f64 {
     sky.and_then(|sky| sky.ground_albedo).unwrap_or(DEFAULT_GROUND_ALBEDO)
 }
 
-impl Subject {
-    /// All that is in a scene; a ball of 1 m on the origin where there is nothing.
-    pub(super) fn of(scene: &SceneDescription) -> Self {
-        let Some(sphere) = bounding_sphere(scene) else {
-            return Self { sphere: Sphere { centre: DVec3::Y, radius: 1.0 }, lowest_m: 0.0 };
-        };
-        let lowest_m = scene.subject_points().fold(f64::INFINITY, |lowest, point| lowest.min(point.y));
-        // Below that nothing is left of a triangle in single precision.
-        Self { sphere: Sphere { radius: sphere.radius.max(1e-9), ..sphere }, lowest_m }
-    }
-
-    /// The height of a floor that no face of the subject lies in: from 1/10000 to 2/10000 of the radius below it, with
-    /// as few digits as that takes.
-    pub(super) fn floor_m(&self) -> f64 {
-        let power = (self.sphere.radius * 1e-4).log10().floor() as i32;
-        // Half a step lower, so that rounding leaves it below.
-        to_power(self.lowest_m - self.sphere.radius * 1e-4 - 0.5 * 10f64.powi(power), power)
-    }
-}
-
 /// What ground and backdrop have in common.
 struct Floor<'a> {
     name: &'static str,
@@ -158,31 +117,5 @@ impl Floor<'_> {
         }
         let centre = DVec3 { y: height, ..subject.sphere.centre };
         Ok(DAffine3::from_translation(centre) * DAffine3::from_rotation_y(self.turn_deg.to_radians()))
-    }
-}
-
-/// A stated length, which must be above 0, or its default.
-pub(super) fn length(key: &str, stated: Option<f64>, default: f64) -> Result<f64, Invalid> {
-    match stated {
-        None => Ok(default.min(FARTHEST_M)),
-        Some(length) if (SMALLEST_SIZE_M..=FARTHEST_M).contains(&length) => Ok(length),
-        Some(length) => {
-            let message = format!("must lie between {SMALLEST_SIZE_M:e} and {FARTHEST_M:e} m, got {length}");
-            Err(Invalid::new(key, message).help(format!("for example {key} = 10.0")))
-        }
-    }
-}
-
-impl Surface {
-    fn into_mesh(self, name: String, material: usize) -> MeshDescription {
-        let Self { positions, normals, uvs, triangles } = self;
-        let positions: Vec<Vec3> = positions.iter().map(|p| p.as_vec3()).collect();
-        // Of what is much smaller than the rest, rounding may leave nothing.
-        let has_area = |corners: &[u32; 3]| {
-            let [a, b, c] = corners.map(|corner| positions[corner as usize]);
-            (b - a).cross(c - a).length_squared() > 0.0
-        };
-        let triangles = triangles.into_iter().filter(has_area).collect();
-        MeshDescription { name, material, positions, normals, uvs: vec![uvs], triangles, ..MeshDescription::default() }
     }
 }

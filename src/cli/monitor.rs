@@ -2,7 +2,7 @@
 //! in a file a line every half minute; with `--log-json` an object at least as often.
 
 use std::io::IsTerminal;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -10,6 +10,7 @@ use serde_json::json;
 
 use super::log::{self, say, warning};
 use super::signals;
+use crate::locked::locked;
 use crate::pipeline::{Event, Monitor, PictureOfFrame};
 
 /// Between two lines of progress in a file.
@@ -134,10 +135,6 @@ impl TerminalMonitor {
             log::object(event, what);
         }
     }
-}
-
-fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
-    value.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Monitor for TerminalMonitor {

@@ -1,11 +1,11 @@
 //! One picture of a data set: its capture, rendered into a folder of its own, with what it has in common with the last.
 
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
 use super::DataSet;
 use super::folder::NewPicture;
 use crate::capture::Capture;
+use crate::locked::locked;
 use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, ReadyRender, Rendered, Request};
 use crate::report::Timings;
 use crate::{Error, Result};
@@ -68,10 +68,6 @@ impl DataSet {
         locked(&self.kept).insert(camera.to_owned(), ready.prepared().clone());
         Ok(ready)
     }
-}
-
-pub(super) fn locked<T>(value: &Mutex<T>) -> MutexGuard<'_, T> {
-    value.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What is heard of one picture of a set: that it was cancelled, and warnings of the first alone.

@@ -9,10 +9,10 @@ use rand::RngExt;
 use serde_json::{Value, json};
 
 use super::file_pattern::files_of;
-use super::picture::locked;
 use super::shapes::{shape, shapes};
 use crate::calibration::dataset::{PlaceDescription, PlaceMethod, PlaceRotation, Plan, RegionDescription, toml};
 use crate::capture::{Capture, DatasetFile};
+use crate::locked::locked;
 use crate::math::philox::Philox;
 use crate::placement::{Bin, Contact, Fixed, Item, Method, Pose, Region, Request, Shape, Support, Turn, place};
 use crate::scene::description::{ObjectDescription, SceneDescription};

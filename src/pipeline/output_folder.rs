@@ -6,7 +6,7 @@ use std::fs;
 use std::fs::File;
 use std::io::{ErrorKind, Result as IoResult, Seek};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use crate::calibration::truth::TruthLayer;
 use crate::capture::{NoiseOutput, OutputSettings, RawFormat, SpectralBands, TruthOutput};
@@ -35,6 +35,7 @@ use super::chain::Exposed;
 use super::checkpoint;
 use super::file_names::{PART, named};
 use crate::io::pretty_json::pretty_json;
+use crate::locked::locked;
 use crate::report::{Listing, ObjectsReport, PartReport, REPORT, Report};
 
 /// What a render may leave besides the report: names with their kinds, numbered or not. None of these is overwritten
@@ -369,10 +370,6 @@ impl OutputFolder {
     pub(super) fn since_claimed(&self, error: Error) -> Error {
         if self.path.is_dir() { error } else { error.temporary() }
     }
-}
-
-fn locked(files: &Mutex<Vec<PathBuf>>) -> MutexGuard<'_, Vec<PathBuf>> {
-    files.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Refuses a folder with files that a render may leave, which are somebody's.

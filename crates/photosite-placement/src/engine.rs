@@ -8,9 +8,9 @@ use rapier3d_f64::prelude::{
 };
 
 use crate::body::Body;
+use crate::hull::Hull;
 use crate::pose::Pose;
 use crate::request::Contact;
-use crate::shape::Hull;
 
 /// Earth's, m/s².
 const GRAVITY: f64 = 9.80665;

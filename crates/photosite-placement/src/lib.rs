@@ -12,6 +12,7 @@ mod bin;
 mod body;
 mod drop;
 mod engine;
+mod hull;
 mod parts;
 mod place;
 mod pose;

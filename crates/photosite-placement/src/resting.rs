@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use glam::{DQuat, DVec3};
 use libm::atan2;
 
+use crate::hull::Hull;
 use crate::pose::point;
-use crate::shape::Hull;
 
 /// How far from the plane of a face points still belong to it, of the size of the hull.
 const FLATNESS: f64 = 1e-7;

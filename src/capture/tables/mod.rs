@@ -36,8 +36,8 @@ pub(super) use light::{
     DirectionalTable, GaussianBeamTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable,
 };
 pub(super) use material::*;
-pub(super) use object::{MaterialChoice, ObjectTable, ScaleSource, UpAxis};
-pub(super) use scene::{EnvironmentSource, EnvironmentTable, NormalsName, SceneTable, SkyTable};
+pub(super) use object::{MaterialChoice, NormalsName, ObjectTable, ScaleSource, UpAxis};
+pub(super) use scene::{EnvironmentSource, EnvironmentTable, SceneTable, SkyTable};
 pub use settings::RawFormat;
 pub(super) use settings::{
     ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, RenderTable,

@@ -5,8 +5,6 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::NormalsName;
-
 /// What a file of geometry holds, somewhere in the world. Objects of the same file share its memory.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -49,6 +47,16 @@ pub(crate) struct ObjectTable {
     pub(crate) keypoints: BTreeMap<String, [f64; 3]>,
     /// Whether it is there. Left out: true.
     pub(crate) visible: Option<bool>,
+}
+
+/// What faces without normals get.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum NormalsName {
+    /// Flat shading.
+    Flat,
+    /// One normal per vertex, smooth over everything.
+    Smooth,
 }
 
 /// A factor, or one along each axis.

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use crate::sensor::SpectrumSource;
 
 use super::surroundings::{BackdropTable, GroundSource};
-use super::{LightColour, ObjectTable};
+use super::{LightColour, NormalsName, ObjectTable};
 
 /// What is there: geometry and surroundings.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -107,16 +107,6 @@ pub(crate) struct CylinderTable {
     pub(crate) radius_m: f64,
     /// Distance between both ends, m.
     pub(crate) length_m: f64,
-}
-
-/// What faces without normals get.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum NormalsName {
-    /// Flat shading.
-    Flat,
-    /// One normal per vertex, smooth over everything.
-    Smooth,
 }
 
 /// Light from infinitely far: "none"; "even", the same light everywhere as in a bright room, D65 of 500 lux; or a table

@@ -6,7 +6,7 @@ use gltf::json::validation::{Checked, USize64};
 use gltf::json::{Accessor, Root};
 
 use super::buffers::{Buffers, out_of_range};
-use super::draco::Unpacked;
+use super::unpacked::Unpacked;
 use photosite_core::Invalid;
 
 /// Largest accessor without bytes of its own (all zeros but for its sparse part). Such an accessor costs memory that

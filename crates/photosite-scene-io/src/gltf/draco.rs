@@ -12,6 +12,7 @@ use serde::Deserialize;
 
 use super::accessor::{Accessors, Kind, MAX_ZEROS};
 use super::contained::contained;
+use super::unpacked::Unpacked;
 use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, memory};
 
@@ -31,20 +32,6 @@ struct Table {
     buffer_view: usize,
     /// Semantic → number of the attribute in the stream.
     attributes: BTreeMap<String, u32>,
-}
-
-/// What a stream holds.
-pub(super) struct Unpacked {
-    /// By the accessor that describes them, the components of all values.
-    values: HashMap<usize, Vec<f32>>,
-    pub(super) triangles: Vec<[u32; 3]>,
-}
-
-impl Unpacked {
-    /// The values that an accessor stands for, if they are of the stream.
-    pub(super) fn values<const N: usize>(&self, accessor: usize) -> Option<Vec<[f32; N]>> {
-        Some(self.values.get(&accessor)?.as_chunks::<N>().0.to_vec())
-    }
 }
 
 /// Unpacks a primitive, if it is packed. `key` names it.

@@ -23,6 +23,7 @@ mod meshopt;
 mod nodes;
 mod skin;
 mod texture;
+mod unpacked;
 mod variants;
 
 #[cfg(test)]

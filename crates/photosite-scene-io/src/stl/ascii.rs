@@ -5,8 +5,7 @@ use std::str::Lines;
 
 use glam::Vec3;
 
-use super::FACET;
-use super::solid::Solid;
+use super::solid::{FACET, Solid};
 use photosite_core::{Error, Invalid, Result, memory};
 
 /// Lines of a facet, as all programs write it.

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use glam::Vec3;
 
-use super::FACET;
-use super::solid::Solid;
+use super::solid::{FACET, Solid};
 use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, Result, memory};
 

@@ -24,9 +24,6 @@ use photosite_core::{Error, Result, input};
 use photosite_transport::scene::description::{MeshDescription, SceneDescription};
 use solid::Solid;
 
-/// Bytes of a facet with its part of the corners, as they are parsed and kept, at most.
-const FACET: u64 = 250;
-
 /// Reads a `.stl` file.
 pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<SceneDescription> {
     let bytes = input::read(path).map_err(|reason| Error::io(path, "read", reason))?;

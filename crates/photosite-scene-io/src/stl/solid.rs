@@ -7,6 +7,9 @@ use glam::{DVec3, Vec3};
 use crate::mesh::{area_vector, place};
 use photosite_core::Invalid;
 
+/// Bytes of a facet with its part of the corners, as they are parsed and kept, at most.
+pub(super) const FACET: u64 = 250;
+
 /// A solid, as far as it has been read.
 #[derive(Default)]
 pub(super) struct Solid {

@@ -8,7 +8,7 @@ use super::description::{
     AlphaMode, Colour, Described, EmissionDescription, EnvironmentDescription, LayeredDescription, LightDescription,
     MaterialDescription, PictureLevel, Roughness, SceneDescription, TextureDescription, TexturedColour, TexturedFactor,
 };
-use super::layout::{LaidOut, lay_out, moves_from};
+use super::layout::{Earlier, LaidOut, lay_out, moves_from};
 use super::{
     Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, NormalMap,
     Scene, Tabled,
@@ -52,6 +52,7 @@ pub fn build_after(description: SceneDescription, importance: &Spectrum, earlier
         |(m, e): (&MaterialDescription, &Option<Emission>)| builder.material(m, e.as_ref().map(|e| e.surface));
     let table: Vec<Material> = materials.iter().zip(&emissions).map(material).collect();
 
+    let earlier = earlier.map(|Scene { geometry, accel, kept, .. }| Earlier { geometry, accel, kept });
     let LaidOut { geometry, accel, instances: instance_table, kept } =
         lay_out(meshes, &instances, |material| emissions[material].is_some(), earlier);
     let bounds = match subject {

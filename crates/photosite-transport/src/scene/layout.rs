@@ -8,7 +8,6 @@ use std::sync::{Arc, Weak};
 use glam::{DAffine3, Vec3};
 
 use super::description::{InstanceDescription, MeshDescription, ShapeDescription};
-use super::{InstanceTable, Scene};
 use crate::geometry::{
     Accel, Deformation, Geometry, Instance, InstanceTransform, MeshRange, Motion, PlacedQuadric, PrimitiveRange,
     Transform, Triangle,
@@ -80,6 +79,25 @@ pub(super) struct Part {
     pub(super) number: u32,
 }
 
+/// Which instance of the description each surface belongs to.
+#[derive(Clone, Debug, Default)]
+pub(super) struct InstanceTable {
+    /// Of the first meshes of the geometry, which stand in world space: instances, and which of its meshes each is.
+    pub(super) of_mesh: Vec<Part>,
+    /// Of the instances of the geometry: `None` for those in world space.
+    pub(super) of_placed: Vec<Option<u32>>,
+    /// Of the meshes that follow, which have spaces of their own: which of its meshes an instance has there.
+    pub(super) numbers: Vec<u32>,
+}
+
+/// What an earlier scene has that another may share.
+#[derive(Clone, Copy)]
+pub(super) struct Earlier<'a> {
+    pub(super) geometry: &'a Arc<Geometry>,
+    pub(super) accel: &'a Accel,
+    pub(super) kept: &'a Kept,
+}
+
 /// Lays meshes out: those placed once, and all emitters, in world space in one hierarchy; the others in hierarchies of
 /// their own, one for all meshes of an instance, with an instance for each that shares them. What deforms, emitters
 /// that move included, has the world space of all times. What an earlier scene has in common is shared with it.
@@ -87,7 +105,7 @@ pub(super) fn lay_out(
     meshes: Vec<Arc<MeshDescription>>,
     instances: &[InstanceDescription],
     emits: impl Fn(usize) -> bool,
-    earlier: Option<&Scene>,
+    earlier: Option<Earlier<'_>>,
 ) -> LaidOut {
     let parts = Parts::of(&meshes, instances, &emits);
     let kept = Kept {
@@ -104,7 +122,7 @@ pub(super) fn lay_out(
     };
     let earlier = earlier.filter(|earlier| earlier.kept.is_same(&kept));
     let (geometry, kept) = match earlier {
-        Some(Scene { geometry, kept, .. }) => (Arc::clone(geometry), kept.clone()),
+        Some(Earlier { geometry, kept, .. }) => (Arc::clone(geometry), kept.clone()),
         None => {
             let (geometry, ranges, emitters) = tables(&meshes, instances, &parts, &emits);
             (Arc::new(geometry), Kept { ranges, emitters, ..kept })
@@ -325,7 +343,7 @@ mod tests {
     use super::super::description::{
         Colour, Diffuse, EmissionDescription, MaterialDescription, MaterialModel, SceneDescription, TexturedColour,
     };
-    use super::super::{build, build_after};
+    use super::super::{Scene, build, build_after};
     use super::*;
     use crate::geometry::Ray;
     use photosite_core::math::hash::{hash64, unit_f32};

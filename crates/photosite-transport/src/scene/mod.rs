@@ -32,7 +32,7 @@ use crate::light::{
     Choice, LiContext, LightRay, LightSample, LightSampleContext, Lights, SurfaceEmission, Tint, TriangleLight,
 };
 use crate::texture::Texture;
-use layout::{Kept, Part};
+use layout::{InstanceTable, Kept, Part};
 use photosite_core::math::hash::{hash64, unit_f32};
 use photosite_core::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths};
 
@@ -61,17 +61,6 @@ pub struct Scene {
     has_alpha: bool,
     /// Whether any material bounds a volume that absorbs.
     has_media: bool,
-}
-
-/// Which instance of the description each surface belongs to.
-#[derive(Clone, Debug, Default)]
-struct InstanceTable {
-    /// Of the first meshes of the geometry, which stand in world space: instances, and which of its meshes each is.
-    of_mesh: Vec<Part>,
-    /// Of the instances of the geometry: `None` for those in world space.
-    of_placed: Vec<Option<u32>>,
-    /// Of the meshes that follow, which have spaces of their own: which of its meshes an instance has there.
-    numbers: Vec<u32>,
 }
 
 impl Scene {

@@ -79,6 +79,28 @@ impl SceneDescription {
         (low.x <= high.x).then_some((low, high))
     }
 
+    /// All objects, in the order of their instances: those of [`objects`](Self::objects), and of the other instances
+    /// each by itself. Ground truth numbers them from 1 on.
+    pub fn all_objects(&self) -> Vec<ObjectDescription> {
+        let mut all = Vec::with_capacity(self.instances.len());
+        let mut placed = self.objects.iter().peekable();
+        let mut next = 0;
+        while let Some(instance) = self.instances.get(next) {
+            let object =
+                placed.next_if(|object| object.instances.start == next).cloned().unwrap_or_else(|| ObjectDescription {
+                    name: instance.name.clone(),
+                    category: None,
+                    to_world: instance.to_world,
+                    later: instance.later.clone(),
+                    keypoints: Vec::new(),
+                    instances: next..next + 1,
+                });
+            next = object.instances.end;
+            all.push(object);
+        }
+        all
+    }
+
     /// Whether it has the very meshes of another scene.
     pub fn has_meshes_of(&self, other: &Self) -> bool {
         let pairs = || self.meshes.iter().zip(&other.meshes);
@@ -109,5 +131,33 @@ impl SceneDescription {
         self.objects.iter().fold(of_instances, |hash, object| {
             hash64(text(hash, &object.name), (object.instances.start as u64) << 32 ^ object.instances.end as u64)
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::Range;
+
+    use glam::DAffine3;
+
+    use super::*;
+
+    #[test]
+    fn every_instance_belongs_to_one_object() {
+        let instances = (0..6).map(|i| InstanceDescription::of_mesh(format!("i{i}"), 0, DAffine3::IDENTITY)).collect();
+        let object = |name: &str, instances: Range<usize>| ObjectDescription {
+            name: name.to_owned(),
+            category: None,
+            to_world: DAffine3::IDENTITY,
+            later: Vec::new(),
+            keypoints: Vec::new(),
+            instances,
+        };
+        let objects = vec![object("a", 1..3), object("b", 4..5)];
+        let scene = SceneDescription { instances, objects, ..SceneDescription::default() };
+        let found: Vec<(String, Range<usize>)> =
+            scene.all_objects().into_iter().map(|object| (object.name, object.instances)).collect();
+        let expected = [("i0", 0..1), ("a", 1..3), ("i3", 3..4), ("b", 4..5), ("i5", 5..6)];
+        assert_eq!(found, expected.map(|(name, instances)| (name.to_owned(), instances)));
     }
 }
