@@ -28,9 +28,9 @@ pub(crate) struct Extent {
 }
 
 impl Extent {
-    /// That of all instances; `None` without any.
+    /// That of all instances of the subject; `None` without any.
     pub(crate) fn of_scene(scene: &SceneDescription) -> Option<Self> {
-        Self::around(scene.instances.iter().filter_map(|instance| Self::of_instance(scene, instance)))
+        Self::around(subject(scene).filter_map(|instance| Self::of_instance(scene, instance)))
     }
 
     /// That of an instance where it is first.
@@ -72,6 +72,12 @@ impl Extent {
     pub(crate) fn size(&self) -> DVec3 {
         self.high - self.low
     }
+}
+
+/// All instances but those that surround the subject, as a ground out to the horizon does.
+pub(crate) fn subject(scene: &SceneDescription) -> impl Iterator<Item = &InstanceDescription> {
+    let is_subject = |(index, _): &(usize, &InstanceDescription)| !scene.surroundings.contains(index);
+    scene.instances.iter().enumerate().filter(is_subject).map(|(_, instance)| instance)
 }
 
 /// A file of geometry and its unit.
@@ -141,7 +147,7 @@ pub(super) fn unit_warning(scene: &SceneDescription, source: &CaptureSource) -> 
     let is_mesh = |instance: &&InstanceDescription| {
         scene.meshes[instance.meshes.clone()].iter().all(|mesh| mesh.quadric.is_none())
     };
-    let instances = scene.instances.iter().filter(is_mesh);
+    let instances = subject(scene).filter(is_mesh);
     let boxes = instances.filter_map(|instance| Extent::of_instance(scene, instance));
     let size = if source.has("scene.objects") {
         boxes.map(|extent| extent.size()).max_by(|a, b| a.max_element().total_cmp(&b.max_element()))?

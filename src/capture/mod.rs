@@ -88,7 +88,7 @@ use photosite_core::warnings::Warnings;
 
 use camera::place_camera;
 use colour::Finder;
-pub(crate) use extent::{Extent, FileUnit};
+pub(crate) use extent::{Extent, FileUnit, subject};
 pub use init::{InitialCapture, initial_capture};
 use input::{focus_on_scene, is_scene_file, read_source};
 use models::KnownModels;

@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 use super::listing::listing;
 use super::print::{print_json, println_out, rounded};
 use super::scene_args::SceneArgs;
-use crate::capture::{Capture, ExposureTime, Extent, read_sensor_file};
+use crate::capture::{Capture, ExposureTime, Extent, read_sensor_file, subject};
 use crate::image::Planes;
 use crate::io::exr::{Attribute, read_exr};
 use crate::optics::{Camera, Focus, LensDescription, LensKind};
@@ -240,7 +240,7 @@ fn of_scene(scene: &SceneDescription) -> Map<String, Value> {
         "instances": scene.instances.len(),
         "triangles_of_instances": scene.instances.iter().flat_map(|i| i.meshes.clone()).map(triangles).sum::<usize>(),
         "bounding_box": Extent::of_scene(scene).as_ref().map(of_extent),
-        "objects": scene.instances.iter().filter_map(object).collect::<Vec<_>>(),
+        "objects": subject(scene).filter_map(object).collect::<Vec<_>>(),
         "textures": scene.images.len(),
         "materials": scene.materials.iter().map(|m| named(&m.name)).collect::<Vec<_>>(),
         "emitting_materials": scene.materials.iter().filter(emits).map(|m| named(&m.name)).collect::<Vec<_>>(),

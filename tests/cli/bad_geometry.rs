@@ -57,9 +57,9 @@ fn damaged_vertex() -> Document {
 )]
 #[case::extension(
     "a.gltf",
-    requiring("KHR_draco_mesh_compression").text(),
-    "KHR_draco_mesh_compression",
-    "extensionsRequired[0]: the file requires the extension KHR_draco_mesh_compression, which is not supported",
+    requiring("KHR_node_hoverability").text(),
+    "KHR_node_hoverability",
+    "extensionsRequired[0]: the file requires the extension KHR_node_hoverability, which is not supported",
     "export without it"
 )]
 #[case::index(

@@ -90,6 +90,10 @@ fn add_objects(folder: &Folder) {
         scale = [1, 0.5, 2]
         [[scene.objects]]
         file = 'tile.obj'
+        [[scene.objects]]
+        file = 'tile.obj'
+        material = 'lamp'
+        visible = false
         [materials.red]
         type = 'diffuse'
         reflectance = 0.3

@@ -86,7 +86,7 @@ fn lowest(folder: &Folder, picture: &str) -> Vec<(String, f64)> {
 #[rstest]
 #[case::rest("method = 'rest'\nregion = { min_m = [-1, 0, -1], max_m = [1, 0, 1] }", -0.3)]
 #[case::rest_on_the_table("method = 'rest'\nsurface = 'table'", -0.25)]
-#[case::one_dropped("method = 'drop'\nsurface = 'table'\nscale = 0.5", -0.25)]
+#[case::one_dropped("method = 'drop'\nsurface = 'table'\nscale = [0.5, 0.5]", -0.25)]
 fn single_objects_touch_what_they_stand_on(#[case] keys: &str, #[case] height_m: f64) {
     let folder = placed(&format!("[[place]]\nobjects = ['block.obj']\n{keys}\n"));
     folder.succeed("dataset set.toml -o out");
