@@ -20,6 +20,9 @@ use crate::{Invalid, Result, Sandbox};
 use photosite_core::math::hash::hash64;
 use photosite_core::suggest::{did_you_mean, list};
 
+/// Shapes with the names of their objects.
+type NamedShapes = Vec<(String, Arc<Shape>)>;
+
 /// The places of how many frames are kept for the other cameras of a rig.
 const MOST_KEPT: usize = 16;
 
@@ -36,7 +39,7 @@ pub(super) struct Places {
 }
 
 /// A scene, and what is in it.
-type Obstacles = (Arc<SceneDescription>, Arc<Vec<(String, Arc<Shape>)>>);
+type Obstacles = (Arc<SceneDescription>, Arc<NamedShapes>);
 
 /// One table.
 #[derive(Debug)]
@@ -194,7 +197,7 @@ impl Places {
     }
 
     /// What stands in the way.
-    fn obstacles(&self, scene: &Arc<SceneDescription>) -> Result<Arc<Vec<(String, Arc<Shape>)>>, Invalid> {
+    fn obstacles(&self, scene: &Arc<SceneDescription>) -> Result<Arc<NamedShapes>, Invalid> {
         let mut known = locked(&self.obstacles);
         if let Some((of, obstacles)) = known.as_ref()
             && Arc::ptr_eq(of, scene)

@@ -107,7 +107,7 @@ impl ObjectReport {
         let to_camera = to_opencv * halfway.to_world().inverse() * to_world;
         let appears = |point: DVec3| view.moving_landmark(|time| object.to_world(time).transform_point3(point));
         let px = |found: &Correspondence| (found.pixel - DVec2::splat(0.5)).to_array();
-        let corners = object.corners().map(|corner| appears(corner));
+        let corners = object.corners().map(&appears);
         let [width, height] = view.resolution.map(f64::from);
         let is_inside =
             |found: &Correspondence| (0.0..=width).contains(&found.pixel.x) && (0.0..=height).contains(&found.pixel.y);

@@ -364,7 +364,7 @@ mod tests {
         let reflectance = TexturedColour::plain(Colour::Rgb([0.5; 3]));
         let model = MaterialModel::Diffuse(Diffuse { reflectance });
         let emission =
-            shines.then(|| EmissionDescription { colour: Colour::Rgb([1.0; 3]), level: Some(1.0), texture: None });
+            shines.then_some(EmissionDescription { colour: Colour::Rgb([1.0; 3]), level: Some(1.0), texture: None });
         let at = |x: f64| DAffine3::from_translation(DVec3::new(x, moved, 0.0));
         let movable = |meshes: Range<usize>, x: f64| InstanceDescription {
             meshes,

@@ -57,7 +57,7 @@ fn damaged(bytes: &[u8], state: &mut u64) -> Vec<u8> {
             _ => damaged[at] = 0,
         }
     }
-    if xorshift(state) % 8 == 0 {
+    if xorshift(state).is_multiple_of(8) {
         damaged.truncate(xorshift(state) % bytes.len());
     }
     damaged
