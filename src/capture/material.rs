@@ -21,17 +21,28 @@ use crate::spectrum::dispersion::lines;
 use crate::spectrum::upsampling::reflectance_spectrum;
 use crate::spectrum::{Dispersion, Outside, Spectrum, library};
 use photosite_core::suggest::{did_you_mean, list};
+use photosite_core::warnings::Warnings;
 
-/// Applies every `[materials.NAME]` to the materials of that name.
+/// Applies every `[materials.NAME]` to the materials of that name. One that nothing has is an error, or with
+/// `is_palette`, where objects may be given other materials, a warning.
 pub(super) fn override_materials(
     tables: &BTreeMap<String, MaterialTable>,
+    is_palette: bool,
     finder: &mut Finder<'_>,
     materials: &mut [MaterialDescription],
+    warnings: &mut Warnings,
 ) -> Result<(), Invalid> {
     for (name, table) in tables {
         let path = format!("materials.{name}");
         if !materials.iter().any(|place| place.name == *name) {
-            return Err(unknown_material(path, name, materials));
+            match table {
+                MaterialTable::Typed(_) if is_palette => {
+                    warnings.once(format!("{path}: nothing has this material"));
+                }
+                MaterialTable::Typed(_) | MaterialTable::Kept(_) => {
+                    return Err(unknown_material(path, name, materials));
+                }
+            }
         }
         let material = match table {
             MaterialTable::Kept(table) => kept(finder, table),

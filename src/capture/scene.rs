@@ -221,9 +221,10 @@ impl ReadScene {
         sandbox: &Sandbox,
     ) -> Result<SceneDescription, Invalid> {
         let mut finder = Finder::new(folder, sandbox, std::mem::take(&mut self.scene.images));
-        override_materials(&file.materials, &mut finder, &mut self.scene.materials)?;
-        describe_lights(&file.lights, &finder, &mut self.scene)?;
         let mut warnings = Warnings::default();
+        let is_palette = !file.scene.objects.is_empty();
+        override_materials(&file.materials, is_palette, &mut finder, &mut self.scene.materials, &mut warnings)?;
+        describe_lights(&file.lights, &finder, &mut self.scene)?;
         for name in self.undescribed_materials.iter().filter(|name| !file.materials.contains_key(*name)) {
             warnings.once(format!("nothing describes the material {name:?}; it is diffuse grey"));
         }

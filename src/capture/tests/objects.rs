@@ -11,7 +11,11 @@ use super::*;
 const CORNER: &str = "v 1 2 3\nv 0 0 0\nv 0 1 0\nusemtl paint\nf 1 2 3\n";
 
 fn objects(tables: &str) -> Files {
-    let files = Files::new(&format!("[scene]\nenvironment = {{ illuminant = 'D65', luminance_nit = 9 }}\n{tables}"));
+    objects_of(&format!("[scene]\nenvironment = {{ illuminant = 'D65', luminance_nit = 9 }}\n{tables}"))
+}
+
+fn objects_of(capture: &str) -> Files {
+    let files = Files::new(capture);
     files.add("corner.obj", CORNER.as_bytes());
     files
 }
@@ -116,4 +120,20 @@ fn objects_of_one_file_share_its_meshes() {
 fn wrong_keys_are_named(#[case] keys: &str, #[case] key: &str, #[case] message: &str) {
     let error = objects(&format!("[[scene.objects]]\n{keys}")).read(&[]).expect_err("refused").to_string();
     assert!(error.contains(key) && error.contains(message), "{error}");
+}
+
+#[test]
+fn a_palette_of_materials_may_have_more_than_are_used() {
+    let palette = "[materials.red]\ntype = 'diffuse'\nreflectance = 0.5";
+    let object = "[[scene.objects]]\nfile = 'corner.obj'\n";
+    let unused = objects(&format!("{object}{palette}")).read(&[]).expect("a capture");
+    let told = |capture: &Capture| capture.warnings().iter().filter(|w| w.contains("materials.red")).count();
+    assert_eq!(told(&unused), 1, "{:?}", unused.warnings());
+    let used = objects(&format!("{object}material = 'red'\n{palette}")).read(&[]).expect("a capture");
+    assert_eq!(told(&used), 0, "{:?}", used.warnings());
+    // Where nothing can be given another material, the name is wrong; and changes need something to change.
+    for wrong in [room(palette), format!("[scene]\n{object}[materials.red]\ndouble_sided = true")] {
+        let error = objects_of(&wrong).read(&[]).expect_err("refused").to_string();
+        assert!(error.contains("has no material \"red\""), "{error}");
+    }
 }

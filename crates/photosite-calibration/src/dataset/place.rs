@@ -32,7 +32,7 @@ pub struct PlaceDescription {
     pub scale: Option<[f64; 2]>,
     /// How far they are from each other and from all that they do not stand on, m; not of objects that fall. Left out: 0.
     pub min_distance_m: Option<f64>,
-    /// Names of materials that objects of the capture use, if only one with `visible = false`: one is drawn for each object.
+    /// Names of materials of the capture's `[materials]` or of geometry files: one is drawn for each object.
     /// Left out: those of the files.
     #[serde(default)]
     pub materials: Vec<String>,
