@@ -108,7 +108,10 @@ fn a_sensor_file_gives_the_same_picture_again(#[case] name: &str) {
     folder.succeed("export-mitsuba out/capture.json -o mitsuba --approximate");
     let facts = |input: &str| {
         let found = folder.succeed(&format!("info {input} --json")).stdout;
-        serde_json::from_str::<Value>(&found).expect("JSON")
+        let mut found: Value = serde_json::from_str(&found).expect("JSON");
+        // The same files have other paths from another folder.
+        found.as_object_mut().expect("an object").remove("geometry").expect("files of geometry");
+        found
     };
     folder.add("scenes/same.toml", format!("{CAPTURE}[sensor]\npreset = '../sensors/{name}.toml'\n"));
     assert_eq!(facts("out/capture.json"), facts("scenes/same.toml"));
