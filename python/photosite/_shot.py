@@ -27,6 +27,8 @@ TRUTH_UNITS = {
     "shading-normal": "",
     "uv": "",
     "albedo": "",
+    "object-position": "m",
+    "nocs": "",
     "instance": "",
     "material": "",
     "flow": "px",
@@ -142,9 +144,10 @@ class Shot:
         """Ground truth at the centre of each pixel of the whole sensor, whatever is read out of it, float32.
 
         ``depth`` along the axis and ``distance`` in m, (H, W); ``position`` in m, ``normal``, ``shading-normal`` of the
-        world and ``albedo``, (H, W, 3); ``uv``, (H, W, 2); numbers of ``instance`` and ``material``, (H, W); ``flow`` in
-        px and whether its end is visible, (H, W, 3); ``disparity`` likewise where the capture has a partner. Nothing is
-        inf in depths, NaN in positions, 0 else.
+        world and ``albedo``, (H, W, 3); ``object-position`` in m and ``nocs`` in the frame of the object, (H, W, 3);
+        ``uv``, (H, W, 2); numbers of ``instance`` and ``material``, (H, W); ``flow`` in px and whether its end is
+        visible, (H, W, 3); ``disparity`` likewise where the capture has a partner. Nothing is inf in depths, NaN in
+        positions, 0 else.
         """
         return truth_layers(self._compiled)
 

@@ -198,3 +198,20 @@ def test_scene_files_stand_for_captures(room: Path) -> None:
     (room.parent / "wall.obj").write_text(ROOM_OBJ)
     capture = ps.load(room.parent / "wall.obj", set={"sensor.resolution_px": [32, 24]})
     assert ps.trace(capture, samples=1).camera.K[0, 0] > 0
+
+
+def test_layers_are_in_the_frames_of_objects(room: Path) -> None:
+    objects = [
+        {"file": str(room.parent / "room.obj"), "position_m": [0.1, 0, -0.2], "scale": 0.5, "rotation_deg": [0, 90, 0]}
+    ]
+    truth = ps.trace(ps.load(room, set={"scene.geometry": [], "scene.objects": objects}), samples=1).truth
+    seen = np.isfinite(truth["depth"])
+    assert seen.any()
+    own, world, nocs = truth["object-position"][seen], truth["position"][seen], truth["nocs"][seen]
+    # A quarter turn to the left about y: x of the object is −z of the world, its z is x.
+    assert np.allclose(world, np.stack([own[:, 2] + 0.1, own[:, 1], -own[:, 0] - 0.2], axis=1), atol=1e-5)
+    steps = np.diff(own, axis=0)
+    moved = np.abs(steps) > 1e-2
+    ratios = np.diff(nocs, axis=0)[moved] / steps[moved]
+    assert np.allclose(ratios, ratios[0], rtol=1e-3)
+    assert ((nocs > -1e-5) & (nocs < 1 + 1e-5)).all()
