@@ -202,14 +202,15 @@ def test_scene_files_stand_for_captures(room: Path) -> None:
 
 def test_layers_are_in_the_frames_of_objects(room: Path) -> None:
     objects = [
-        {"file": str(room.parent / "room.obj"), "position_m": [0.1, 0, -0.2], "scale": 0.5, "rotation_deg": [0, 90, 0]}
+        {"file": str(room.parent / "room.obj"), "position_m": [0.1, 0, -0.2], "scale": 0.5, "rotation_deg": [0, 30, 0]}
     ]
     truth = ps.trace(ps.load(room, set={"scene.geometry": [], "scene.objects": objects}), samples=1).truth
     seen = np.isfinite(truth["depth"])
     assert seen.any()
     own, world, nocs = truth["object-position"][seen], truth["position"][seen], truth["nocs"][seen]
-    # A quarter turn to the left about y: x of the object is −z of the world, its z is x.
-    assert np.allclose(world, np.stack([own[:, 2] + 0.1, own[:, 1], -own[:, 0] - 0.2], axis=1), atol=1e-5)
+    sine, cosine = np.sin(np.pi / 6), np.cos(np.pi / 6)
+    turn = np.array([[cosine, 0, sine], [0, 1, 0], [-sine, 0, cosine]])
+    assert np.allclose(world, own @ turn.T + [0.1, 0, -0.2], atol=1e-5)
     steps = np.diff(own, axis=0)
     moved = np.abs(steps) > 1e-2
     ratios = np.diff(nocs, axis=0)[moved] / steps[moved]
