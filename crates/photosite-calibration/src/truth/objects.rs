@@ -16,7 +16,7 @@ pub struct TruthObject {
     pub scale: DVec3,
     /// Frame → world; several at evenly spaced times where it moves.
     poses: Vec<DAffine3>,
-    /// The least box in its frame that holds it, in all shapes that it goes through, m.
+    /// The least box in its frame that holds it, in all shapes and places that its parts go through, m.
     pub low: DVec3,
     /// Its other corner.
     pub high: DVec3,
@@ -36,13 +36,16 @@ impl TruthObject {
         let scale = [scaled.matrix3.x_axis, scaled.matrix3.y_axis, scaled.matrix3.z_axis].map(DVec3::length);
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for instance in &scene.instances[object.instances.clone()] {
-            let to_frame = frame.inverse() * instance.to_world;
-            for mesh in &scene.meshes[instance.meshes.clone()] {
-                let shapes =
-                    [&mesh.positions].into_iter().chain(mesh.later_shapes.iter().map(|shape| &shape.positions));
-                for position in shapes.flatten() {
-                    let point = to_frame.transform_point3(position.as_dvec3());
-                    (low, high) = (low.min(point), high.max(point));
+            // Parts that an animation moves go through the object; where the object moves as a whole, its frame does.
+            let later = if object.later.is_empty() { &instance.later[..] } else { &[] };
+            for to_world in [&instance.to_world].into_iter().chain(later) {
+                let to_frame = frame.inverse() * *to_world;
+                for mesh in &scene.meshes[instance.meshes.clone()] {
+                    let later = mesh.later_shapes.iter().map(|shape| &shape.positions);
+                    for position in [&mesh.positions].into_iter().chain(later).flatten() {
+                        let point = to_frame.transform_point3(position.as_dvec3());
+                        (low, high) = (low.min(point), high.max(point));
+                    }
                 }
             }
         }
@@ -84,5 +87,37 @@ impl TruthObject {
         // An object without extent is in the middle.
         let part = if diagonal > 0.0 { (point - middle) / diagonal } else { DVec3::ZERO };
         part + 0.5
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use photosite_transport::scene::description::{InstanceDescription, MeshDescription};
+
+    #[test]
+    fn a_box_holds_parts_wherever_an_animation_moves_them() {
+        let at = |x: f64| DAffine3::from_translation(DVec3::X * x);
+        let mesh = MeshDescription { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y], ..MeshDescription::default() };
+        let part = InstanceDescription { later: vec![at(7.0)], ..InstanceDescription::of_mesh("part", 0, at(5.0)) };
+        let object = ObjectDescription {
+            name: "object".to_owned(),
+            category: None,
+            to_world: at(4.0),
+            later: Vec::new(),
+            keypoints: Vec::new(),
+            instances: 0..1,
+        };
+        let of = |objects: Vec<ObjectDescription>| {
+            let (meshes, instances) = (vec![mesh.clone().into()], vec![part.clone()]);
+            TruthObject::of_scene(&SceneDescription { meshes, instances, objects, ..SceneDescription::default() })
+        };
+        let [placed] = &of(vec![object])[..] else { panic!("one object") };
+        assert_eq!([placed.low, placed.high], [DVec3::X, DVec3::new(4.0, 1.0, 0.0)]);
+        // By itself, the part is the object, whose frame goes along.
+        let [alone] = &of(Vec::new())[..] else { panic!("one object") };
+        assert_eq!([alone.low, alone.high], [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)]);
     }
 }
