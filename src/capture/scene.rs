@@ -13,7 +13,7 @@ use super::environment::describe_environment;
 use super::light::describe_lights;
 use super::material::override_materials;
 use super::models::{KnownModels, Model, ModelFile};
-use super::motion::Moments;
+use super::moments::Moments;
 use super::source::CaptureSource;
 use super::tables::{CaptureFile, MaterialTable, NormalsName};
 use super::target::scene_of;
@@ -74,7 +74,7 @@ impl ReadScene {
             check_name("scene.animation", "animation", table.animation.as_deref(), &animations)
         };
         check().map_err(|invalid| source.error(invalid))?;
-        read.add_objects(source, &table.objects, &moments.of_objects, folder, materials)?;
+        read.add_objects(source, &table.objects, moments, folder, materials)?;
         Ok(read)
     }
 
