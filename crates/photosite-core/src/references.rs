@@ -7,6 +7,16 @@
 //! ## Pbrt4
 //! M. Pharr, W. Jakob, G. Humphreys, *Physically Based Rendering: From Theory to Implementation*, 4th edition (2023).
 //!
+//! ## Conrady60
+//! A. E. Conrady, *Applied Optics and Optical Design*, part 2, Dover (1960), chapter 12.
+//!
+//! ## Kolb95
+//! C. Kolb, D. Mitchell, P. Hanrahan, "A Realistic Camera Model for Computer Graphics", Computer Graphics (SIGGRAPH)
+//! (1995).
+//!
+//! ## Welford86
+//! W. T. Welford, *Aberrations of Optical Systems*, Adam Hilger (1986).
+//!
 //! ## Veach97
 //! E. Veach, *Robust Monte Carlo Methods for Light Transport Simulation*, PhD thesis, Stanford (1997).
 //!

@@ -1,0 +1,11 @@
+//! Lenses as optical engineers write them down: a [`Prescription`] of surfaces and glasses.
+//!
+//! Lengths are mm, the unit of prescriptions. The axis is z, z = 0 is the vertex of the first surface that light from
+//! the scene meets, and +z points to the sensor. Wavelengths are nm in the medium that catalogues measure in, air, whose
+//! index counts as 1. This crate reads no files: readers give it prescriptions, whose values it checks.
+
+#![forbid(unsafe_code)]
+
+pub mod prescription;
+
+pub use prescription::Prescription;
