@@ -6,6 +6,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod glass;
 pub mod prescription;
 
 pub use prescription::Prescription;
