@@ -6,6 +6,21 @@
 
 #![forbid(unsafe_code)]
 
+pub mod checks;
+pub mod chief;
+pub mod coating;
+pub mod focus;
+mod full_beam;
+pub mod illumination;
+pub mod lens;
+pub mod paraxial;
 pub mod prescription;
+pub mod profile;
+pub mod region;
+pub mod spots;
+pub mod trace;
+pub mod wavefront;
 
+pub use lens::Lens;
 pub use prescription::Prescription;
+pub use trace::{LensAt, Ray};
