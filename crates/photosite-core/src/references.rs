@@ -384,6 +384,9 @@
 //! ## Born99
 //! M. Born, E. Wolf, *Principles of Optics*, 7th edition, Cambridge University Press (1999).
 //!
+//! ## Macleod10
+//! H. A. Macleod, *Thin-Film Optical Filters*, 4th edition, CRC Press (2010).
+//!
 //! ## OpenCv
 //! OpenCV 4, *Camera Calibration and 3D Reconstruction* (calib3d),
 //! <https://docs.opencv.org/4.x/d9/d0c/group__calib3d.html>; its `fisheye` and `omnidir` namespaces.

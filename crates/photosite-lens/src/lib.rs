@@ -2,11 +2,27 @@
 //!
 //! Lengths are mm, the unit of prescriptions. The axis is z, z = 0 is the vertex of the first surface that light from
 //! the scene meets, and +z points to the sensor. Wavelengths are nm in the medium that catalogues measure in, air, whose
-//! index counts as 1. This crate reads no files: readers give it prescriptions, whose values it checks.
+//! index counts as 1. [`files`] reads prescriptions of six programs' formats from bytes; no file of a disk is touched.
 
 #![forbid(unsafe_code)]
 
+pub mod checks;
+pub mod chief;
+pub mod coating;
+pub mod files;
+pub mod focus;
+mod full_beam;
 pub mod glass;
+pub mod illumination;
+pub mod lens;
+pub mod paraxial;
 pub mod prescription;
+pub mod profile;
+pub mod region;
+pub mod spots;
+pub mod trace;
+pub mod wavefront;
 
+pub use lens::Lens;
 pub use prescription::Prescription;
+pub use trace::{LensAt, Ray};

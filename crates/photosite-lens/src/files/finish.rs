@@ -46,7 +46,7 @@ pub(super) fn finish(format: Format, mut draft: Draft) -> Read<Reading> {
     }
     open(&mut prescription, &mut draft);
     if draft.derives_apertures {
-        derive_apertures(&mut prescription, &mut draft);
+        derive_apertures(&mut prescription, &mut draft)?;
     }
     let lens = Lens::new(&prescription).map_err(|invalid| of_surface(&draft, invalid))?;
     let warnings = sanity::warnings(&prescription, &lens);
@@ -96,9 +96,13 @@ fn medium(row: &Row, notes: &mut Vec<String>) -> Read<Option<Glass>> {
             (Found::Glass(found, note), numbers) => {
                 notes.extend(note);
                 if let Numbers::OfGlass(nd, vd) = numbers {
-                    let index = found.dispersion.index(lines::D);
-                    if (index - nd).abs() > 5e-4 {
-                        notes.push(format!("{name} has n_d {index:.5} in the catalogue, where the file has {nd}: the file's holds"));
+                    let (index, abbe) = (found.dispersion.index(lines::D), found.dispersion.abbe_number());
+                    if (index - nd).abs() > 1e-4 || (abbe - vd).abs() > 0.1 {
+                        notes.push(format!(
+                            "{name} has n_d {index:.5}, ν_d {abbe:.2} in the catalogue, but {}, {} in the file, which hold",
+                            rounded(*nd),
+                            rounded(*vd)
+                        ));
                         return by_numbers(row, *nd, *vd, notes).map(Some);
                     }
                 }
@@ -113,14 +117,27 @@ fn medium(row: &Row, notes: &mut Vec<String>) -> Read<Option<Glass>> {
                 format!("say which: {}", makers.join(", ")),
             )),
             (Found::Unknown(nearest), numbers) => {
-                let mut help = format!("the nearest names are {}", nearest.join(", "));
-                if let Numbers::Spare(nd, vd) = numbers {
-                    help += &format!("; if its n_d and ν_d are {nd} and {vd}, make it a model glass: GLAS ___BLANK 1 0 {nd} {vd}");
+                let mut help = match &nearest[..] {
+                    [] => "no name is like it: give its n_d and ν_d".to_owned(),
+                    nearest => format!("the nearest names are {}", nearest.join(", ")),
+                };
+                // OpticStudio writes 1.5 and 40 where there is no model glass.
+                if let Numbers::Spare(nd, vd) = numbers
+                    && (*nd, *vd) != (1.5, 40.0)
+                {
+                    help += &format!(
+                        "; if its n_d and ν_d are {nd} and {vd}, make it a model glass: GLAS ___BLANK 1 0 {nd} {vd}"
+                    );
                 }
                 Err(fault(format!("no catalogue has a glass {name}"), help))
             }
         },
     }
+}
+
+/// A number for people: its first digits.
+fn rounded(x: f64) -> f64 {
+    photosite_core::math::float::rounded(x, 7)
 }
 
 fn by_numbers(row: &Row, nd: f64, vd: f64, notes: &mut Vec<String>) -> Read<Glass> {
@@ -184,8 +201,8 @@ fn open(prescription: &mut Prescription, draft: &mut Draft) {
         if found.is_finite() && found > 0.0 {
             prescription.surfaces[stop].semi_aperture_mm = Some(found);
             let by = match opening {
-                Opening::EntrancePupil(diameter) => format!("the entrance pupil of {diameter} mm"),
-                Opening::FNumber(f_number) => format!("f/{f_number}"),
+                Opening::EntrancePupil(diameter) => format!("the entrance pupil of {} mm", rounded(diameter)),
+                Opening::FNumber(f_number) => format!("f/{}", rounded(f_number)),
             };
             draft.assume(format!("the stop has the radius {found:.4} mm, which {by} gives at the d line"));
         }
@@ -208,23 +225,29 @@ fn open(prescription: &mut Prescription, draft: &mut Draft) {
 }
 
 /// Gives surfaces the radius of the full beam, where the format leaves it to the beam.
-fn derive_apertures(prescription: &mut Prescription, draft: &mut Draft) {
+fn derive_apertures(prescription: &mut Prescription, draft: &mut Draft) -> Read<()> {
     let missing: Vec<usize> =
         (0..prescription.surfaces.len()).filter(|&i| prescription.surfaces[i].semi_aperture_mm.is_none()).collect();
     if missing.is_empty() {
-        return;
+        return Ok(());
     }
-    let Some(lens) = provisional(prescription, None) else { return };
+    if let Some(&stop) = missing.iter().find(|&&i| prescription.surfaces[i].is_stop) {
+        let message = "neither the radius of the stop, nor the entrance pupil or the f-number is given";
+        let help = "give one of them: all other radii follow from the beam that it lets through";
+        return Err(of_row(&draft.rows[stop], "semi_aperture", Invalid::new("", message).help(help)));
+    }
+    let Some(lens) = provisional(prescription, None) else { return Ok(()) };
     let radii = beam::radii(&lens, &draft.fields);
     for &i in &missing {
         // Coarser than a hair's breadth, as radii are made.
         prescription.surfaces[i].semi_aperture_mm = radii[i].map(|radius| (radius * 1e4).ceil() / 1e4);
     }
-    let fields: Vec<String> = draft.fields.iter().map(|field| format!("{}°", field.angle_deg)).collect();
+    let fields: Vec<String> = draft.fields.iter().map(|field| format!("{}°", rounded(field.angle_deg))).collect();
     let of = if fields.is_empty() { "the axis".to_owned() } else { fields.join(", ") };
     draft.assume(format!(
         "the file has no apertures for {} of {} surfaces: they are as wide as the beams of {of} with the file's vignetting",
         missing.len(),
         prescription.surfaces.len()
     ));
+    Ok(())
 }

@@ -11,7 +11,7 @@ use serde::de::IgnoredAny;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::draft::{Draft, Fault, Medium, Numbers, Read, Row, Setting};
+use super::draft::{Draft, Fault, Medium, Numbers, Opening, Read, Row, Setting};
 use crate::glass;
 use crate::prescription::{Blades, Coating, Glass, Layer, LayerIndex};
 
@@ -24,11 +24,13 @@ struct LensFile {
     source: Option<String>,
     licence: Option<String>,
     patent: Option<String>,
+    note: Option<String>,
     /// Where the semi-apertures come from.
     semi_apertures: Option<String>,
     unit: Option<String>,
     focal_length: Option<f64>,
     f_number: Option<f64>,
+    entrance_pupil_diameter: Option<f64>,
     half_field_deg: Option<f64>,
     image_half_diagonal: Option<f64>,
     surfaces: Vec<SurfaceFile>,
@@ -159,7 +161,11 @@ pub(super) fn toml_span(text: &str, path: &str) -> Option<Range<usize>> {
         let next = match current.get_ref() {
             DeValue::Table(table) => table.get(step),
             DeValue::Array(array) => step.parse::<usize>().ok().and_then(|i| array.get(i)),
-            DeValue::String(_) | DeValue::Integer(_) | DeValue::Float(_) | DeValue::Boolean(_) | DeValue::Datetime(_) => None,
+            DeValue::String(_)
+            | DeValue::Integer(_)
+            | DeValue::Float(_)
+            | DeValue::Boolean(_)
+            | DeValue::Datetime(_) => None,
         };
         let Some(next) = next else { break };
         current = next;
@@ -171,9 +177,11 @@ fn draft(file: LensFile) -> Read<Draft> {
     let LensFile { name, source, licence, patent, unit, surfaces, glasses, blades, positions, .. } = file;
     let mm = match unit.as_deref() {
         None => {
-            return Err(Fault::of_file("no `unit` says what the lengths are in").help("write unit = \"mm\" before the surfaces"));
+            return Err(Fault::of_file("no `unit` says what the lengths are in")
+                .help("write unit = \"mm\" before the surfaces"));
         }
-        Some(unit) => super::mm_of(unit).ok_or_else(|| at("unit", format!("{unit:?} is no unit that is known")).help("write mm, cm, in or m"))?,
+        Some(unit) => super::mm_of(unit)
+            .ok_or_else(|| at("unit", format!("{unit:?} is no unit that is known")).help("write mm, cm, in or m"))?,
     };
     let mut draft = Draft { name, source, licence, patent, ..Draft::default() };
     draft.claims.focal_length_mm = file.focal_length;
@@ -186,6 +194,12 @@ fn draft(file: LensFile) -> Read<Draft> {
     if let Some(origin) = file.semi_apertures {
         draft.assume(format!("semi-apertures: {origin}"));
     }
+    if let Some(note) = file.note {
+        draft.assume(format!("the file notes: {note}"));
+    }
+    // Where the stop has a radius, that holds.
+    let pupil = file.entrance_pupil_diameter.map(Opening::EntrancePupil);
+    draft.opening = pupil.or(file.f_number.map(Opening::FNumber));
     draft.blades = match blades {
         None => None,
         Some(BladesFile::Count(count)) => Some(Blades { count, rotation_deg: 0.0 }),
@@ -222,7 +236,8 @@ fn row(number: usize, surface: SurfaceFile, glasses: &BTreeMap<String, Glass>) -
     let mut asphere = Vec::new();
     for (order, coefficient) in surface.asphere {
         let order = order.parse::<u32>().map_err(|_| {
-            at(&format!("{key}.asphere"), format!("{order:?} is no order")).help("write each order and its coefficient: { 4 = 1.2e-5, 6 = -3e-8 }")
+            at(&format!("{key}.asphere"), format!("{order:?} is no order"))
+                .help("write each order and its coefficient: { 4 = 1.2e-5, 6 = -3e-8 }")
         })?;
         if coefficient != 0.0 {
             asphere.push((order, coefficient));
@@ -234,11 +249,9 @@ fn row(number: usize, surface: SurfaceFile, glasses: &BTreeMap<String, Glass>) -
         Some(name) => match (glasses.get(&name), glass::code(&name), name.split_once('/')) {
             (Some(glass), ..) => Medium::Defined(glass.clone()),
             (None, Some((nd, vd)), _) => Medium::Patent { nd, vd },
-            (None, None, Some((maker, name))) => Medium::Named {
-                name: name.to_owned(),
-                catalogues: vec![maker.to_owned()],
-                numbers: Numbers::None,
-            },
+            (None, None, Some((maker, name))) => {
+                Medium::Named { name: name.to_owned(), catalogues: vec![maker.to_owned()], numbers: Numbers::None }
+            }
             (None, None, None) => Medium::Named { name, catalogues: Vec::new(), numbers: Numbers::None },
         },
     };
@@ -274,7 +287,8 @@ fn layer(layer: LayerFile, key: &str) -> Read<Layer> {
         (Some(IndexFile::Name(name)), None) => named(&name, key)?,
         (None, Some(table)) => {
             let zeros = vec![0.0; table.n.len()];
-            let [n, k] = [&table.n, table.k.as_ref().unwrap_or(&zeros)].map(|values| interpolated(&table.wavelength_nm, values));
+            let [n, k] =
+                [&table.n, table.k.as_ref().unwrap_or(&zeros)].map(|values| interpolated(&table.wavelength_nm, values));
             let (Some(n), Some(k)) = (n, k) else {
                 return Err(at(key, "a table whose lists differ in length, or whose wavelengths do not rise")
                     .help("write as many n (and k) as wavelengths in nm, from short to long"));
@@ -282,7 +296,9 @@ fn layer(layer: LayerFile, key: &str) -> Read<Layer> {
             LayerIndex::Table { n, k }
         }
         (None, None) | (Some(_), Some(_)) => {
-            return Err(at(key, "a layer has either an index or a table").help("write { index = 1.38, thickness_nm = 99.6 }"));
+            return Err(
+                at(key, "a layer has either an index or a table").help("write { index = 1.38, thickness_nm = 99.6 }")
+            );
         }
     };
     Ok(Layer { index, thickness_nm: layer.thickness_nm })
@@ -302,7 +318,8 @@ fn named(name: &str, key: &str) -> Read<LayerIndex> {
 
 /// Values between which a spectrum runs straight; beyond the ends it stays as it is there.
 fn interpolated(wavelengths_nm: &[f64], values: &[f64]) -> Option<Spectrum> {
-    let rises = wavelengths_nm.windows(2).all(|pair| pair[0] < pair[1]) && wavelengths_nm.iter().all(|nm| nm.is_finite());
+    let rises =
+        wavelengths_nm.windows(2).all(|pair| pair[0] < pair[1]) && wavelengths_nm.iter().all(|nm| nm.is_finite());
     if !rises || wavelengths_nm.is_empty() || wavelengths_nm.len() != values.len() {
         return None;
     }

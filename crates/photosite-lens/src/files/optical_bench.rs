@@ -66,8 +66,8 @@ fn sections<'a>(text: &'a str, draft: &mut Draft) -> Read<BTreeMap<String, Vec<C
         }
         if let Some(name) = trimmed.strip_prefix('[').and_then(|rest| rest.split(']').next()) {
             let name = name.trim().to_ascii_lowercase();
-            let known =
-                ["descriptive data", "constants", "variable distances", "lens data", "aspherical data"].contains(&name.as_str());
+            let known = ["descriptive data", "constants", "variable distances", "lens data", "aspherical data"]
+                .contains(&name.as_str());
             if !known && !UNUSED.iter().any(|unused| name.starts_with(unused)) {
                 draft.ignore(format!("the section [{name}]"));
             }
@@ -75,7 +75,9 @@ fn sections<'a>(text: &'a str, draft: &mut Draft) -> Read<BTreeMap<String, Vec<C
         } else if let Some(name) = &current {
             let cells: Vec<&str> = line.trim_end().split('\t').map(str::trim).collect();
             if cells.len() < 2 && name != "descriptive data" && name != "constants" {
-                return Err(Fault::at(i + 1, format!("[{name}]: {trimmed:?} is one cell")).help("cells stand between tabs"));
+                return Err(
+                    Fault::at(i + 1, format!("[{name}]: {trimmed:?} is one cell")).help("cells stand between tabs")
+                );
             }
             sections.entry(name.clone()).or_default().push((i + 1, cells));
         }
@@ -94,13 +96,14 @@ struct Distance {
 fn distances(lines: &[Cells]) -> Read<BTreeMap<String, Distance>> {
     let mut found = BTreeMap::new();
     for (line, cells) in lines {
-        let column = |cell: &&str| match *cell {
-            "" => None,
-            text if text.eq_ignore_ascii_case("infinity") || text == "∞" => Some(Ok(None)),
-            text => Some(number(text).map(Some).ok_or_else(|| {
-                Fault::at(*line, format!("[variable distances] {}: {text} is no number", cells[0]))
-            })),
-        };
+        let column =
+            |cell: &&str| match *cell {
+                "" => None,
+                text if text.eq_ignore_ascii_case("infinity") || text == "∞" => Some(Ok(None)),
+                text => Some(number(text).map(Some).ok_or_else(|| {
+                    Fault::at(*line, format!("[variable distances] {}: {text} is no number", cells[0]))
+                })),
+            };
         // Labels of positions stand in the same section.
         let columns = cells[1..].iter().filter_map(column).collect::<Read<Vec<_>>>();
         match columns {
@@ -208,7 +211,8 @@ impl Orders {
                 "AsphericalOddCount" => {
                     let text = cells.get(1).copied().unwrap_or("1");
                     let count = text.parse().ok().filter(|count| *count <= 15).ok_or_else(|| {
-                        Fault::at(*line, format!("AsphericalOddCount {text}")).help("how many odd orders there are: 1 to 14")
+                        Fault::at(*line, format!("AsphericalOddCount {text}"))
+                            .help("how many odd orders there are: 1 to 14")
                     })?;
                     orders = Self::Odd(count);
                 }
@@ -278,7 +282,8 @@ fn settings(draft: &mut Draft, names: &[&str], rows: &[Cells], distances: &BTree
     if count <= 1 {
         return Ok(());
     }
-    let column = |name: &str, i: usize| figure(distances, name).and_then(|figure| figure.columns.get(i).copied().flatten());
+    let column =
+        |name: &str, i: usize| figure(distances, name).and_then(|figure| figure.columns.get(i).copied().flatten());
     for i in 0..count {
         let focal_length = column("Focal Length", i);
         let object = column("d0", i).filter(|distance| *distance > 0.0 && *distance < 1e9);

@@ -31,7 +31,9 @@ pub(super) fn read(value: &Value) -> Read<Draft> {
             // What Optiland keeps beside cs.z is infinite or 0 where it was never set.
             let is_set = stated.is_finite() && stated != 0.0;
             if is_set && (stated - thickness).abs() > 1e-6 * (1.0 + thickness.abs()) {
-                return Err(given.fault(format!("the thickness {stated} is not the {thickness} between the vertices (cs.z)")));
+                return Err(
+                    given.fault(format!("the thickness {stated} is not the {thickness} between the vertices (cs.z)"))
+                );
             }
         }
         let row = row(surface, thickness, &mut draft)?;
@@ -39,7 +41,9 @@ pub(super) fn read(value: &Value) -> Read<Draft> {
     }
     let object = z[1] - z[0];
     if object.is_finite() && object.abs() < 1e9 {
-        draft.assume(format!("the file focuses on an object {object} mm before the first surface; its last gap is for that"));
+        draft.assume(format!(
+            "the file focuses on an object {object} mm before the first surface; its last gap is for that"
+        ));
     }
     draft.assume("lengths are mm, as in Optiland");
     opening(&root, &mut draft)?;
@@ -152,7 +156,10 @@ fn medium(material: &At, draft: &mut Draft) -> Read<Medium> {
             let filename = material.text_of("filename").replace('\\', "/");
             let maker = filename.rsplit('/').nth(1).unwrap_or_default().to_owned();
             if reference.is_empty() && !maker.is_empty() {
-                draft.assume(format!("{} is that of {maker}, from the path of a file beside it", material.text_of("name")));
+                draft.assume(format!(
+                    "{} is that of {maker}, from the path of a file beside it",
+                    material.text_of("name")
+                ));
             }
             Ok(named(material.text_of("name"), if reference.is_empty() { &maker } else { reference }))
         }

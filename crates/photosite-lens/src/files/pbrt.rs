@@ -35,11 +35,15 @@ pub(super) fn read(text: &str) -> Read<Draft> {
     let quadruples = || numbers.chunks_exact(4);
     let [first, last] = [quadruples().next(), quadruples().last()].map(|surface| surface.map_or(0.0, |s| s[1].1));
     if first == 0.0 && last != 0.0 && numbers.len() > 4 {
-        return Err(Fault::at(numbers[1].0, "the first thickness is 0 and the last is not: an old file, whose numbers are the gaps before the surfaces")
-            .help("move each thickness up to the surface before it, and put the distance to the film last"));
+        return Err(Fault::at(
+            numbers[1].0,
+            "the first thickness is 0 and the last is not: an old file, whose numbers are the gaps before the surfaces",
+        )
+        .help("move each thickness up to the surface before it, and put the distance to the film last"));
     }
     for (i, surface) in quadruples().enumerate() {
-        let [(line, radius), (_, thickness_mm), (_, index), (_, diameter)] = [surface[0], surface[1], surface[2], surface[3]];
+        let [(line, radius), (_, thickness_mm), (_, index), (_, diameter)] =
+            [surface[0], surface[1], surface[2], surface[3]];
         let medium = if index == 0.0 || index == 1.0 { Medium::Air } else { Medium::Index(index) };
         draft.rows.push(Row {
             line: Some(line),

@@ -26,7 +26,8 @@ pub(super) fn read(value: &Value) -> Read<Draft> {
     let surfaces = sequence.needed("ifcs")?;
     let (items, gaps) = (surfaces.items()?, sequence.needed("gaps")?.items()?);
     if items.len() < 3 || gaps.len() + 1 != items.len() {
-        let message = format!("{} surfaces and {} gaps: there is one gap between two surfaces", items.len(), gaps.len());
+        let message =
+            format!("{} surfaces and {} gaps: there is one gap between two surfaces", items.len(), gaps.len());
         return Err(surfaces.fault(message));
     }
     if items.len() > super::MOST_SURFACES + 2 {
@@ -34,18 +35,24 @@ pub(super) fn read(value: &Value) -> Read<Draft> {
     }
     let stop = sequence.get("stop_surface").map(|stop| stop.finite()).transpose()?.map(|stop| stop as usize);
     let profiles = model.get("profile_dict");
+    let mut limits = Vec::new();
     for i in 1..items.len() - 1 {
         let mut row = row(&items[i], profiles.as_ref(), &mut draft)?;
         let gap = attributes(&gaps[i]);
         row.thickness_mm = gap.needed("thi")?.finite()?;
         row.medium = medium(&gap.needed("medium")?, &mut draft)?;
         row.is_stop = stop == Some(i);
+        limits.push(
+            attributes(&items[i]).get("clear_apertures").is_some_and(|list| list.items().is_ok_and(|l| !l.is_empty())),
+        );
         draft.rows.push(row);
     }
     let object = attributes(&gaps[0]).needed("thi")?.number()?;
     if object.abs() < 1e9 && object != 0.0 {
         let distance = object * mm;
-        draft.assume(format!("the file focuses on an object {distance} mm before the first surface; its last gap is for that"));
+        draft.assume(format!(
+            "the file focuses on an object {distance} mm before the first surface; its last gap is for that"
+        ));
     }
     if let Some(spec) = model.get("optical_spec").map(|spec| attributes(&spec)) {
         optical_spec(&spec, &mut draft)?;
@@ -54,6 +61,7 @@ pub(super) fn read(value: &Value) -> Read<Draft> {
     if unset > 0 {
         draft.assume(format!("a max_aperture of 1.0 is not set: {unset} surfaces"));
     }
+    draft.drop_dummies(&limits);
     draft.scale(mm);
     Ok(draft)
 }
@@ -143,7 +151,8 @@ fn medium(medium: &At, draft: &mut Draft) -> Read<Medium> {
     let of = attributes(medium);
     let kind = class(medium);
     if let Some(maker) = kind.strip_suffix("Glass").filter(|maker| !["Model", "Robb1983"].contains(maker)) {
-        let name = [of.text_of("gname"), of.text_of("label")].into_iter().find(|name| !name.is_empty()).unwrap_or_default();
+        let name =
+            [of.text_of("gname"), of.text_of("label")].into_iter().find(|name| !name.is_empty()).unwrap_or_default();
         return Ok(Medium::Named {
             name: name.to_owned(),
             catalogues: vec![maker.to_ascii_lowercase()],

@@ -197,8 +197,11 @@ impl Reader {
             }
             return Ok(());
         }
-        let Some(row) = row.filter(|&row| row < self.draft.rows.len() && !(self.has_image && command.surface.is_none()))
-        else {
+        if self.has_image && command.surface.is_none() {
+            // It belongs to the image surface, which limits nothing.
+            return Ok(());
+        }
+        let Some(row) = row.filter(|&row| row < self.draft.rows.len()) else {
             return Err(Fault::at(*line, format!("{}: there is no such surface", command.words.join(" "))));
         };
         let name = self.draft.rows[row].name.clone();
@@ -268,8 +271,11 @@ impl Reader {
                     return Err(Fault::at(*line, format!("{}: there is no such surface", words.join(" "))));
                 };
                 if values.len() != count {
-                    let message = format!("{}: {} thicknesses of {count} zoom positions", words.join(" "), values.len());
-                    return Err(Fault::at(*line, message).help("write one for each position, after ZOO and their number"));
+                    let message =
+                        format!("{}: {} thicknesses of {count} zoom positions", words.join(" "), values.len());
+                    return Err(
+                        Fault::at(*line, message).help("write one for each position, after ZOO and their number")
+                    );
                 }
                 for (zoom, gap) in values.into_iter().enumerate() {
                     self.zoomed(row, zoom + 1, gap, *line)?;
@@ -318,7 +324,7 @@ impl Reader {
         Ok(())
     }
 
-    fn finish(mut self) -> Read<Draft> {
+    fn finish(self) -> Read<Draft> {
         let Some(first_number) = self.first_number else {
             return Err(Fault::of_file("RDM does not say whether surfaces have radii or curvatures").help(
                 "write RDM Y before the surfaces if the first number of each is its radius, RDM N if it is 1/R",
@@ -343,14 +349,21 @@ impl Reader {
             if let Some(row) = draft.rows.last_mut() {
                 row.thickness_mm += self.defocus;
             }
-            for (_, gap) in draft.settings.iter_mut().flat_map(|setting| &mut setting.gaps).filter(|(row, _)| *row == last) {
+            for (_, gap) in
+                draft.settings.iter_mut().flat_map(|setting| &mut setting.gaps).filter(|(row, _)| *row == last)
+            {
                 *gap += self.defocus;
             }
-            draft.assume(format!("the thickness on SI, a defocus of {} mm, counts to the last gap", self.defocus * self.mm));
+            draft.assume(format!(
+                "the thickness on SI, a defocus of {} mm, counts to the last gap",
+                self.defocus * self.mm
+            ));
         }
         if let Some(gap) = self.object_gap.filter(|gap| gap.abs() < 1e9 && *gap != 0.0) {
             let gap = gap * self.mm;
-            draft.assume(format!("the file focuses on an object {gap} mm before the first surface; its last gap is for that"));
+            draft.assume(format!(
+                "the file focuses on an object {gap} mm before the first surface; its last gap is for that"
+            ));
         }
         draft.claims.half_field_deg = largest(&self.angles);
         let at = |list: &Vec<f64>, i: usize| list.get(i).copied().unwrap_or(0.0);
@@ -370,7 +383,9 @@ impl Reader {
 
 fn ignored_command(key: &str) -> String {
     match key {
-        "REX" | "REY" | "ELX" | "ELY" | "ADX" | "ADY" => format!("{key}, an aperture that is no circle around the axis"),
+        "REX" | "REY" | "ELX" | "ELY" | "ADX" | "ADY" => {
+            format!("{key}, an aperture that is no circle around the axis")
+        }
         "PIK" => "PIK, which ties values to others: they are taken as they stand".to_owned(),
         _ => format!("{key}, a command that is not known"),
     }

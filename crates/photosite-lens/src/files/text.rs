@@ -10,7 +10,9 @@ pub(super) const MOST_BYTES: usize = 1_000_000;
 pub(super) fn decoded(bytes: &[u8]) -> Result<String, Invalid> {
     if bytes.len() > MOST_BYTES {
         let message = format!("{} bytes, where lens files have at most 1 MB", bytes.len());
-        return Err(Invalid::new("", message).help("give the prescription alone, without the merit function and pictures"));
+        return Err(
+            Invalid::new("", message).help("give the prescription alone, without the merit function and pictures")
+        );
     }
     let utf16 = |unit: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();

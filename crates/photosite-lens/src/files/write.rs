@@ -11,7 +11,8 @@ use crate::prescription::{Coating, Glass, Layer, LayerIndex, Prescription, Surfa
 pub fn to_toml(prescription: &Prescription) -> String {
     let mut toml = String::new();
     let Prescription { name, source, licence, patent, claims, surfaces, blades, positions } = prescription;
-    let texts = [("name", Some(name)), ("source", source.as_ref()), ("licence", licence.as_ref()), ("patent", patent.as_ref())];
+    let texts =
+        [("name", Some(name)), ("source", source.as_ref()), ("licence", licence.as_ref()), ("patent", patent.as_ref())];
     for (key, text) in texts {
         if let Some(text) = text.filter(|text| !text.is_empty()) {
             let _ = writeln!(toml, "{key} = {}", quoted(text));
@@ -29,7 +30,8 @@ pub fn to_toml(prescription: &Prescription) -> String {
         }
     }
     if let Some(blades) = blades {
-        let _ = writeln!(toml, "blades = {{ count = {}, rotation_deg = {} }}", blades.count, number(blades.rotation_deg));
+        let _ =
+            writeln!(toml, "blades = {{ count = {}, rotation_deg = {} }}", blades.count, number(blades.rotation_deg));
     }
     toml += "surfaces = [\n";
     for surface in surfaces {
@@ -99,13 +101,19 @@ fn fields(surface: &Surface) -> Vec<String> {
 fn layer(layer: &Layer) -> String {
     let thickness = number(layer.thickness_nm);
     match &layer.index {
-        LayerIndex::Constant { n, k } => format!("{{ index = {}, k = {}, thickness_nm = {thickness} }}", number(*n), number(*k)),
+        LayerIndex::Constant { n, k } => {
+            format!("{{ index = {}, k = {}, thickness_nm = {thickness} }}", number(*n), number(*k))
+        }
         LayerIndex::Table { n, k } => {
             // Thin films hardly disperse: their tables have steps of 10 nm or more.
             let nm: Vec<f32> = (0..=80).map(|i| 300.0 + 10.0 * i as f32).collect();
-            let list = |value: &dyn Fn(f32) -> f32| nm.iter().map(|&nm| number(f64::from(value(nm)))).collect::<Vec<_>>().join(", ");
+            let list = |value: &dyn Fn(f32) -> f32| {
+                nm.iter().map(|&nm| number(f64::from(value(nm)))).collect::<Vec<_>>().join(", ")
+            };
             let [wavelengths, n, k] = [list(&|nm| nm), list(&|nm| n.eval(nm)), list(&|nm| k.eval(nm))];
-            format!("{{ table = {{ wavelength_nm = [{wavelengths}], n = [{n}], k = [{k}] }}, thickness_nm = {thickness} }}")
+            format!(
+                "{{ table = {{ wavelength_nm = [{wavelengths}], n = [{n}], k = [{k}] }}, thickness_nm = {thickness} }}"
+            )
         }
     }
 }
@@ -114,7 +122,9 @@ fn glass_table(glass: &Glass) -> String {
     let list = |numbers: &[f64]| numbers.iter().map(|&x| number(x)).collect::<Vec<_>>().join(", ");
     let mut toml = format!("\n[glasses.{}]\n", quoted(&glass.name));
     let formula = match &glass.dispersion {
-        Dispersion::Sellmeier { b, c_um2 } => format!("sellmeier_b = [{}]\nsellmeier_c_um2 = [{}]", list(b), list(c_um2)),
+        Dispersion::Sellmeier { b, c_um2 } => {
+            format!("sellmeier_b = [{}]\nsellmeier_c_um2 = [{}]", list(b), list(c_um2))
+        }
         Dispersion::Polynomial { terms } => {
             let pairs: Vec<String> = terms.iter().map(|pair| format!("[{}]", list(pair))).collect();
             format!("polynomial = [{}]", pairs.join(", "))

@@ -12,7 +12,7 @@ const WITHOUT_EFFECT: &[&str] = &[
     "PZUP", "SSID", "BLNK", "TOL", "MOFF", "OMMA", "HYPR", "TRAC", "DBDT", "VANN", "XANG", "GLCB", "ACOS", "LUID",
     "IWDP", "EERA", "STUD", "DMFS", "SCBD", "RCMF", "WWGT", "WWGN", "WAVN", "PWAV", "WAVM", "WAVL", "XFLN", "VDXN",
     "VCXN", "ZVDX", "ZVDY", "ZVCX", "ZVCY", "ZVAN", "TOTR", "RSCE", "DLTT", "VCON", "EDGE", "GCRD", "MNCA", "MNEA",
-    "MNCG", "MNEG", "MXCA", "MXCG", "NOTE", "MODE", "CONF", "PKUP", "PPAR",
+    "MCOM", "MNCG", "MNEG", "MXCA", "MXCG", "NOTE", "MODE", "CONF", "PKUP", "PPAR",
 ];
 
 /// Surface types that are no surface of revolution that refracts, with what they are.
@@ -71,12 +71,11 @@ struct System {
     configurations: usize,
     /// Of the configurations: surface, configuration from 1, line, value.
     thicknesses: Vec<(usize, usize, usize, f64)>,
-    labels: BTreeMap<usize, String>,
 }
 
 /// Reads a file.
 pub(super) fn read(text: &str) -> Read<Draft> {
-    let mut draft = Draft::default();
+    let mut draft = Draft { derives_apertures: true, ..Draft::default() };
     let mut system = System::default();
     let mut surfaces: Vec<Surface> = Vec::new();
     let mut notes: Vec<String> = Vec::new();
@@ -86,7 +85,8 @@ pub(super) fn read(text: &str) -> Read<Draft> {
         let rest = rest.trim();
         if key == "SURF" {
             let name = format!("SURF {}", surfaces.len());
-            surfaces.push(Surface { row: Row { line: Some(line_number), name, ..Row::default() }, ..Surface::default() });
+            surfaces
+                .push(Surface { row: Row { line: Some(line_number), name, ..Row::default() }, ..Surface::default() });
             // The object and the image are the two more that a file has.
             if surfaces.len() > super::MOST_SURFACES + 2 {
                 return Err(super::too_many_surfaces(line_number));
@@ -139,7 +139,6 @@ fn of_system(key: &str, rest: &str, line: usize, system: &mut System, draft: &mu
             draft.ignore("XFLN, fields in x: a lens of revolution has them in y as well");
         }
         "MNUM" => system.configurations = words.first().and_then(|word| word.parse().ok()).unwrap_or(1),
-        "MCOM" | "MCOMM" => {}
         "THIC" => {
             let [surface, configuration, value] = [0, 1, 2].map(|i| words.get(i).and_then(|word| number(word)));
             let (Some(surface), Some(configuration), Some(value)) = (surface, configuration, value) else {
@@ -195,7 +194,7 @@ fn of_surface(
                 surface.row.thickness_mm = first("write the distance to the next surface, or INFINITY")?;
             }
         }
-        "GLAS" => surface.row.medium = glass(&words, line, &name, draft)?,
+        "GLAS" => surface.row.medium = glass(&words, line, &name)?,
         "CONI" => surface.row.conic = first("write the conic constant k, 0 for a sphere")?,
         "PARM" | "XDAT" => {
             let index = words.first().and_then(|word| word.parse::<u32>().ok());
@@ -249,7 +248,7 @@ fn unknown(key: &str, draft: &mut Draft) {
 }
 
 /// `GLAS name mode pickup nd vd dP …`: mode 1 is a model glass, of n_d, ν_d and the deviation of P_gF.
-fn glass(words: &[&str], line: usize, surface: &str, draft: &mut Draft) -> Read<Medium> {
+fn glass(words: &[&str], line: usize, surface: &str) -> Read<Medium> {
     let name = words.first().copied().unwrap_or_default();
     let value = |i: usize| words.get(i).and_then(|word| number(word));
     if name.eq_ignore_ascii_case("MIRROR") {
@@ -271,12 +270,14 @@ fn glass(words: &[&str], line: usize, surface: &str, draft: &mut Draft) -> Read<
     if vd == 0.0 {
         return Ok(Medium::Index(nd));
     }
-    if !name.starts_with("___") {
-        draft.assume(format!("{surface}: {name} is a model glass, so its n_d {nd} and ν_d {vd} hold"));
-    }
-    match value(5).unwrap_or(0.0) {
-        0.0 => Ok(Medium::Patent { nd, vd }),
-        deviation => Ok(Medium::Model { nd, vd, deviation }),
+    match (value(5).unwrap_or(0.0), name.starts_with("___")) {
+        (0.0, true) => Ok(Medium::Patent { nd, vd }),
+        // The name is that of the glass if its numbers are.
+        (0.0, false) => {
+            let numbers = Numbers::OfGlass(nd, vd);
+            Ok(Medium::Named { name: name.to_owned(), catalogues: Vec::new(), numbers })
+        }
+        (deviation, _) => Ok(Medium::Model { nd, vd, deviation }),
     }
 }
 
@@ -299,7 +300,9 @@ fn finish(mut draft: Draft, system: System, surfaces: Vec<Surface>) -> Read<Draf
         draft.ignore("the curvature of the image surface: sensors are flat");
     }
     if surfaces[last].row.is_stop || object.row.is_stop {
-        return Err(Fault::of_file("the stop is the object or the image surface").help("put STOP into a surface of the lens"));
+        return Err(
+            Fault::of_file("the stop is the object or the image surface").help("put STOP into a surface of the lens")
+        );
     }
     let mut limits = Vec::new();
     for surface in surfaces.into_iter().skip(1).take(last - 1) {

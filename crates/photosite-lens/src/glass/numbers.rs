@@ -1,6 +1,7 @@
 //! Glasses of which a file gives numbers alone: the index n_d and the Abbe number ν_d, as patents do.
 
 use photosite_core::Invalid;
+use photosite_core::math::float::rounded;
 use photosite_core::spectrum::Dispersion;
 use photosite_core::spectrum::dispersion::lines;
 
@@ -39,10 +40,11 @@ pub fn by_numbers(nd: f64, vd: f64) -> Result<(Glass, String), Invalid> {
             .filter(|entry| off(entry, LARGEST_DIFFERENCE) <= 1.0)
             .min_by(|a, b| off(a, LARGEST_DIFFERENCE).total_cmp(&off(b, LARGEST_DIFFERENCE))),
     };
-    let name = format!("{nd}/{vd}");
+    let [nd_text, vd_text] = [nd, vd].map(|x| rounded(x, 7));
+    let name = format!("{nd_text}/{vd_text}");
     Ok(match nearest {
         Some(entry) => {
-            let how = format!(", for n_d {nd}, ν_d {vd}");
+            let how = format!(", for n_d {nd_text}, ν_d {vd_text}");
             let note =
                 format!("{name} is taken for {}'s {} ({:.5}/{:.2})", entry.catalogue, entry.name, entry.nd, entry.vd);
             (Glass { name, ..entry.to_glass(&how) }, note)

@@ -1,0 +1,149 @@
+//! Focus: the gap at which a distance is sharpest.
+
+use glam::{DVec2, DVec3};
+
+use photosite_core::Invalid;
+
+use crate::lens::Lens;
+use crate::trace::{Apertures, Ray};
+
+/// Rays from the axis to the rim by which sharpness is judged, of equal shares of the pupil's area.
+const RAYS: u32 = 64;
+/// Steps of the search for the gap, and how near two of them must be, mm.
+const MOST_STEPS: usize = 60;
+const TOLERANCE_MM: f64 = 1e-9;
+
+/// What moves when a lens is focused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FocusBy {
+    /// The whole lens, before the sensor: the last gap grows.
+    WholeLens,
+    /// All surfaces up to this one, towards the object: the gap behind it grows. The image stays where it is.
+    FrontGroup(usize),
+}
+
+/// What is to be sharp on the axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Distance {
+    /// Parallel light.
+    Infinity,
+    /// From the first vertex, mm, which moves with the lens.
+    FromFirstVertex(f64),
+    /// From the sensor, mm, as lens barrels count.
+    FromSensor(f64),
+}
+
+impl Distance {
+    /// From the first vertex, mm.
+    fn before(self, lens: &Lens) -> f64 {
+        match self {
+            Self::Infinity => f64::INFINITY,
+            Self::FromFirstVertex(distance) => distance,
+            Self::FromSensor(distance) => distance - lens.sensor_z_mm(),
+        }
+    }
+}
+
+impl Lens {
+    /// The gap that focusing changes.
+    fn focus_gap(&self, by: FocusBy) -> usize {
+        match by {
+            FocusBy::WholeLens => self.surfaces().len() - 1,
+            FocusBy::FrontGroup(surface) => surface,
+        }
+    }
+
+    /// The lens focused to first order at a wavelength: the paraxial image of what is at the distance lies on the sensor.
+    pub fn focused_paraxially(&self, by: FocusBy, distance: Distance, wavelength_nm: f64) -> Result<Self, Invalid> {
+        self.focused(by, distance, |lens, before| {
+            let image = lens.at(wavelength_nm).image(before);
+            Some(image.distance_mm - lens.gap_mm(lens.surfaces().len() - 1))
+        })
+    }
+
+    /// The lens focused as a photographer does: with the least root mean square of the spot of a point on the axis at
+    /// that distance, over wavelengths in nm with their weights, at the stop as it is. The paraxial image of a fast lens
+    /// lies elsewhere: spherical aberration and colour count here.
+    pub fn focused_by_spot(&self, by: FocusBy, distance: Distance, spectrum: &[(f64, f64)]) -> Result<Self, Invalid> {
+        self.focused(by, distance, |lens, before| lens.sharpest_behind_sensor_mm(before, spectrum))
+    }
+
+    /// How far behind the sensor the spot of a point on the axis is smallest, mm, over wavelengths in nm with their
+    /// weights. `None` where no light of it passes.
+    ///
+    /// A ray that lands at the height y with the slope s is at y + s·δ behind the sensor by δ: the sum of squares is
+    /// least at δ = −Σ w·y·s/Σ w·s².
+    pub fn sharpest_behind_sensor_mm(&self, object_distance_mm: f64, spectrum: &[(f64, f64)]) -> Option<f64> {
+        let (mut products, mut squares) = (0.0, 0.0);
+        for &(wavelength_nm, weight) in spectrum {
+            let at = self.at(wavelength_nm);
+            let first_order = at.first_order();
+            // To a little beyond the pupil's rim, where aberrations may let rays pass still.
+            let rim = 0.55 * first_order.entrance_pupil_diameter_mm;
+            for i in 0..RAYS {
+                let height = rim * ((f64::from(i) + 0.5) / f64::from(RAYS)).sqrt();
+                let pupil = DVec3::new(0.0, height, first_order.entrance_pupil_mm);
+                let ray = if object_distance_mm.is_infinite() {
+                    Ray { origin: DVec3::new(0.0, height, 0.0), direction: DVec3::Z }
+                } else {
+                    let origin = DVec3::new(0.0, 0.0, -object_distance_mm);
+                    Ray { origin, direction: (pupil - origin).normalize() }
+                };
+                let Ok(behind) = at.trace_in(ray, Apertures::Clip) else { continue };
+                let landing: DVec2 = behind.at_z(self.sensor_z_mm()).truncate();
+                let slope = behind.direction.y / behind.direction.z;
+                products += weight * landing.y * slope;
+                squares += weight * slope * slope;
+            }
+        }
+        (squares > 0.0).then(|| -products / squares)
+    }
+
+    /// The gap at which `behind`, how far behind the sensor the image lies, is 0, by the secant method.
+    fn focused(
+        &self,
+        by: FocusBy,
+        distance: Distance,
+        behind: impl Fn(&Self, f64) -> Option<f64>,
+    ) -> Result<Self, Invalid> {
+        let gap = self.focus_gap(by);
+        let of = |thickness_mm: f64| {
+            let lens = self.with_gaps(&[(gap, thickness_mm)]);
+            let before = distance.before(&lens);
+            let behind = (before > 0.0).then(|| behind(&lens, before)).flatten();
+            (lens, behind)
+        };
+        let too_near = || {
+            let message = match distance {
+                Distance::Infinity => "the lens cannot be focused on infinity".to_owned(),
+                Distance::FromFirstVertex(mm) => format!("the lens cannot be focused at {mm} mm from its first vertex"),
+                Distance::FromSensor(mm) => format!("the lens cannot be focused at {mm} mm from the sensor"),
+            };
+            Invalid::new("focus_distance_m", message)
+                .help("a larger distance, or the gaps as the prescription has them")
+        };
+        let start = self.gap_mm(gap);
+        let (mut last, mut off_last) = (start, of(start).1.ok_or_else(too_near)?);
+        let mut next = match by {
+            FocusBy::WholeLens => start + off_last,
+            FocusBy::FrontGroup(_) => start + 1e-3 * self.at(VISIBLE_MIDDLE_NM).first_order().efl_mm,
+        };
+        for _ in 0..MOST_STEPS {
+            let (lens, off) = of(next);
+            let off = off.ok_or_else(too_near)?;
+            if off.abs() < TOLERANCE_MM {
+                return if next > 0.0 { Ok(lens) } else { Err(too_near()) };
+            }
+            let slope = (off - off_last) / (next - last);
+            (last, off_last) = (next, off);
+            next -= off / slope;
+            if !next.is_finite() {
+                break;
+            }
+        }
+        Err(too_near())
+    }
+}
+
+/// Where a first guess needs a focal length.
+const VISIBLE_MIDDLE_NM: f64 = 550.0;
