@@ -1,11 +1,19 @@
 //! What passes, and where it lands.
 
 use glam::{DVec2, DVec3};
+use photosite_core::math::philox::Philox;
 use photosite_lens::Ray;
+use photosite_lens::pupil_table::PupilTable;
 use photosite_lens::spots::Spot;
 use photosite_lens::trace::Apertures;
+use rand::RngExt;
 
 use crate::neutral::{Case, cases, close, number, numbers};
+
+/// Wavelengths that a table is made of.
+const TABLE_NM: [f64; 5] = [400.0, 475.0, 550.0, 625.0, 700.0];
+/// Rays of each case.
+const RAYS: u32 = 34_000;
 
 /// Both programs agree to 2e-4 at equal azimuths, and their polygons of 360 corners are within 5e-5 of the region.
 #[test]
@@ -43,6 +51,38 @@ fn spots_of_the_same_rays() {
                 close(&what, spot.rms_mm * 1e3, number(&spots["optiland"]["rms_um"][j][i]), 1e-6);
                 close(&what, spot.centroid_mm.y, number(&spots["optiland"]["centroid_mm"][j][i]), 1e-9);
             }
+        }
+    }
+}
+
+/// Rays drawn by the table pass for the most part, and none passes beyond it: of as many, half close to its edge, half up
+/// to four times as far out. Open and stopped to 0.35, from the axis to the corner, at any wavelength.
+#[test]
+fn the_pupil_table_draws_what_passes_and_misses_nothing() {
+    for Case { name, lens, figures, .. } in cases() {
+        let corner = number(&figures["image_half_diagonal_mm"]);
+        for opening in [1.0, 0.35] {
+            let lens = lens.with_stop_radius(opening * lens.stop_radius_mm());
+            let table = PupilTable::new(&lens, corner, &TABLE_NM);
+            let mut random = Philox::new(37, 0);
+            let mut unit = || random.random::<f64>();
+            let (mut drawn, mut passed) = (0_u32, 0_u32);
+            for i in 0..RAYS {
+                let point = DVec2::from_angle(unit() * std::f64::consts::TAU) * corner * unit();
+                let at = lens.at(TABLE_NM[0] + unit() * (TABLE_NM[4] - TABLE_NM[0]));
+                let Some(direction) = table.sample(point, [unit(), unit()]) else { continue };
+                drawn += 1;
+                passed += u32::from(at.passes(point, direction.cosines));
+                let middle = table.sample(point, [0.0, 0.0]).expect("drawn from above").cosines;
+                let edge = table.sample(point, [unit(), 1.0]).expect("drawn from above").cosines - middle;
+                let beyond = middle + edge * (1.0 + 1e-9 + unit() * if i % 2 == 0 { 0.1 } else { 3.0 });
+                let what = format!("{name} opened to {opening}: {beyond} from {point} at {} nm", at.wavelength_nm);
+                assert!(!at.passes(point, beyond), "{what}");
+                assert!(table.contains(point, direction.cosines) && !table.contains(point, beyond), "{what}");
+            }
+            let share = f64::from(passed) / f64::from(drawn);
+            println!("{name} {opening}: {share:.4}");
+            assert!(share >= 0.84, "{name} opened to {opening}: {share:.3} pass");
         }
     }
 }
