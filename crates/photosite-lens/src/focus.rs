@@ -131,12 +131,12 @@ impl Lens {
         for _ in 0..MOST_STEPS {
             let (lens, off) = of(next);
             let off = off.ok_or_else(too_near)?;
-            if off.abs() < TOLERANCE_MM {
+            let step = if off == off_last { 0.0 } else { off * (next - last) / (off - off_last) };
+            if step.abs() < TOLERANCE_MM {
                 return if next > 0.0 { Ok(lens) } else { Err(too_near()) };
             }
-            let slope = (off - off_last) / (next - last);
             (last, off_last) = (next, off);
-            next -= off / slope;
+            next -= step;
             if !next.is_finite() {
                 break;
             }

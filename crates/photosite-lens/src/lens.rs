@@ -113,6 +113,12 @@ impl Lens {
         lens
     }
 
+    /// The lens with a round stop, whatever its blades.
+    #[must_use]
+    pub fn with_round_stop(&self) -> Self {
+        Self { blades: None, ..self.clone() }
+    }
+
     /// The lens with other gaps: pairs of the surface before the gap and its thickness, mm.
     #[must_use]
     pub fn with_gaps(&self, gaps: &[(usize, f64)]) -> Self {

@@ -18,6 +18,7 @@ pub mod lens;
 pub mod paraxial;
 pub mod prescription;
 pub mod profile;
+pub mod pupil_table;
 pub mod region;
 pub mod spots;
 pub mod trace;

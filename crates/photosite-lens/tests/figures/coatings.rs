@@ -1,8 +1,6 @@
 //! Reflectances of coatings as the Python package tmm 0.2.0 computes them.
 
-mod neutral;
-
-use neutral::{list, number, numbers, read};
+use crate::neutral::{list, number, numbers, read};
 use photosite_core::spectrum::Dispersion;
 use photosite_lens::coating::{Side, split};
 use photosite_lens::prescription::{Layer, LayerIndex};

@@ -1,12 +1,13 @@
 //! The prescriptions and figures of `tests/reference`.
 
+use glam::DVec3;
 use photosite_core::spectrum::Dispersion;
-use photosite_lens::Prescription;
 use photosite_lens::prescription::{Claims, Glass, Position, Surface};
+use photosite_lens::{Lens, Prescription};
 use serde_json::Value;
 
 /// The twelve lenses.
-pub const LENSES: [&str; 12] = [
+pub(crate) const LENSES: [&str; 12] = [
     "cooke-triplet",
     "double-gauss",
     "tessar",
@@ -22,26 +23,26 @@ pub const LENSES: [&str; 12] = [
 ];
 
 /// A file of the folder.
-pub fn read(name: &str) -> Value {
+pub(crate) fn read(name: &str) -> Value {
     let path = format!("{}/tests/reference/{name}.json", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
     serde_json::from_str(&text).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
 /// A number; null is none.
-pub fn number(value: &Value) -> f64 {
+pub(crate) fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("not a number: {value}"))
 }
 
-pub fn numbers(value: &Value) -> Vec<f64> {
+pub(crate) fn numbers(value: &Value) -> Vec<f64> {
     list(value).iter().map(number).collect()
 }
 
-pub fn list(value: &Value) -> &[Value] {
+pub(crate) fn list(value: &Value) -> &[Value] {
     value.as_array().unwrap_or_else(|| panic!("not a list: {value}"))
 }
 
-pub fn wavelengths(figures: &Value) -> Vec<f64> {
+pub(crate) fn wavelengths(figures: &Value) -> Vec<f64> {
     numbers(&figures["wavelengths_nm"])
 }
 
@@ -58,7 +59,7 @@ fn dispersion(glass: &Value) -> Dispersion {
 }
 
 /// The prescription of a file.
-pub fn prescription(lens: &Value) -> Prescription {
+pub(crate) fn prescription(lens: &Value) -> Prescription {
     let glass = |name: &str| Glass {
         name: name.to_owned(),
         source: "the file".to_owned(),
@@ -82,7 +83,12 @@ pub fn prescription(lens: &Value) -> Prescription {
     };
     let position = |p: &Value| Position {
         label: p["label"].as_str().unwrap_or_default().to_owned(),
-        gaps: p["gaps"].as_object().into_iter().flatten().map(|(i, gap)| (i.parse().expect("a surface"), number(gap))).collect(),
+        gaps: p["gaps"]
+            .as_object()
+            .into_iter()
+            .flatten()
+            .map(|(i, gap)| (i.parse().expect("a surface"), number(gap)))
+            .collect(),
         half_field_deg: p["half_field_deg"].as_f64(),
         ..Position::default()
     };
@@ -97,4 +103,49 @@ pub fn prescription(lens: &Value) -> Prescription {
         positions: lens["positions"].as_array().into_iter().flatten().map(position).collect(),
         ..Prescription::default()
     }
+}
+
+/// A lens in one position with the figures of that position.
+pub(crate) struct Case {
+    pub(crate) name: String,
+    pub(crate) lens: Lens,
+    pub(crate) wavelengths: Vec<f64>,
+    pub(crate) figures: Value,
+}
+
+/// All lenses, the zoom in its four positions.
+pub(crate) fn cases() -> Vec<Case> {
+    let of_file = |name: &str| {
+        let file = read(name);
+        let prescription = prescription(&file);
+        let lens = Lens::new(&prescription).unwrap_or_else(|error| panic!("{name}: {error}"));
+        let (figures, wavelengths) = (&file["figures"], wavelengths(&file["figures"]));
+        let case = |name: String, lens, figures: &Value| Case {
+            name,
+            lens,
+            wavelengths: wavelengths.clone(),
+            figures: figures.clone(),
+        };
+        match figures.get("positions") {
+            None => vec![case(name.to_owned(), lens, figures)],
+            Some(positions) => {
+                let each = list(positions).iter().zip(&prescription.positions);
+                let of = |(figures, position): (&Value, &Position)| {
+                    case(format!("{name} at {}", position.label), lens.in_position(position), figures)
+                };
+                each.map(of).collect()
+            }
+        }
+    };
+    LENSES.iter().flat_map(|name| of_file(name)).collect()
+}
+
+#[track_caller]
+pub(crate) fn close(what: &str, found: f64, expected: f64, tolerance: f64) {
+    let apart = found - expected;
+    assert!(apart.abs() <= tolerance, "{what}: {found} in place of {expected}, {apart:e} apart");
+}
+
+pub(crate) fn vector(value: &Value) -> DVec3 {
+    DVec3::from_slice(&numbers(value))
 }

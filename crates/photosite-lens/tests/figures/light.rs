@@ -1,0 +1,88 @@
+//! What passes, and where it lands.
+
+use glam::{DVec2, DVec3};
+use photosite_core::math::philox::Philox;
+use photosite_lens::Ray;
+use photosite_lens::pupil_table::PupilTable;
+use photosite_lens::spots::Spot;
+use photosite_lens::trace::Apertures;
+use rand::RngExt;
+
+use crate::neutral::{Case, cases, close, number, numbers};
+
+/// Wavelengths that a table is made of.
+const TABLE_NM: [f64; 5] = [400.0, 475.0, 550.0, 625.0, 700.0];
+/// Rays of each case.
+const RAYS: u32 = 34_000;
+
+/// Both programs agree to 2e-4 at equal azimuths, and their polygons of 360 corners are within 5e-5 of the region.
+#[test]
+fn projected_solid_angles_from_axis_to_corner() {
+    for Case { name, lens, wavelengths, figures } in cases() {
+        let heights = numbers(&figures["illumination"]["image_height_mm"]);
+        for (i, &nm) in wavelengths.iter().enumerate() {
+            for (j, &height) in heights.iter().enumerate() {
+                let what = format!("{name}, {nm} nm, {height} mm");
+                let expected = number(&figures["illumination"]["optiland"]["projected_solid_angle_sr"][i][j]);
+                let region = lens.at(nm).pupil_region(height, 360).unwrap_or_else(|| panic!("{what}: dark"));
+                close(&what, region.area() / expected, 1.0, 5e-4);
+            }
+        }
+    }
+}
+
+/// 41 × 41 rays on the plane of the first vertex, of which the same number pass.
+#[test]
+fn spots_of_the_same_rays() {
+    for Case { name, lens, wavelengths, figures } in cases() {
+        let Some(spots) = figures.get("spots") else { continue };
+        let (half, centre) = (numbers(&spots["e_mm"]), numbers(&spots["y0_mm"]));
+        for (j, field) in numbers(&spots["field_deg"]).into_iter().enumerate() {
+            let direction = DVec3::new(0.0, field.to_radians().sin(), field.to_radians().cos());
+            for (i, &nm) in wavelengths.iter().enumerate() {
+                let at = lens.at(nm);
+                let place = |k: u32| half[j] * (f64::from(k) / 20.0 - 1.0);
+                let rays = (0..41 * 41)
+                    .map(|k| Ray { origin: DVec3::new(place(k % 41), centre[j] + place(k / 41), 0.0), direction });
+                let landed: Vec<DVec2> = rays.filter_map(|ray| at.landing(ray, Apertures::Clip)).collect();
+                let what = format!("{name}, {nm} nm, {field}°");
+                let spot = Spot::of(&landed).unwrap_or_else(|| panic!("{what}: dark"));
+                assert_eq!(spot.rays as u64, spots["optiland"]["rays"][j][i].as_u64().expect("a count"), "{what}");
+                close(&what, spot.rms_mm * 1e3, number(&spots["optiland"]["rms_um"][j][i]), 1e-6);
+                close(&what, spot.centroid_mm.y, number(&spots["optiland"]["centroid_mm"][j][i]), 1e-9);
+            }
+        }
+    }
+}
+
+/// Rays drawn by the table pass for the most part, and none passes beyond it: of as many, half close to its edge, half up
+/// to four times as far out. Open and stopped to 0.35, from the axis to the corner, at any wavelength.
+#[test]
+fn the_pupil_table_draws_what_passes_and_misses_nothing() {
+    for Case { name, lens, figures, .. } in cases() {
+        let corner = number(&figures["image_half_diagonal_mm"]);
+        for opening in [1.0, 0.35] {
+            let lens = lens.with_stop_radius(opening * lens.stop_radius_mm());
+            let table = PupilTable::new(&lens, corner, &TABLE_NM);
+            let mut random = Philox::new(37, 0);
+            let mut unit = || random.random::<f64>();
+            let (mut drawn, mut passed) = (0_u32, 0_u32);
+            for i in 0..RAYS {
+                let point = DVec2::from_angle(unit() * std::f64::consts::TAU) * corner * unit();
+                let at = lens.at(TABLE_NM[0] + unit() * (TABLE_NM[4] - TABLE_NM[0]));
+                let Some(direction) = table.sample(point, [unit(), unit()]) else { continue };
+                drawn += 1;
+                passed += u32::from(at.passes(point, direction.cosines));
+                let middle = table.sample(point, [0.0, 0.0]).expect("drawn from above").cosines;
+                let edge = table.sample(point, [unit(), 1.0]).expect("drawn from above").cosines - middle;
+                let beyond = middle + edge * (1.0 + 1e-9 + unit() * if i % 2 == 0 { 0.1 } else { 3.0 });
+                let what = format!("{name} opened to {opening}: {beyond} from {point} at {} nm", at.wavelength_nm);
+                assert!(!at.passes(point, beyond), "{what}");
+                assert!(table.contains(point, direction.cosines) && !table.contains(point, beyond), "{what}");
+            }
+            let share = f64::from(passed) / f64::from(drawn);
+            println!("{name} {opening}: {share:.4}");
+            assert!(share >= 0.84, "{name} opened to {opening}: {share:.3} pass");
+        }
+    }
+}
