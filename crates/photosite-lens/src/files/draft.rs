@@ -200,13 +200,17 @@ impl Draft {
         };
         let own: Vec<f64> = self.rows.iter().map(|row| row.thickness_mm).collect();
         let own_merged = merged(&own);
-        for setting in &mut self.settings {
+        let of_settings = self.settings.iter().map(|setting| {
             let mut gaps = own.clone();
             for &(row, gap) in &setting.gaps {
                 gaps[row] = gap;
             }
-            let differing = merged(&gaps).into_iter().enumerate().filter(|(row, gap)| own_merged[*row] != *gap);
-            setting.gaps = differing.collect();
+            merged(&gaps)
+        });
+        let of_settings: Vec<Vec<f64>> = of_settings.collect();
+        let varies = |row: usize| of_settings.iter().any(|gaps| gaps[row] != own_merged[row]);
+        for (setting, gaps) in self.settings.iter_mut().zip(&of_settings) {
+            setting.gaps = gaps.iter().copied().enumerate().filter(|(row, _)| varies(*row)).collect();
         }
         let mut dropped = Vec::new();
         let mut is_dummy = is_dummy.into_iter();

@@ -16,6 +16,7 @@ mod rayoptics;
 mod report;
 mod sanity;
 mod seq;
+mod shipped;
 mod text;
 mod write;
 mod zmx;
@@ -29,6 +30,7 @@ use crate::Lens;
 use crate::prescription::Prescription;
 
 pub use self::report::{GlassOf, Report};
+pub use self::shipped::{names, shipped};
 pub use self::write::to_toml;
 pub use crate::checks::MOST_SURFACES;
 

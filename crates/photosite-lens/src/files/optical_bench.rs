@@ -295,14 +295,10 @@ fn settings(draft: &mut Draft, names: &[&str], rows: &[Cells], distances: &BTree
         };
         let mut gaps = Vec::new();
         for &(row, name, distance) in &variable {
-            let gap = match &distance.columns[..] {
-                // One column holds for all positions.
-                [one] => *one,
-                columns => *columns.get(i).ok_or_else(|| {
-                    let message = format!("{name}: {} columns, where others have {count}", columns.len());
-                    Fault::at(distance.line, message).help("give a column for each position")
-                })?,
-            };
+            let gap = *distance.columns.get(i).ok_or_else(|| {
+                let message = format!("{name}: {} columns, where others have {count}", distance.columns.len());
+                Fault::at(distance.line, message).help("give a column for each position")
+            })?;
             let gap = gap.ok_or_else(|| {
                 Fault::at(distance.line, format!("{name}: the gap behind surface {} is infinite", names[row]))
             })?;

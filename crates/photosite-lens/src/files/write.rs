@@ -33,17 +33,15 @@ pub fn to_toml(prescription: &Prescription) -> String {
         let _ =
             writeln!(toml, "blades = {{ count = {}, rotation_deg = {} }}", blades.count, number(blades.rotation_deg));
     }
+    let glasses = named_glasses(surfaces);
     toml += "surfaces = [\n";
     for surface in surfaces {
-        let _ = writeln!(toml, "  {{ {} }},", fields(surface).join(", "));
+        let glass = surface.glass.as_ref().and_then(|glass| glasses.iter().find(|(_, known)| *known == glass));
+        let _ = writeln!(toml, "  {{ {} }},", fields(surface, glass.map(|(name, _)| name.as_str())).join(", "));
     }
     toml += "]\n";
-    let mut written: Vec<&Glass> = Vec::new();
-    for glass in surfaces.iter().filter_map(|surface| surface.glass.as_ref()) {
-        if !written.iter().any(|known| known.name == glass.name) {
-            written.push(glass);
-            toml += &glass_table(glass);
-        }
+    for (name, glass) in &glasses {
+        toml += &glass_table(name, glass);
     }
     for position in positions {
         toml += "\n[[positions]]\n";
@@ -65,14 +63,33 @@ pub fn to_toml(prescription: &Prescription) -> String {
     toml
 }
 
-fn fields(surface: &Surface) -> Vec<String> {
+/// The glasses of some surfaces, each once, under names that differ: two makers may have one of the same name.
+fn named_glasses(surfaces: &[Surface]) -> Vec<(String, &Glass)> {
+    let mut glasses: Vec<(String, &Glass)> = Vec::new();
+    for glass in surfaces.iter().filter_map(|surface| surface.glass.as_ref()) {
+        if glasses.iter().any(|(_, known)| *known == glass) {
+            continue;
+        }
+        let mut name = glass.name.clone();
+        for number in 2.. {
+            if !glasses.iter().any(|(known, _)| *known == name) {
+                break;
+            }
+            name = format!("{} ({number})", glass.name);
+        }
+        glasses.push((name, glass));
+    }
+    glasses
+}
+
+fn fields(surface: &Surface, glass: Option<&str>) -> Vec<String> {
     let mut fields = Vec::new();
     if let Some(radius) = surface.radius_mm {
         fields.push(format!("radius = {}", number(radius)));
     }
     fields.push(format!("thickness = {}", number(surface.thickness_mm)));
-    if let Some(glass) = &surface.glass {
-        fields.push(format!("glass = {}", quoted(&glass.name)));
+    if let Some(glass) = glass {
+        fields.push(format!("glass = {}", quoted(glass)));
     }
     if let Some(semi_aperture) = surface.semi_aperture_mm {
         fields.push(format!("semi_aperture = {}", number(semi_aperture)));
@@ -118,9 +135,9 @@ fn layer(layer: &Layer) -> String {
     }
 }
 
-fn glass_table(glass: &Glass) -> String {
+fn glass_table(name: &str, glass: &Glass) -> String {
     let list = |numbers: &[f64]| numbers.iter().map(|&x| number(x)).collect::<Vec<_>>().join(", ");
-    let mut toml = format!("\n[glasses.{}]\n", quoted(&glass.name));
+    let mut toml = format!("\n[glasses.{}]\n", quoted(name));
     let formula = match &glass.dispersion {
         Dispersion::Sellmeier { b, c_um2 } => {
             format!("sellmeier_b = [{}]\nsellmeier_c_um2 = [{}]", list(b), list(c_um2))

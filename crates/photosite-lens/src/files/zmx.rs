@@ -161,11 +161,11 @@ fn of_surface(
     is_indented: bool,
 ) -> Read<()> {
     let words: Vec<&str> = rest.split_whitespace().collect();
+    let name = surface.row.name.clone();
     let first = |what: &str| {
         let word = words.first().copied().unwrap_or_default();
-        number(word).ok_or_else(|| Fault::at(line, format!("{key} {word}: no number")).help(what))
+        number(word).ok_or_else(|| Fault::at(line, format!("{name}: {key} {word}: no number")).help(what))
     };
-    let name = surface.row.name.clone();
     match key {
         "TYPE" => {
             let kind = words.first().copied().unwrap_or("STANDARD");

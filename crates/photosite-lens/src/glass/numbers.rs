@@ -30,9 +30,9 @@ pub fn by_numbers(nd: f64, vd: f64) -> Result<(Glass, String), Invalid> {
         ((entry.nd - nd).abs() / by[0]).max((entry.vd - vd).abs() / by[1]) - 1e-9
     };
     // Glasses stand in the order of makers, and the first of those that are equally near is taken.
-    let rounded = entries().iter().filter(|entry| off(entry, ROUNDING) <= 1.0);
-    let nearest = match rounded.clone().next() {
-        Some(first) => rounded
+    let rounding = entries().iter().filter(|entry| off(entry, ROUNDING) <= 1.0);
+    let nearest = match rounding.clone().next() {
+        Some(first) => rounding
             .filter(|entry| entry.catalogue == first.catalogue)
             .min_by(|a, b| off(a, ROUNDING).total_cmp(&off(b, ROUNDING))),
         None => entries()
