@@ -14,6 +14,7 @@ mod full_beam;
 pub mod illumination;
 pub mod lens;
 pub mod paraxial;
+pub mod positions;
 pub mod prescription;
 pub mod profile;
 pub mod pupil_table;

@@ -13,7 +13,7 @@ use crate::neutral::{Case, cases, close, number, numbers};
 /// Wavelengths that a table is made of.
 const TABLE_NM: [f64; 5] = [400.0, 475.0, 550.0, 625.0, 700.0];
 /// Rays of each case.
-const RAYS: u32 = 34_000;
+const RAYS: u32 = 39_000;
 
 /// Both programs agree to 2e-4 at equal azimuths, and their polygons of 360 corners are within 5e-5 of the region.
 #[test]
@@ -60,6 +60,10 @@ fn spots_of_the_same_rays() {
 #[test]
 fn the_pupil_table_draws_what_passes_and_misses_nothing() {
     for Case { name, lens, figures, .. } in cases() {
+        // Of the zoom's positions the first and the last.
+        if figures.get("spots").is_none() {
+            continue;
+        }
         let corner = number(&figures["image_half_diagonal_mm"]);
         for opening in [1.0, 0.35] {
             let lens = lens.with_stop_radius(opening * lens.stop_radius_mm());
