@@ -20,34 +20,32 @@ impl MonotoneCubic {
         }
         let last = x.len() - 1;
         let secant = |i: usize| (y[i + 1] - y[i]) / (x[i + 1] - x[i]);
-        let slope = |i: usize| {
-            if last == 0 {
-                return 0.0;
+        // At an end, of the parabola through the three points there, as far as it is monotone.
+        let at_end = |near: usize, far: usize| {
+            let (h, next) = (x[near + 1] - x[near], x[far + 1] - x[far]);
+            let slope = ((2.0 * h + next) * secant(near) - h * secant(far)) / (h + next);
+            let turns = secant(near) * secant(far) <= 0.0;
+            if slope * secant(near) <= 0.0 {
+                0.0
+            } else if turns && slope.abs() > 3.0 * secant(near).abs() {
+                3.0 * secant(near)
+            } else {
+                slope
             }
-            if i == 0 || i == last {
-                // Of the parabola through the three points at the end, as far as it is monotone there.
-                let (near, far) = if i == 0 { (0, 1) } else { (last - 1, last - 2) };
-                if last == 1 {
-                    return secant(near);
-                }
-                let (h, next) = (x[near + 1] - x[near], x[far + 1] - x[far]);
-                let slope = ((2.0 * h + next) * secant(near) - h * secant(far)) / (h + next);
-                return if slope * secant(near) <= 0.0 {
-                    0.0
-                } else if secant(near) * secant(far) <= 0.0 && slope.abs() > 3.0 * secant(near).abs() {
-                    3.0 * secant(near)
-                } else {
-                    slope
-                };
-            }
+        };
+        // Elsewhere a harmonic mean of both sides, weighed by the widths.
+        let inside = |i: usize| {
             let (before, behind) = (secant(i - 1), secant(i));
-            if before * behind <= 0.0 {
-                return 0.0;
-            }
-            // A harmonic mean, weighed by the widths.
             let (h, next) = (x[i] - x[i - 1], x[i + 1] - x[i]);
             let (w1, w2) = (2.0 * next + h, next + 2.0 * h);
-            (w1 + w2) / (w1 / before + w2 / behind)
+            if before * behind <= 0.0 { 0.0 } else { (w1 + w2) / (w1 / before + w2 / behind) }
+        };
+        let slope = |i: usize| match last {
+            0 => 0.0,
+            1 => secant(0),
+            _ if i == 0 => at_end(0, 1),
+            _ if i == last => at_end(last - 1, last - 2),
+            _ => inside(i),
         };
         let slope = (0..=last).map(slope).collect();
         Some(Self { x, y, slope })
