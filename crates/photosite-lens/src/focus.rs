@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use photosite_core::Invalid;
+use photosite_core::spectrum::dispersion::lines;
 
 use crate::lens::Lens;
 use crate::positions::GapCurves;
@@ -36,6 +37,8 @@ pub enum Distance {
     Infinity,
     /// From the first vertex, mm, which moves with the lens.
     FromFirstVertex(f64),
+    /// From the entrance pupil, mm, which moves with the lens.
+    FromEntrancePupil(f64),
     /// From the sensor, mm, as lens barrels count.
     FromSensor(f64),
 }
@@ -46,6 +49,7 @@ impl Distance {
         match self {
             Self::Infinity => f64::INFINITY,
             Self::FromFirstVertex(distance) => distance,
+            Self::FromEntrancePupil(distance) => distance - lens.at(lines::D).first_order().entrance_pupil_mm,
             Self::FromSensor(distance) => distance - lens.sensor_z_mm(),
         }
     }
@@ -123,6 +127,9 @@ impl Lens {
             let message = match distance {
                 Distance::Infinity => "the lens cannot be focused on infinity".to_owned(),
                 Distance::FromFirstVertex(mm) => format!("the lens cannot be focused at {mm} mm from its first vertex"),
+                Distance::FromEntrancePupil(mm) => {
+                    format!("the lens cannot be focused at {mm} mm from its entrance pupil")
+                }
                 Distance::FromSensor(mm) => format!("the lens cannot be focused at {mm} mm from the sensor"),
             };
             Invalid::new("focus_distance_m", message)
@@ -148,7 +155,7 @@ impl Lens {
         let mut next = last
             + match by {
                 FocusBy::WholeLens => off_last,
-                FocusBy::FrontGroup(_) => FIRST_STEP * self.at(VISIBLE_MIDDLE_NM).first_order().efl_mm,
+                FocusBy::FrontGroup(_) => FIRST_STEP * self.at(lines::D).first_order().efl_mm,
                 FocusBy::Positions(curves) => FIRST_STEP * curves.end(),
             };
         let scale = (next - last).abs();
@@ -171,6 +178,3 @@ impl Lens {
         Err(out_of_reach())
     }
 }
-
-/// Where a first guess needs a focal length.
-const VISIBLE_MIDDLE_NM: f64 = 550.0;

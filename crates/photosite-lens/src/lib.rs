@@ -8,6 +8,7 @@
 
 pub mod checks;
 pub mod chief;
+pub mod chief_map;
 pub mod coating;
 pub mod focus;
 mod full_beam;
@@ -20,6 +21,7 @@ pub mod profile;
 pub mod pupil_table;
 pub mod region;
 pub mod spots;
+pub mod tables;
 pub mod trace;
 pub mod wavefront;
 
