@@ -378,6 +378,14 @@
 //! ## Catmull74
 //! E. Catmull, R. Rom, "A Class of Local Interpolating Splines", in *Computer Aided Geometric Design* (1974).
 //!
+//! ## FritschCarlson80
+//! F. N. Fritsch, R. E. Carlson, "Monotone Piecewise Cubic Interpolation", SIAM Journal on Numerical Analysis 17(2),
+//! 238–246 (1980).
+//!
+//! ## FritschButland84
+//! F. N. Fritsch, J. Butland, "A Method for Constructing Local Monotone Piecewise Cubic Interpolants", SIAM Journal on
+//! Scientific and Statistical Computing 5(2), 300–304 (1984).
+//!
 //! ## NelderMead65
 //! J. A. Nelder, R. Mead, "A Simplex Method for Function Minimization", The Computer Journal 7(4), 308–313 (1965).
 //!

@@ -221,16 +221,16 @@ fn check_positions(prescription: &Prescription) -> Result<(), Invalid> {
             }
             finite(&key, &format!("gap behind surface {surface}"), gap)?;
         }
-        if let Some(radius) = position.stop_semi_aperture_mm {
-            if !(radius.is_finite() && radius > 0.0) {
-                return Err(Invalid::new(key, format!("the stop must have a radius above 0, got {radius} mm")));
-            }
+        if let Some(radius) = position.stop_semi_aperture_mm
+            && !(radius.is_finite() && radius > 0.0)
+        {
+            return Err(Invalid::new(key, format!("the stop must have a radius above 0, got {radius} mm")));
         }
-        if let Some(distance) = position.object_distance_mm {
-            if distance.is_nan() || distance <= 0.0 {
-                let message = format!("what is sharp must be before the lens, got a distance of {distance} mm");
-                return Err(Invalid::new(key, message));
-            }
+        if let Some(distance) = position.object_distance_mm
+            && (distance.is_nan() || distance <= 0.0)
+        {
+            let message = format!("what is sharp must be before the lens, got a distance of {distance} mm");
+            return Err(Invalid::new(key, message));
         }
     }
     Ok(())

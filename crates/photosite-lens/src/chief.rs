@@ -24,6 +24,8 @@ pub struct ChiefRay {
     /// Angle to the axis before the lens, rad: that of the direction (0, sin θ, cos θ); above π/2 for what is behind the
     /// first vertex.
     pub field_rad: f64,
+    /// Angle to the axis at the stop, in the medium before it, rad.
+    pub stop_rad: f64,
     /// Where it meets the sensor, mm from the axis.
     pub image_height_mm: f64,
 }
@@ -59,6 +61,7 @@ impl LensAt<'_> {
         Ok(ChiefRay {
             before,
             behind,
+            stop_rad: angle_rad,
             field_rad: before.direction.y.atan2(before.direction.z),
             image_height_mm: behind.at_z(self.lens.sensor_z_mm()).y,
         })

@@ -109,17 +109,36 @@ impl LensAt<'_> {
     /// [`DEFAULT_COATING`] where none is known, of bare glass at cemented surfaces. A surface between air and air, as a
     /// stop is, lets everything through.
     pub fn split_at(&self, hit: &Hit) -> Split {
+        let is_glass = |surface: usize| self.lens.surfaces()[surface].glass.is_some();
+        let is_glass_before = hit.surface > 0 && is_glass(hit.surface - 1);
+        let is_in_glass = if hit.travel == Travel::ToSensor { is_glass_before } else { is_glass(hit.surface) };
+        let from = if is_in_glass { Side::Glass } else { Side::Air };
+        let layers = self.layers(hit.surface);
+        split(layers, from, hit.index, hit.index_behind, hit.cos_incidence, self.wavelength_nm)
+    }
+
+    /// The layers on a surface.
+    fn layers(&self, surface: usize) -> &[Layer] {
         let surfaces = self.lens.surfaces();
-        let is_glass_before = hit.surface > 0 && surfaces[hit.surface - 1].glass.is_some();
-        let is_glass_behind = surfaces[hit.surface].glass.is_some();
-        let layers = match &surfaces[hit.surface].coating {
-            Coating::Unknown | Coating::Uncoated | Coating::Layers(_) if is_glass_before == is_glass_behind => &[][..],
+        let is_glass_before = surface > 0 && surfaces[surface - 1].glass.is_some();
+        match &surfaces[surface].coating {
+            Coating::Unknown | Coating::Uncoated | Coating::Layers(_)
+                if is_glass_before == surfaces[surface].glass.is_some() =>
+            {
+                &[]
+            }
             Coating::Unknown => &[DEFAULT_COATING],
             Coating::Uncoated => &[],
             Coating::Layers(layers) => layers,
-        };
-        let is_in_glass = if hit.travel == Travel::ToSensor { is_glass_before } else { is_glass_behind };
-        let from = if is_in_glass { Side::Glass } else { Side::Air };
-        split(layers, from, hit.index, hit.index_behind, hit.cos_incidence, self.wavelength_nm)
+        }
     }
+}
+
+/// The part of unpolarised light that a surface lets through, by the cosine of its angle in the thinner of its two media.
+/// It is the same from both sides.
+pub(crate) fn transmittance_of(at: &LensAt<'_>, surface: usize, cosine: f64) -> f64 {
+    let (before, behind) = (at.index_before(surface), at.index_before(surface + 1));
+    let from_air =
+        split(at.layers(surface), Side::Air, before.min(behind), before.max(behind), cosine, at.wavelength_nm);
+    from_air.mean_transmittance()
 }

@@ -23,6 +23,8 @@ pub struct LensSurface {
     pub profile: Profile,
     /// Its vertex.
     pub z_mm: f64,
+    /// Along the axis to the next surface, or from the last to the sensor.
+    pub(crate) gap_mm: f64,
     /// The radius in which light passes.
     pub semi_aperture_mm: f64,
     /// What fills the gap behind it; `None` is air.
@@ -59,25 +61,27 @@ impl BladesOf {
 impl Lens {
     /// The lens of a prescription whose values are checked, with its surfaces' own thicknesses.
     pub(crate) fn unchecked(prescription: &Prescription) -> Self {
-        let mut z = 0.0;
-        let surfaces = prescription.surfaces.iter().map(|surface| {
-            let z_mm = z;
-            z += surface.thickness_mm;
-            LensSurface {
-                profile: Profile::new(surface),
-                z_mm,
-                semi_aperture_mm: surface.semi_aperture_mm.expect("checked"),
-                glass: surface.glass.as_ref().map(|glass| glass.dispersion.clone()),
-                coating: surface.coating.clone(),
-            }
+        let surfaces = prescription.surfaces.iter().map(|surface| LensSurface {
+            profile: Profile::new(surface),
+            z_mm: 0.0,
+            gap_mm: surface.thickness_mm,
+            semi_aperture_mm: surface.semi_aperture_mm.expect("checked"),
+            glass: surface.glass.as_ref().map(|glass| glass.dispersion.clone()),
+            coating: surface.coating.clone(),
         });
-        let surfaces = surfaces.collect();
-        Self {
-            surfaces,
-            stop: prescription.surfaces.iter().position(|surface| surface.is_stop).expect("checked"),
-            blades: prescription.blades.map(BladesOf::new),
-            sensor_z_mm: z,
-        }
+        let stop = prescription.surfaces.iter().position(|surface| surface.is_stop).expect("checked");
+        let blades = prescription.blades.map(BladesOf::new);
+        let mut lens = Self { surfaces: surfaces.collect(), stop, blades, sensor_z_mm: 0.0 };
+        lens.place();
+        lens
+    }
+
+    /// Puts surfaces and sensor where the gaps leave them.
+    fn place(&mut self) {
+        self.sensor_z_mm = self.surfaces.iter_mut().fold(0.0, |z, surface| {
+            surface.z_mm = z;
+            z + surface.gap_mm
+        });
     }
 
     /// The surfaces, the first one nearest to the scene.
@@ -102,7 +106,7 @@ impl Lens {
 
     /// The distance along the axis from a surface to the next, or from the last to the sensor, mm.
     pub fn gap_mm(&self, surface: usize) -> f64 {
-        self.surfaces.get(surface + 1).map_or(self.sensor_z_mm, |next| next.z_mm) - self.surfaces[surface].z_mm
+        self.surfaces[surface].gap_mm
     }
 
     /// The lens with the stop opened to this radius, mm.
@@ -123,11 +127,8 @@ impl Lens {
     #[must_use]
     pub fn with_gaps(&self, gaps: &[(usize, f64)]) -> Self {
         let mut lens = self.clone();
-        for &(surface, thickness_mm) in gaps {
-            let by = thickness_mm - lens.gap_mm(surface);
-            lens.surfaces[surface + 1..].iter_mut().for_each(|later| later.z_mm += by);
-            lens.sensor_z_mm += by;
-        }
+        gaps.iter().for_each(|&(surface, thickness_mm)| lens.surfaces[surface].gap_mm = thickness_mm);
+        lens.place();
         lens
     }
 

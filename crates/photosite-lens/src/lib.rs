@@ -8,6 +8,7 @@
 
 pub mod checks;
 pub mod chief;
+pub mod chief_map;
 pub mod coating;
 pub mod files;
 pub mod focus;
@@ -16,11 +17,13 @@ pub mod glass;
 pub mod illumination;
 pub mod lens;
 pub mod paraxial;
+pub mod positions;
 pub mod prescription;
 pub mod profile;
 pub mod pupil_table;
 pub mod region;
 pub mod spots;
+pub mod tables;
 pub mod trace;
 pub mod wavefront;
 

@@ -1,5 +1,6 @@
 //! Exact rays through a lens at one wavelength.
 
+use std::borrow::Cow;
 use std::fmt;
 
 use glam::DVec3;
@@ -78,6 +79,8 @@ pub struct Hit {
     pub direction: DVec3,
     /// Unit direction after.
     pub turned: DVec3,
+    /// Unit normal of the surface, along the ray.
+    pub normal: DVec3,
     /// Cosine of the angle of incidence.
     pub cos_incidence: f64,
     /// From the point before, mm, in the medium of index `index`.
@@ -127,7 +130,7 @@ pub struct LensAt<'a> {
     /// The wavelength, nm.
     pub wavelength_nm: f64,
     /// Index before each surface, and behind the last.
-    index: Vec<f64>,
+    pub(crate) index: Cow<'a, [f64]>,
 }
 
 impl Lens {
@@ -204,6 +207,7 @@ impl LensAt<'_> {
                 point,
                 direction: ray.direction,
                 turned,
+                normal,
                 cos_incidence,
                 distance: met.distance,
                 index,

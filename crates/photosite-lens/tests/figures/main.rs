@@ -4,6 +4,7 @@
 mod coatings;
 mod diffraction;
 mod first_order;
+mod focus;
 mod light;
 mod neutral;
 mod rays;
