@@ -106,6 +106,14 @@ impl LensAt<'_> {
         Image { distance_mm: -y / u, magnification: 1.0 / u }
     }
 
+    /// How far before the first vertex a point of the axis is whose image is `image_distance_mm` behind the last one, mm;
+    /// infinite for the focus, below 0 for a point behind the vertex.
+    pub fn object_distance_mm(&self, image_distance_mm: f64) -> f64 {
+        let Matrix { a, b, .. } = self.matrix(0..self.lens.surfaces().len()).then_over(image_distance_mm);
+        // The ray of slope 1 from the point, at the height s at the vertex, comes to the axis: a·s + b = 0.
+        if a == 0.0 { f64::INFINITY } else { -b / a }
+    }
+
     /// The radius of the stop, mm, at which the f-number is N where the lens is focused at infinity as it stands:
     /// EFL/(2·N·|m|), m the magnification from the stop to the entrance pupil.
     pub fn stop_radius_of_f_number(&self, f_number: f64) -> f64 {

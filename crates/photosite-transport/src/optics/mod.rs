@@ -15,6 +15,9 @@ mod focusing;
 mod lateral_colour;
 mod motion;
 mod point_spread;
+mod prescribed;
+#[cfg(test)]
+mod prescribed_tests;
 mod recording;
 mod stop;
 
