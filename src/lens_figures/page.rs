@@ -94,7 +94,7 @@ fn stops(position: &PositionFigures) -> String {
     }
     let _ = write!(
         html,
-        "</tbody></table>\n<table><thead><tr><th>spot of F, d, C: rms in µm</th>{}</tr></thead>\n<tbody>\n",
+        "</tbody></table>\n<table style=\"margin-top:1.4rem\"><thead><tr><th>spot of F, d, C: rms in µm</th>{}</tr></thead>\n<tbody>\n",
         head.concat()
     );
     for stop in &position.stops {

@@ -39,7 +39,7 @@ pub(super) fn svg(lens: &Lens, position: &PositionFigures) -> String {
     let mut svg = format!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {}\">\n", SIDE + 30.0);
     for (i, (diagram, field)) in diagrams.iter().zip(&position.fields).enumerate() {
         let middle = DVec2::new((i as f64 + 0.5) * SIDE, 0.5 * SIDE);
-        let half = 0.48 * SIDE;
+        let half = scale_um * per_um;
         let _ = writeln!(
             svg,
             "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\" fill=\"none\" stroke=\"#e4e7ec\"/>",
@@ -76,9 +76,9 @@ pub(super) fn svg(lens: &Lens, position: &PositionFigures) -> String {
     let _ = writeln!(
         svg,
         "<text x=\"4\" y=\"{:.1}\" font-family=\"Helvetica, Arial, sans-serif\" font-size=\"13\" fill=\"#5a606b\">each square \
-         is {:.4} µm wide</text>",
+         is {} µm wide</text>",
         SIDE + 28.0,
-        2.0 * 0.48 * SIDE / per_um
+        2.0 * scale_um
     );
     svg + "</svg>\n"
 }

@@ -273,7 +273,11 @@ fn bounds(axis: &Axis, values: impl Iterator<Item = f64>) -> [f64; 2] {
 /// A number at an axis: powers of ten where they are shorter.
 fn tick(value: &f64) -> String {
     let magnitude = value.abs();
-    if magnitude == 0.0 || (1e-3..1e5).contains(&magnitude) {
+    // Next to nothing is what rounding errors left of nothing.
+    if magnitude < 1e-14 {
+        return "0".to_owned();
+    }
+    if (1e-3..1e5).contains(&magnitude) {
         // Ticks lie at round numbers, which rounding errors must not show.
         let digits = (5.0 - magnitude.max(1e-3).log10().floor()).clamp(0.0, 9.0) as usize;
         let text = format!("{value:.digits$}");
@@ -309,6 +313,7 @@ mod tests {
     fn ticks_are_round_and_short() {
         for (value, text) in [
             (0.0, "0"),
+            (-2.2e-16, "0"),
             (0.1 + 0.2, "0.3"),
             (-0.02, "-0.02"),
             (12_000.0, "12000"),
