@@ -10,7 +10,8 @@ use photosite_lens::trace::Apertures;
 use photosite_lens::{Lens, LensAt, Ray};
 use rayon::prelude::*;
 
-use super::{Claims, FieldFigures, FirstOrderRow, LensFigures, PositionFigures, StopFigures, SurfaceRow, mtf};
+use super::figures::{Claims, FieldFigures, FirstOrderRow, LensFigures, PositionFigures, StopFigures, SurfaceRow};
+use super::mtf;
 use crate::spectrum::dispersion::lines;
 use crate::{Invalid, Result};
 
@@ -36,7 +37,18 @@ pub struct Options {
     pub half_field_deg: Option<f64>,
 }
 
-pub(super) fn figures(reading: &Reading, options: &Options) -> Result<LensFigures> {
+impl LensFigures {
+    /// The figures of a lens that was read.
+    ///
+    /// # Errors
+    ///
+    /// An f-number that the lens does not open to.
+    pub fn new(reading: &Reading, options: &Options) -> Result<Self> {
+        figures(reading, options)
+    }
+}
+
+fn figures(reading: &Reading, options: &Options) -> Result<LensFigures> {
     let lens = &reading.prescription;
     let positions = lenses(reading, options)?
         .iter()

@@ -4,7 +4,7 @@ use glam::DVec2;
 use photosite_lens::LensAt;
 use photosite_lens::spots::geometric_mtf;
 
-use super::MtfFigures;
+use super::figures::MtfFigures;
 
 /// Frequencies, cycles per mm.
 const FREQUENCIES_PER_MM: [f64; 11] = [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0];

@@ -5,11 +5,13 @@ use std::fmt::Write;
 use photosite_lens::files::Reading;
 
 use super::compute::{Options, lenses};
-use super::{LensFigures, PositionFigures, plots, section, spots};
+use super::figures::{FirstOrderRow, LensFigures, PositionFigures};
+use super::{plots, section, spots};
 use crate::characterisation::report::html::{self, escaped, page};
 
-/// The page as HTML, which refers to nothing outside itself.
-pub(super) fn html(reading: &Reading, figures: &LensFigures) -> String {
+/// The page of a lens: its cross-section with rays, its curves, spots and modulation transfer. It refers to nothing
+/// outside itself.
+pub fn html(reading: &Reading, figures: &LensFigures) -> String {
     let title = if figures.name.is_empty() { "Lens" } else { &figures.name };
     let mut body = format!("<h1>{}</h1>\n", escaped(title));
     let origin: Vec<String> =
@@ -51,7 +53,7 @@ pub(super) fn html(reading: &Reading, figures: &LensFigures) -> String {
 /// Figures of first order, in a line each.
 fn facts(position: &PositionFigures) -> Vec<(String, String)> {
     let d = &position.first_order[1];
-    let by_line = |of: &dyn Fn(&super::FirstOrderRow) -> f64| {
+    let by_line = |of: &dyn Fn(&FirstOrderRow) -> f64| {
         position.first_order.iter().map(|row| format!("{:.4}", of(row))).collect::<Vec<_>>().join(" / ")
     };
     let edge = position.fields.last();

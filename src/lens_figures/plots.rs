@@ -1,7 +1,7 @@
 //! Curves over the field, and of modulation transfer.
 
-use super::PositionFigures;
 use super::compute::LINES;
+use super::figures::{FieldFigures, MtfFigures, PositionFigures};
 use crate::characterisation::report::chart::{
     Axis, BLUE, Chart, Curve, GREEN, Mark, ORANGE, RGBColor, SeriesLabelPosition,
 };
@@ -20,7 +20,7 @@ pub(super) fn plots(position: &PositionFigures) -> Vec<Plot> {
 }
 
 /// A figure of every field, over its angle.
-fn by_field(position: &PositionFigures, of: impl Fn(&super::FieldFigures) -> Option<f64>) -> Vec<(f64, f64)> {
+fn by_field(position: &PositionFigures, of: impl Fn(&FieldFigures) -> Option<f64>) -> Vec<(f64, f64)> {
     position.fields.iter().filter_map(|field| Some((field.field_deg, of(field)?))).collect()
 }
 
@@ -136,7 +136,7 @@ fn modulation_by_frequency(position: &PositionFigures) -> Vec<Plot> {
 fn modulation_by_field(position: &PositionFigures) -> Plot {
     let mut curves = Vec::new();
     for (frequency, colour) in [(10.0, BLUE), (20.0, GREEN), (40.0, ORANGE)] {
-        let at = |values: fn(&super::MtfFigures) -> &Vec<f64>| {
+        let at = |values: fn(&MtfFigures) -> &Vec<f64>| {
             by_field(position, |field| {
                 let mtf = field.mtf[1].as_ref()?;
                 let i = mtf.frequency_per_mm.iter().position(|known| *known == frequency)?;

@@ -7,7 +7,7 @@ use photosite_lens::profile::Travel;
 use photosite_lens::trace::{Apertures, Step};
 use photosite_lens::{Lens, LensAt};
 
-use super::PositionFigures;
+use super::figures::PositionFigures;
 use super::plots::{COLOURS, shown_fields};
 use crate::spectrum::dispersion::lines;
 

@@ -5,8 +5,8 @@ use std::fmt::Write;
 use glam::DVec2;
 use photosite_lens::Lens;
 
-use super::PositionFigures;
 use super::compute::LINES;
+use super::figures::PositionFigures;
 use super::plots::COLOURS;
 
 pub(super) const CAPTION: &str = "Rays of F (blue), d (green) and C (orange) around the chief ray of d; upwards is away from \

@@ -2,10 +2,16 @@
 
 use std::fmt::Write;
 
-use super::{FieldFigures, LensFigures, PositionFigures};
+use super::figures::{FieldFigures, LensFigures, PositionFigures};
 
-/// The text, without a line break at its end.
-pub(super) fn text(lens: &LensFigures) -> String {
+impl LensFigures {
+    /// Text for people, without a line break at its end.
+    pub fn text(&self) -> String {
+        text(self)
+    }
+}
+
+fn text(lens: &LensFigures) -> String {
     let mut text = String::new();
     let name = if lens.name.is_empty() { "a lens without a name" } else { &lens.name };
     let _ = writeln!(text, "{name}, read as {}", lens.format);

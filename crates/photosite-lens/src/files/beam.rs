@@ -60,8 +60,7 @@ fn beam(at: &LensAt, field: &Field) -> Option<Vec<Vec<DVec3>>> {
 /// Where a ray meets the surfaces from the first to before `end`.
 fn points(at: &LensAt, ray: Ray, end: usize) -> Option<Vec<DVec3>> {
     let mut points = Vec::new();
-    // From far enough before all surfaces: wide ones bulge towards the scene.
-    at.trace(ray, Travel::ToSensor, &mut (0..end).map(Step::refract), Apertures::Ignore, |hit| points.push(hit.point))
+    at.trace(ray, Travel::ToSensor, (0..end).map(Step::refract), Apertures::Ignore, |hit| points.push(hit.point))
         .ok()?;
     Some(points)
 }

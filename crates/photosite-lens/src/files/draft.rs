@@ -2,7 +2,11 @@
 
 use photosite_core::Invalid;
 
+use crate::checks::MOST_SURFACES;
 use crate::prescription::{Blades, Claims, Coating};
+
+/// Most settings of a zoom or of the focus.
+pub(super) const MOST_POSITIONS: usize = 50;
 
 /// What is wrong with a file, and in which line, counted from 1.
 #[derive(Debug)]
@@ -27,6 +31,16 @@ impl Fault {
         self.invalid = self.invalid.help(help.into());
         self
     }
+}
+
+/// More surfaces than lenses have.
+pub(super) fn too_many(count: usize) -> String {
+    format!("{count} surfaces, where lenses have at most {MOST_SURFACES}")
+}
+
+/// The fault of the line with the first surface too many.
+pub(super) fn too_many_surfaces(line: usize) -> Fault {
+    Fault::at(line, format!("more than {MOST_SURFACES} surfaces"))
 }
 
 impl From<Invalid> for Fault {
@@ -85,6 +99,19 @@ pub(super) struct Row {
     pub(super) asphere: Vec<(u32, f64)>,
     pub(super) is_stop: bool,
     pub(super) coating: Coating,
+}
+
+impl Row {
+    /// Its fault, in the way of its format; `field` is the key in it, where there are keys.
+    pub(super) fn fault(&self, field: &str, invalid: Invalid) -> Fault {
+        let Invalid { message, help, .. } = invalid;
+        let key = match (self.line, field) {
+            (Some(_), _) => self.name.clone(),
+            (None, "") => self.key.clone(),
+            (None, field) => format!("{}.{field}", self.key),
+        };
+        Fault { line: self.line, invalid: Invalid { key, message, help } }
+    }
 }
 
 /// What opens the lens, where the file says so by a figure instead of the stop's radius.

@@ -7,8 +7,10 @@ use photosite_core::spectrum::dispersion::lines;
 
 use super::beam;
 use super::draft::{Draft, Fault, Medium, Numbers, Opening, Read, Row};
+use super::format::Format;
 use super::report::glasses_of;
-use super::{Format, Reading, Report, of_row, sanity};
+use super::report::{Reading, Report};
+use super::sanity;
 use crate::glass::{self, Found};
 use crate::prescription::{Glass, Position, Prescription, Surface};
 use crate::{Lens, LensAt};
@@ -66,7 +68,7 @@ fn of_surface(draft: &Draft, invalid: Invalid) -> Fault {
         Some((row, field)) => {
             // The other formats have no such keys.
             let is_own = row.key.starts_with("surfaces[");
-            of_row(row, if is_own { &field } else { "" }, invalid)
+            row.fault(if is_own { &field } else { "" }, invalid)
         }
         None => Fault { line: None, invalid },
     }
@@ -74,7 +76,7 @@ fn of_surface(draft: &Draft, invalid: Invalid) -> Fault {
 
 /// What fills the gap behind a row.
 fn medium(row: &Row, notes: &mut Vec<String>) -> Read<Option<Glass>> {
-    let fault = |message: String, help: String| of_row(row, "glass", Invalid::new("", message).help(help));
+    let fault = |message: String, help: String| row.fault("glass", Invalid::new("", message).help(help));
     match &row.medium {
         Medium::Air => Ok(None),
         Medium::Defined(glass) => Ok(Some(glass.clone())),
@@ -88,7 +90,7 @@ fn medium(row: &Row, notes: &mut Vec<String>) -> Read<Option<Glass>> {
         }
         Medium::Patent { nd, vd } => by_numbers(row, *nd, *vd, notes).map(Some),
         Medium::Model { nd, vd, deviation } => {
-            let dispersion = glass::conrady(*nd, *vd, *deviation).map_err(|invalid| of_row(row, "glass", invalid))?;
+            let dispersion = glass::conrady(*nd, *vd, *deviation).map_err(|invalid| row.fault("glass", invalid))?;
             let source = format!("Conrady's formula through n_d, ν_d and ΔP_gF = {deviation}");
             Ok(Some(Glass { name: format!("{nd}/{vd}/{deviation}"), source, dispersion, range_nm: None }))
         }
@@ -141,7 +143,7 @@ fn rounded(x: f64) -> f64 {
 }
 
 fn by_numbers(row: &Row, nd: f64, vd: f64, notes: &mut Vec<String>) -> Read<Glass> {
-    let (glass, note) = glass::by_numbers(nd, vd).map_err(|invalid| of_row(row, "glass", invalid))?;
+    let (glass, note) = glass::by_numbers(nd, vd).map_err(|invalid| row.fault("glass", invalid))?;
     notes.push(note);
     Ok(glass)
 }
@@ -234,7 +236,7 @@ fn derive_apertures(prescription: &mut Prescription, draft: &mut Draft) -> Read<
     if let Some(&stop) = missing.iter().find(|&&i| prescription.surfaces[i].is_stop) {
         let message = "neither the radius of the stop, nor the entrance pupil or the f-number is given";
         let help = "give one of them: all other radii follow from the beam that it lets through";
-        return Err(of_row(&draft.rows[stop], "semi_aperture", Invalid::new("", message).help(help)));
+        return Err(draft.rows[stop].fault("semi_aperture", Invalid::new("", message).help(help)));
     }
     let Some(lens) = provisional(prescription, None) else { return Ok(()) };
     let radii = beam::radii(&lens, &draft.fields);

@@ -85,7 +85,9 @@ impl<'a> At<'a> {
             Value::Number(number) => number.as_f64().ok_or_else(|| self.fault(format!("{number} is no number"))),
             Value::String(text) if text == "Infinity" => Ok(f64::INFINITY),
             Value::String(text) if text == "-Infinity" => Ok(f64::NEG_INFINITY),
-            other => Err(self.fault(format!("{other} is no number"))),
+            other @ (Value::Null | Value::Bool(_) | Value::String(_) | Value::Array(_) | Value::Object(_)) => {
+                Err(self.fault(format!("{other} is no number")))
+            }
         }
     }
 
@@ -109,6 +111,22 @@ impl<'a> At<'a> {
     pub(super) fn is_true(&self, key: &str) -> bool {
         self.value.get(key).and_then(Value::as_bool).unwrap_or(false)
     }
+}
+
+/// The terms of an asphere of a list of coefficients, of which the first has this order and the next are steps apart.
+pub(super) fn asphere(coefficients: &At, [first, step]: [u32; 2]) -> Read<Vec<(u32, f64)>> {
+    let mut terms = Vec::new();
+    for (i, coefficient) in coefficients.items()?.iter().enumerate() {
+        let value = coefficient.finite()?;
+        let order = first + step * u32::try_from(i).unwrap_or(u32::MAX / 4);
+        if value != 0.0 && order < 2 {
+            return Err(coefficient.fault("a term r¹, which makes a cone with a tip"));
+        }
+        if value != 0.0 {
+            terms.push((order, value));
+        }
+    }
+    Ok(terms)
 }
 
 #[cfg(test)]

@@ -1,5 +1,9 @@
 //! Our own form of a prescription, as TOML or JSON with the same keys.
 
+use crate::checks::MOST_SURFACES;
+use crate::files::draft::MOST_POSITIONS;
+use crate::files::draft::too_many;
+use crate::files::text::mm_of;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -180,7 +184,7 @@ fn draft(file: LensFile) -> Read<Draft> {
             return Err(Fault::of_file("no `unit` says what the lengths are in")
                 .help("write unit = \"mm\" before the surfaces"));
         }
-        Some(unit) => super::mm_of(unit)
+        Some(unit) => mm_of(unit)
             .ok_or_else(|| at("unit", format!("{unit:?} is no unit that is known")).help("write mm, cm, in or m"))?,
     };
     let mut draft = Draft { name, source, licence, patent, ..Draft::default() };
@@ -205,8 +209,8 @@ fn draft(file: LensFile) -> Read<Draft> {
         Some(BladesFile::Count(count)) => Some(Blades { count, rotation_deg: 0.0 }),
         Some(BladesFile::Turned { count, rotation_deg }) => Some(Blades { count, rotation_deg }),
     };
-    if surfaces.len() > super::MOST_SURFACES {
-        return Err(at("surfaces", super::too_many(surfaces.len())));
+    if surfaces.len() > MOST_SURFACES {
+        return Err(at("surfaces", too_many(surfaces.len())));
     }
     let mut defined = BTreeMap::new();
     for (name, glass) in glasses {
@@ -217,8 +221,8 @@ fn draft(file: LensFile) -> Read<Draft> {
     for (i, surface) in surfaces.into_iter().enumerate() {
         draft.rows.push(row(i, surface, &defined)?);
     }
-    if positions.len() > super::MOST_POSITIONS {
-        return Err(at("positions", format!("{} positions: more than {}", positions.len(), super::MOST_POSITIONS)));
+    if positions.len() > MOST_POSITIONS {
+        return Err(at("positions", format!("{} positions: more than {}", positions.len(), MOST_POSITIONS)));
     }
     for (i, position) in positions.into_iter().enumerate() {
         draft.settings.push(setting(i, position, draft.rows.len())?);

@@ -1,5 +1,9 @@
 //! The text of the Optical Bench (photonstophotos.net): sections in brackets, cells between tabs.
 
+use crate::checks::MOST_SURFACES;
+use crate::files::draft::MOST_POSITIONS;
+use crate::files::draft::too_many_surfaces;
+use crate::files::patent::patent_in;
 use std::collections::BTreeMap;
 
 use super::draft::{Draft, Fault, Medium, Numbers, Read, Row, Setting};
@@ -29,14 +33,14 @@ pub(super) fn read(text: &str) -> Read<Draft> {
         }
     }
     if draft.patent.is_none() {
-        draft.patent = super::patent_in(&draft.name);
+        draft.patent = patent_in(&draft.name);
     }
     let distances = distances(section("variable distances"))?;
     claims(&mut draft, &distances);
     let mut names = Vec::new();
     for (line, cells) in section("lens data") {
-        if draft.rows.len() >= super::MOST_SURFACES {
-            return Err(super::too_many_surfaces(*line));
+        if draft.rows.len() >= MOST_SURFACES {
+            return Err(too_many_surfaces(*line));
         }
         names.push(cells[0]);
         let row = row(*line, cells, &distances, &mut draft)?;
@@ -107,7 +111,7 @@ fn distances(lines: &[Cells]) -> Read<BTreeMap<String, Distance>> {
         // Labels of positions stand in the same section.
         let columns = cells[1..].iter().filter_map(column).collect::<Read<Vec<_>>>();
         match columns {
-            Ok(columns) if columns.len() <= super::MOST_POSITIONS => {
+            Ok(columns) if columns.len() <= MOST_POSITIONS => {
                 found.insert(cells[0].to_owned(), Distance { line: *line, columns });
             }
             Ok(columns) => return Err(Fault::at(*line, format!("{}: {} positions", cells[0], columns.len()))),

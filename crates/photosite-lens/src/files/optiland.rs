@@ -1,9 +1,11 @@
 //! Optiland's lenses, as its `save_optiland_file` writes them.
 
+use crate::checks::MOST_SURFACES;
+use crate::files::draft::too_many;
 use serde_json::Value;
 
 use super::draft::{Draft, Field, Medium, Numbers, Opening, Read, Row};
-use super::json_value::At;
+use super::json_value::{At, asphere};
 
 /// Reads a file.
 pub(super) fn read(value: &Value) -> Read<Draft> {
@@ -16,8 +18,8 @@ pub(super) fn read(value: &Value) -> Read<Draft> {
     if items.len() < 3 {
         return Err(surfaces.fault(format!("{} surfaces, the object and the image among them", items.len())));
     }
-    if items.len() > super::MOST_SURFACES + 2 {
-        return Err(surfaces.fault(super::too_many(items.len())));
+    if items.len() > MOST_SURFACES + 2 {
+        return Err(surfaces.fault(too_many(items.len())));
     }
     let last = items.len() - 1;
     let z = items.iter().map(position).collect::<Read<Vec<f64>>>()?;
@@ -86,19 +88,10 @@ fn row(surface: &At, thickness_mm: f64, draft: &mut Draft) -> Read<Row> {
         }
     };
     let radius = geometry.get("radius").map_or(Ok(f64::INFINITY), |radius| radius.number())?;
-    let mut asphere = Vec::new();
-    if let (Some([first, step]), Some(coefficients)) = (orders, geometry.get("coefficients")) {
-        for (i, coefficient) in coefficients.items()?.iter().enumerate() {
-            let value = coefficient.finite()?;
-            let order = first + step * u32::try_from(i).unwrap_or(u32::MAX / 4);
-            if value != 0.0 && order < 2 {
-                return Err(coefficient.fault("a term r¹, which makes a cone with a tip"));
-            }
-            if value != 0.0 {
-                asphere.push((order, value));
-            }
-        }
-    }
+    let asphere = match (orders, geometry.get("coefficients")) {
+        (Some(orders), Some(coefficients)) => asphere(&coefficients, orders)?,
+        (None, _) | (_, None) => Vec::new(),
+    };
     if surface.get("coating").or_else(|| surface.get("interaction_model")?.get("coating")).is_some() {
         draft.ignore("coatings");
     }

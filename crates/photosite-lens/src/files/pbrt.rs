@@ -2,6 +2,9 @@
 
 use super::draft::{Draft, Fault, Medium, Read, Row};
 use super::text::number;
+use crate::checks::MOST_SURFACES;
+use crate::files::draft::too_many_surfaces;
+use crate::files::patent::patent_in;
 
 /// Reads a file.
 pub(super) fn read(text: &str) -> Read<Draft> {
@@ -14,7 +17,7 @@ pub(super) fn read(text: &str) -> Read<Draft> {
             draft.name = comment.trim().to_owned();
         }
         if draft.patent.is_none() {
-            draft.patent = super::patent_in(comment);
+            draft.patent = patent_in(comment);
         }
         for word in values.split_whitespace() {
             let value = number(word).ok_or_else(|| {
@@ -23,11 +26,11 @@ pub(super) fn read(text: &str) -> Read<Draft> {
             })?;
             numbers.push((i + 1, value));
         }
-        if numbers.len() > 4 * super::MOST_SURFACES {
-            return Err(super::too_many_surfaces(i + 1));
+        if numbers.len() > 4 * MOST_SURFACES {
+            return Err(too_many_surfaces(i + 1));
         }
     }
-    if numbers.is_empty() || numbers.len() % 4 != 0 {
+    if numbers.is_empty() || !numbers.len().is_multiple_of(4) {
         let message = format!("{} numbers, which are not four for each surface", numbers.len());
         return Err(Fault::of_file(message)
             .help("each surface is its radius, its thickness, the index behind it and its diameter"));

@@ -1,9 +1,13 @@
 //! ray-optics' models, `.roa`.
 
+use crate::checks::MOST_SURFACES;
+use crate::files::draft::too_many;
+use crate::files::patent::patent_in;
+use crate::files::text::mm_of;
 use serde_json::Value;
 
 use super::draft::{Draft, Field, Medium, Numbers, Opening, Read, Row};
-use super::json_value::At;
+use super::json_value::{At, asphere};
 
 /// max_aperture of what was never given one.
 const NOT_SET: f64 = 1.0;
@@ -17,10 +21,10 @@ pub(super) fn read(value: &Value) -> Read<Draft> {
     let mut mm = 1.0;
     if let Some(system) = model.get("system_spec").map(|system| attributes(&system)) {
         system.text_of("title").clone_into(&mut draft.name);
-        draft.patent = super::patent_in(&draft.name);
+        draft.patent = patent_in(&draft.name);
         let unit = [system.text_of("_dimensions"), system.text_of("dimensions")].concat();
         if !unit.is_empty() {
-            mm = super::mm_of(&unit).ok_or_else(|| system.fault(format!("the unit {unit} is not known")))?;
+            mm = mm_of(&unit).ok_or_else(|| system.fault(format!("the unit {unit} is not known")))?;
         }
     }
     let surfaces = sequence.needed("ifcs")?;
@@ -30,8 +34,8 @@ pub(super) fn read(value: &Value) -> Read<Draft> {
             format!("{} surfaces and {} gaps: there is one gap between two surfaces", items.len(), gaps.len());
         return Err(surfaces.fault(message));
     }
-    if items.len() > super::MOST_SURFACES + 2 {
-        return Err(surfaces.fault(super::too_many(items.len())));
+    if items.len() > MOST_SURFACES + 2 {
+        return Err(surfaces.fault(too_many(items.len())));
     }
     let stop = sequence.get("stop_surface").map(|stop| stop.finite()).transpose()?.map(|stop| stop as usize);
     let profiles = model.get("profile_dict");
@@ -99,7 +103,7 @@ fn row(surface: &At, profiles: Option<&At>, draft: &mut Draft) -> Read<Row> {
     };
     let shape = attributes(&profile);
     let curvature = shape.finite_of("cv")?.unwrap_or(0.0);
-    let steps = match class(&profile) {
+    let orders = match class(&profile) {
         "Spherical" | "Conic" => None,
         // From r² and from r¹.
         "EvenPolynomial" => Some([2, 2]),
@@ -112,21 +116,11 @@ fn row(surface: &At, profiles: Option<&At>, draft: &mut Draft) -> Read<Row> {
         (None, Some(ec)) => ec - 1.0,
         (None, None) => 0.0,
     };
-    let mut asphere = Vec::new();
-    if let (Some([first, step]), Some(coefficients)) = (steps, shape.get("coefs")) {
+    let asphere = match (orders, shape.get("coefs")) {
         // Arrays of NumPy are instances, too.
-        let coefficients = coefficients.get("__ndarray__").unwrap_or(coefficients);
-        for (i, coefficient) in coefficients.items()?.iter().enumerate() {
-            let value = coefficient.finite()?;
-            let order = first + step * u32::try_from(i).unwrap_or(u32::MAX / 4);
-            if value != 0.0 && order < 2 {
-                return Err(coefficient.fault("a term r¹, which makes a cone with a tip"));
-            }
-            if value != 0.0 {
-                asphere.push((order, value));
-            }
-        }
-    }
+        (Some(orders), Some(list)) => asphere(&list.get("__ndarray__").unwrap_or(list), orders)?,
+        (None, _) | (_, None) => Vec::new(),
+    };
     let clear = of.get("clear_apertures").map_or(Ok(Vec::new()), |list| list.items())?;
     let mut semi_aperture_mm = of.finite_of("max_aperture")?.filter(|radius| *radius != NOT_SET);
     if let [aperture] = &clear[..]

@@ -1,6 +1,7 @@
 //! What reading a file came to.
 
-use super::Format;
+use super::format::Format;
+use crate::Lens;
 use crate::prescription::Prescription;
 
 /// A glass of a lens, and where its index comes from.
@@ -33,6 +34,17 @@ pub struct Report {
     pub ignored: Vec<String>,
     /// What looks wrong, with its likely cause.
     pub warnings: Vec<String>,
+}
+
+/// A lens that was read.
+#[derive(Debug)]
+pub struct Reading {
+    /// The prescription, which a [`Lens`] can be made of.
+    pub prescription: Prescription,
+    /// The lens, in its first position.
+    pub lens: Lens,
+    /// What was read, assumed and ignored.
+    pub report: Report,
 }
 
 /// The glasses of a prescription, each once.

@@ -3,6 +3,9 @@
 mod commands;
 mod private;
 
+use crate::checks::MOST_SURFACES;
+use crate::files::draft::MOST_POSITIONS;
+use crate::files::draft::too_many_surfaces;
 use std::collections::BTreeMap;
 
 use self::commands::{Command, commands};
@@ -138,8 +141,8 @@ impl Reader {
     /// `S 23.5 9.0 SLAL8_OHARA`: the first number, the thickness, the glass.
     fn surface(&mut self, command: &Command) -> Read<()> {
         let Command { line, words, .. } = command;
-        if self.draft.rows.len() >= super::MOST_SURFACES {
-            return Err(super::too_many_surfaces(*line));
+        if self.draft.rows.len() >= MOST_SURFACES {
+            return Err(too_many_surfaces(*line));
         }
         let name = format!("surface {}", self.draft.rows.len() + 1);
         let value = |i: usize| match words.get(i) {
@@ -304,8 +307,8 @@ impl Reader {
     }
 
     fn zoom_positions(&mut self, count: usize, line: usize) -> Read<()> {
-        if count > super::MOST_POSITIONS {
-            let message = format!("ZOO {count}: more than {} positions", super::MOST_POSITIONS);
+        if count > MOST_POSITIONS {
+            let message = format!("ZOO {count}: more than {} positions", MOST_POSITIONS);
             return Err(Fault::at(line, message));
         }
         let named = |number| Setting { label: format!("zoom {number}"), ..Setting::default() };

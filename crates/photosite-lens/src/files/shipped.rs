@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::Reading;
+use super::read::read;
+use super::report::Reading;
 
 /// The text of `assets/lenses/NAME.toml` for every name.
 macro_rules! embed {
@@ -37,7 +38,7 @@ pub fn shipped(name: &str) -> Option<Reading> {
     let (name, text) = LENSES.iter().find(|(known, _)| *known == name)?;
     let path = format!("{name}.toml");
     // A test reads every one.
-    Some(super::read(text.as_bytes(), Path::new(&path)).unwrap_or_else(|error| panic!("assets/lenses/{error}")))
+    Some(read(text.as_bytes(), Path::new(&path)).unwrap_or_else(|error| panic!("assets/lenses/{error}")))
 }
 
 #[cfg(test)]
@@ -49,7 +50,7 @@ mod tests {
         for name in names() {
             let file = format!("{}/tests/reference/{name}.json", env!("CARGO_MANIFEST_DIR"));
             let bytes = std::fs::read(&file).expect("committed");
-            let reference = super::super::read(&bytes, Path::new(&file)).expect("a lens");
+            let reference = read(&bytes, Path::new(&file)).expect("a lens");
             let own = shipped(name).expect("listed");
             assert_eq!(own.prescription, reference.prescription, "{name}");
             assert!(own.prescription.licence.is_some_and(|licence| !licence.is_empty()), "{name}");

@@ -2,6 +2,8 @@
 
 use photosite_core::Invalid;
 
+use super::draft::{Fault, Read};
+
 /// Most bytes of a lens file: the largest that we know have 0.2 MB.
 pub(super) const MOST_BYTES: usize = 1_000_000;
 
@@ -36,6 +38,26 @@ pub(super) fn number(text: &str) -> Option<f64> {
     let parsed = plain.parse::<f64>().ok().or_else(|| plain.replace(['d', 'D'], "e").parse().ok())?;
     // `nan` and `inf` are words of Rust, not of these files.
     (parsed.is_finite() && plain.bytes().any(|b| b.is_ascii_digit())).then_some(parsed)
+}
+
+/// mm of a unit of length.
+pub(super) fn mm_of(unit: &str) -> Option<f64> {
+    match unit.to_ascii_lowercase().as_str() {
+        "mm" => Some(1.0),
+        "cm" => Some(10.0),
+        "in" | "inch" | "inches" => Some(25.4),
+        "m" | "meter" | "meters" => Some(1000.0),
+        _ => None,
+    }
+}
+
+/// The first word of a record as a number above 0.
+pub(super) fn positive<S: AsRef<str>>(words: &[S], key: &str, line: usize) -> Read<f64> {
+    let word = words.first().map_or("", |word| word.as_ref());
+    match number(word) {
+        Some(number) if number > 0.0 => Ok(number),
+        Some(_) | None => Err(Fault::at(line, format!("{key} {word}: no number above 0"))),
+    }
 }
 
 #[cfg(test)]

@@ -1,5 +1,11 @@
 //! OpticStudio's (Zemax') sequential lens files, `.zmx`: a line for each value, `SURF n` begins a surface.
 
+use crate::checks::MOST_SURFACES;
+use crate::files::draft::MOST_POSITIONS;
+use crate::files::draft::too_many_surfaces;
+use crate::files::patent::patent_in;
+use crate::files::text::mm_of;
+use crate::files::text::positive;
 use std::collections::BTreeMap;
 
 use super::draft::{Draft, Fault, Field, Medium, Numbers, Opening, Read, Row, Setting};
@@ -88,8 +94,8 @@ pub(super) fn read(text: &str) -> Read<Draft> {
             surfaces
                 .push(Surface { row: Row { line: Some(line_number), name, ..Row::default() }, ..Surface::default() });
             // The object and the image are the two more that a file has.
-            if surfaces.len() > super::MOST_SURFACES + 2 {
-                return Err(super::too_many_surfaces(line_number));
+            if surfaces.len() > MOST_SURFACES + 2 {
+                return Err(too_many_surfaces(line_number));
             }
         } else if key == "NOTE" {
             notes.push(rest.trim_start_matches(|c: char| c.is_ascii_digit()).trim().to_owned());
@@ -102,7 +108,7 @@ pub(super) fn read(text: &str) -> Read<Draft> {
         }
     }
     let note = notes.join(" ");
-    draft.patent = super::patent_in(&note);
+    draft.patent = patent_in(&note);
     finish(draft, system, surfaces)
 }
 
@@ -119,12 +125,12 @@ fn of_system(key: &str, rest: &str, line: usize, system: &mut System, draft: &mu
         "NAME" => draft.name = rest.trim_matches('"').to_owned(),
         "UNIT" => {
             let unit = words.first().copied().unwrap_or_default();
-            system.mm = Some(super::mm_of(unit).ok_or_else(|| {
+            system.mm = Some(mm_of(unit).ok_or_else(|| {
                 Fault::at(line, format!("UNIT {unit}: no unit that is known")).help("write MM, CM, IN or METER")
             })?);
         }
-        "ENPD" => draft.opening = Some(Opening::EntrancePupil(super::positive(&words, key, line)?)),
-        "FNUM" => draft.opening = Some(Opening::FNumber(super::positive(&words, key, line)?)),
+        "ENPD" => draft.opening = Some(Opening::EntrancePupil(positive(&words, key, line)?)),
+        "FNUM" => draft.opening = Some(Opening::FNumber(positive(&words, key, line)?)),
         "OBNA" => draft.ignore("OBNA, an aperture by the angle at the object: the stop's own radius holds"),
         "FLOA" => draft.opening = None,
         "GCAT" => system.catalogues = words.iter().map(|&word| word.to_owned()).collect(),
@@ -378,8 +384,8 @@ fn settings(draft: &mut Draft, system: &System) -> Read<()> {
     if system.configurations <= 1 {
         return Ok(());
     }
-    if system.configurations > super::MOST_POSITIONS {
-        let message = format!("MNUM {}: more than {} configurations", system.configurations, super::MOST_POSITIONS);
+    if system.configurations > MOST_POSITIONS {
+        let message = format!("MNUM {}: more than {} configurations", system.configurations, MOST_POSITIONS);
         return Err(Fault::of_file(message));
     }
     draft.settings = (1..=system.configurations)

@@ -122,7 +122,7 @@ mod tests {
         let catalogues: Vec<String> = catalogues.iter().map(|&c| c.to_owned()).collect();
         match by_name(name, &catalogues) {
             Found::Glass(glass, note) => (glass.source, glass.dispersion.index(lines::D), note.is_some()),
-            other => panic!("{name}: {other:?}"),
+            other @ (Found::Ambiguous(_) | Found::Unknown(_)) => panic!("{name}: {other:?}"),
         }
     }
 

@@ -3,9 +3,10 @@
 use std::fmt::Write;
 
 use photosite_core::spectrum::dispersion::lines;
+use photosite_lens::files::names;
 use photosite_lens::prescription::{Prescription, Surface};
 
-use super::{REFERENCES, reading, reference};
+use super::{reading, reference};
 
 fn numbers(surface: &Surface) -> Option<(f64, f64)> {
     let dispersion = &surface.glass.as_ref()?.dispersion;
@@ -48,7 +49,7 @@ fn assert_same(name: &str, read: &Prescription, expected: &Prescription, index_e
 
 #[test]
 fn our_own_form_gives_the_same_prescription_again() {
-    for name in REFERENCES {
+    for name in names() {
         let lens = reference(name).prescription;
         let toml = photosite_lens::files::to_toml(&lens);
         assert_eq!(reading("lens.toml", &toml).prescription, lens, "{name}");
@@ -57,7 +58,7 @@ fn our_own_form_gives_the_same_prescription_again() {
 
 #[test]
 fn opticstudio() {
-    for name in REFERENCES {
+    for name in names() {
         let lens = reference(name).prescription;
         let is_even = is_even(&lens);
         // In inches: every length is scaled, coefficients by their order.
@@ -112,7 +113,7 @@ fn opticstudio() {
 
 #[test]
 fn code_v() {
-    for name in REFERENCES {
+    for name in names() {
         let lens = reference(name).prescription;
         if !is_even(&lens) {
             continue;
@@ -159,7 +160,7 @@ fn code_v() {
 
 #[test]
 fn optical_bench() {
-    for name in REFERENCES {
+    for name in names() {
         let lens = reference(name).prescription;
         let is_even = is_even(&lens);
         let constants = if is_even { "" } else { "AsphericalOddCount\t4\n" };
@@ -207,7 +208,7 @@ fn optical_bench() {
 
 #[test]
 fn pbrt() {
-    for name in REFERENCES {
+    for name in names() {
         let lens = reference(name).prescription;
         let has_flats = lens.surfaces.iter().any(|surface| surface.radius_mm.is_none() != surface.is_stop);
         let is_spherical = lens.surfaces.iter().all(|surface| surface.conic == 0.0 && surface.asphere.is_empty());

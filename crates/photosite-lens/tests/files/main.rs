@@ -31,19 +31,3 @@ fn reference(name: &str) -> Reading {
     let bytes = std::fs::read(&path).expect("committed");
     read(&bytes, Path::new(&path)).unwrap_or_else(|error| panic!("{error}"))
 }
-
-/// The names of all of them.
-const REFERENCES: [&str; 12] = [
-    "canon-ef50",
-    "canon-ef85",
-    "canon-rf24",
-    "cooke-triplet",
-    "double-gauss",
-    "fisheye-170",
-    "nikkor-z14",
-    "phone-us7535658",
-    "retrofocus",
-    "telephoto",
-    "tessar",
-    "zoom-laikin",
-];

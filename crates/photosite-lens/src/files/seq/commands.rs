@@ -2,6 +2,7 @@
 
 use crate::files::draft::{Fault, Read};
 use crate::files::text::number;
+use crate::files::text::positive;
 
 /// A command.
 #[derive(Debug)]
@@ -30,7 +31,7 @@ impl Command {
     /// A number above 0.
     pub(super) fn positive(&self, word: usize) -> Read<f64> {
         let words: Vec<&str> = self.words[word.min(self.words.len())..].iter().map(String::as_str).collect();
-        super::super::positive(&words, &self.key, self.line)
+        positive(&words, &self.key, self.line)
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use glam::{DMat3, DVec3};
 use photosite_core::spectrum::Dispersion;
 
 use super::commands::{Command, fault, is_number};
@@ -58,45 +59,25 @@ pub(super) fn glasses(commands: &[Command]) -> Read<(BTreeMap<String, Glass>, Ve
 /// Conrady's formula by least squares, a constant where there are fewer than three indices, and the largest error at
 /// the wavelengths given.
 fn fitted(wavelengths_nm: &[f64], indices: &[f64]) -> Option<(Dispersion, f64)> {
-    let row = |nm: f64| {
+    let terms = |nm: f64| {
         let um = nm * 1e-3;
-        [1.0, 1.0 / um, um.powf(-3.5)]
+        DVec3::new(1.0, 1.0 / um, um.powf(-3.5))
     };
     let dispersion = if indices.len() < 3 {
         Dispersion::constant(indices.iter().sum::<f64>() / indices.len() as f64)
     } else {
-        // Normal equations, on a right-hand side.
-        let mut m = [[0.0; 4]; 3];
+        // The normal equations of least squares.
+        let (mut products, mut right) = (DMat3::ZERO, DVec3::ZERO);
         for (&nm, &n) in wavelengths_nm.iter().zip(indices) {
-            let row = row(nm);
-            for (i, line) in m.iter_mut().enumerate() {
-                (0..3).for_each(|j| line[j] += row[i] * row[j]);
-                line[3] += row[i] * n;
-            }
+            let terms = terms(nm);
+            products += DMat3::from_cols(terms * terms.x, terms * terms.y, terms * terms.z);
+            right += terms * n;
         }
-        let [a, b_um, c_um35] = solved(m)?;
+        let DVec3 { x: a, y: b_um, z: c_um35 } = products.inverse() * right;
         Dispersion::Conrady { a, b_um, c_um35 }
     };
     let error = |(&nm, &n): (&f64, &f64)| (dispersion.index(nm) - n).abs();
     let largest = wavelengths_nm.iter().zip(indices).map(error).fold(0.0, f64::max);
     let dispersion = dispersion.validated().ok()?;
     Some((dispersion, largest))
-}
-
-/// Three equations by elimination with pivots.
-fn solved(mut m: [[f64; 4]; 3]) -> Option<[f64; 3]> {
-    for i in 0..3 {
-        let pivot = (i..3).max_by(|&a, &b| m[a][i].abs().total_cmp(&m[b][i].abs()))?;
-        m.swap(i, pivot);
-        for k in 0..3 {
-            if k != i {
-                let by = m[k][i] / m[i][i];
-                for j in i..4 {
-                    m[k][j] -= by * m[i][j];
-                }
-            }
-        }
-    }
-    let solution = [0, 1, 2].map(|i| m[i][3] / m[i][i]);
-    solution.iter().all(|x| x.is_finite()).then_some(solution)
 }
