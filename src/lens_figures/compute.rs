@@ -10,7 +10,9 @@ use photosite_lens::trace::Apertures;
 use photosite_lens::{Lens, LensAt, Ray};
 use rayon::prelude::*;
 
-use super::figures::{Claims, FieldFigures, FirstOrderRow, LensFigures, PositionFigures, StopFigures, SurfaceRow};
+use super::figures::{
+    ChiefFigures, Claims, FieldFigures, FirstOrderRow, LensFigures, PositionFigures, StopFigures, SurfaceRow,
+};
 use super::mtf;
 use crate::spectrum::dispersion::lines;
 use crate::{Invalid, Result};
@@ -19,6 +21,8 @@ use crate::{Invalid, Result};
 pub(super) const LINES: [(&str, f64); 3] = [("F", lines::F), ("d", lines::D), ("C", lines::C)];
 /// Fields from the axis to the edge.
 const FIELDS: u32 = 7;
+/// Points of curves over the field.
+const CURVE: u32 = 33;
 /// Directions in which the edge of the light is looked for.
 const DIRECTIONS: usize = 90;
 /// Rays along a side of a spot diagram.
@@ -113,11 +117,14 @@ fn of_position(reading: &Reading, position: Option<&Position>, lens: &Lens, opti
     let at = lens.at(lines::D);
     let first_order: Vec<FirstOrderRow> = LINES.iter().map(|&(line, nm)| first_order(line, &lens.at(nm))).collect();
     let (half_field_deg, field_from) = half_field(reading, position, &at, options);
-    let angles: Vec<f64> = (0..FIELDS).map(|i| half_field_deg * f64::from(i) / f64::from(FIELDS - 1)).collect();
+    let angles =
+        |count: u32| -> Vec<f64> { (0..count).map(|i| half_field_deg * f64::from(i) / f64::from(count - 1)).collect() };
+    let efl_mm = first_order[1].efl_mm;
     let on_axis = at.pupil_region(0.0, DIRECTIONS);
     let axis_sr = on_axis.as_ref().map_or(f64::NAN, |region| region.area());
     let fields: Vec<FieldFigures> =
-        angles.par_iter().filter_map(|&angle| of_field(lens, angle, first_order[1].efl_mm, axis_sr)).collect();
+        angles(FIELDS).par_iter().filter_map(|&angle| of_field(lens, angle, efl_mm, axis_sr)).collect();
+    let curves = angles(CURVE).par_iter().filter_map(|&angle| of_chief_ray(lens, angle, efl_mm)).collect();
     let gap = lens.gap_mm(lens.surfaces().len() - 1);
     PositionFigures {
         label: position.map_or_else(String::new, |position| position.label.clone()),
@@ -131,6 +138,7 @@ fn of_position(reading: &Reading, position: Option<&Position>, lens: &Lens, opti
         stops: stops(lens, first_order[1].f_number, &fields),
         first_order,
         fields,
+        curves,
     }
 }
 
@@ -171,31 +179,38 @@ fn half_field(reading: &Reading, position: Option<&Position>, at: &LensAt, optio
     }
 }
 
-/// The figures of a field; `None` where the lens has no chief ray.
-fn of_field(lens: &Lens, angle_deg: f64, efl_mm: f64, axis_sr: f64) -> Option<FieldFigures> {
+/// The figures of the chief ray of a field; `None` where the lens has none.
+fn of_chief_ray(lens: &Lens, angle_deg: f64, efl_mm: f64) -> Option<ChiefFigures> {
     let field = angle_deg.to_radians();
     let height = |nm: f64| Some(if field == 0.0 { 0.0 } else { lens.at(nm).chief_ray(field)?.image_height_mm });
-    let d = lens.at(lines::D);
     let image_height_mm = height(lines::D)?;
     let lateral = |nm: f64| height(nm).map(|height| (height - image_height_mm) * 1e3);
-    let illumination_sr = d.pupil_region(image_height_mm, DIRECTIONS).map_or(0.0, |region| region.area());
-    let spots: Vec<Vec<DVec2>> = LINES.iter().map(|&(_, nm)| lens.at(nm).spot_diagram(field, ACROSS)).collect();
-    let rms = |points: &[DVec2]| Spot::of(points).map(|spot| spot.rms_mm * 1e3);
-    let foci = foci(&d, field);
-    Some(FieldFigures {
+    let foci = foci(&lens.at(lines::D), field);
+    // Beyond 90° there is no picture on a plane to compare with.
+    let is_flat = field == 0.0 || field >= FRAC_PI_2;
+    Some(ChiefFigures {
         field_deg: angle_deg,
         image_height_mm,
-        distortion_percent: if field == 0.0 || field >= FRAC_PI_2 {
-            0.0
-        } else {
-            100.0 * (image_height_mm / (efl_mm * field.tan()) - 1.0)
-        },
-        illumination_sr,
-        relative_illumination: illumination_sr / axis_sr,
+        distortion_percent: if is_flat { 0.0 } else { 100.0 * (image_height_mm / (efl_mm * field.tan()) - 1.0) },
         tangential_focus_mm: foci.map(|[tangential, _]| tangential),
         sagittal_focus_mm: foci.map(|[_, sagittal]| sagittal),
         lateral_colour_f_um: lateral(lines::F),
         lateral_colour_c_um: lateral(lines::C),
+    })
+}
+
+/// The figures of a field; `None` where the lens has no chief ray.
+fn of_field(lens: &Lens, angle_deg: f64, efl_mm: f64, axis_sr: f64) -> Option<FieldFigures> {
+    let chief = of_chief_ray(lens, angle_deg, efl_mm)?;
+    let field = angle_deg.to_radians();
+    let region = lens.at(lines::D).pupil_region(chief.image_height_mm, DIRECTIONS);
+    let illumination_sr = region.map_or(0.0, |region| region.area());
+    let spots: Vec<Vec<DVec2>> = LINES.iter().map(|&(_, nm)| lens.at(nm).spot_diagram(field, ACROSS)).collect();
+    let rms = |points: &[DVec2]| Spot::of(points).map(|spot| spot.rms_mm * 1e3);
+    Some(FieldFigures {
+        chief,
+        illumination_sr,
+        relative_illumination: illumination_sr / axis_sr,
         spot_rms_um: [0, 1, 2].map(|i| rms(&spots[i])),
         spot_rms_all_um: rms(&spots.concat()),
         mtf: LINES.map(|(_, nm)| mtf::mtf(&lens.at(nm), field)),
@@ -240,8 +255,8 @@ fn stops(lens: &Lens, open: f64, fields: &[FieldFigures]) -> Vec<StopFigures> {
             };
             StopFigures {
                 f_number,
-                relative_illumination: fields.iter().map(|field| area(field.image_height_mm) / axis).collect(),
-                spot_rms_um: fields.iter().map(|field| spot(field.field_deg)).collect(),
+                relative_illumination: fields.iter().map(|field| area(field.chief.image_height_mm) / axis).collect(),
+                spot_rms_um: fields.iter().map(|field| spot(field.chief.field_deg)).collect(),
             }
         })
         .collect()

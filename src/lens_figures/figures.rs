@@ -111,6 +111,8 @@ pub struct PositionFigures {
     pub field_from: &'static str,
     /// Figures by field, from the axis to the edge.
     pub fields: Vec<FieldFigures>,
+    /// Figures of chief rays in smaller steps, for curves.
+    pub curves: Vec<ChiefFigures>,
     /// Spots and illumination at each stop.
     pub stops: Vec<StopFigures>,
 }
@@ -138,27 +140,35 @@ pub struct FirstOrderRow {
     pub f_number: f64,
 }
 
-/// Figures of one field.
+/// Figures of the chief ray of a field.
 #[derive(Clone, Debug, Serialize)]
-pub struct FieldFigures {
+pub struct ChiefFigures {
     /// Angle to the axis, degrees.
     pub field_deg: f64,
     /// Height of the chief ray on the sensor at d, mm.
     pub image_height_mm: f64,
     /// 100·(h/(f·tan θ) − 1), at d.
     pub distortion_percent: f64,
-    /// |S|, sr: irradiance over radiance of a uniform scene.
-    pub illumination_sr: f64,
-    /// The same over that of the axis.
-    pub relative_illumination: f64,
-    /// Where rays beside the chief ray cross it, from the sensor, mm: in its plane, and across.
+    /// Where rays beside the chief ray cross it, in its plane, behind the sensor, mm.
     pub tangential_focus_mm: Option<f64>,
-    /// Across.
+    /// The same across its plane.
     pub sagittal_focus_mm: Option<f64>,
     /// How far the chief ray of F is from that of d, µm.
     pub lateral_colour_f_um: Option<f64>,
     /// The same of C.
     pub lateral_colour_c_um: Option<f64>,
+}
+
+/// Figures of one field.
+#[derive(Clone, Debug, Serialize)]
+pub struct FieldFigures {
+    /// Those of its chief ray.
+    #[serde(flatten)]
+    pub chief: ChiefFigures,
+    /// |S|, sr: irradiance over radiance of a uniform scene.
+    pub illumination_sr: f64,
+    /// The same over that of the axis.
+    pub relative_illumination: f64,
     /// Root mean square of the spot at F, d, C, µm.
     pub spot_rms_um: [Option<f64>; 3],
     /// That of all three together.

@@ -12,6 +12,7 @@ mod text;
 
 pub use compute::Options;
 pub use figures::{
-    Claims, FieldFigures, FirstOrderRow, GlassRow, LensFigures, MtfFigures, PositionFigures, StopFigures, SurfaceRow,
+    ChiefFigures, Claims, FieldFigures, FirstOrderRow, GlassRow, LensFigures, MtfFigures, PositionFigures, StopFigures,
+    SurfaceRow,
 };
 pub use page::html;

@@ -62,7 +62,7 @@ fn facts(position: &PositionFigures) -> Vec<(String, String)> {
         ("Back focal length", format!("{} mm", by_line(&|row| row.bfl_mm))),
         ("f-number", format!("{:.3} (traced {:.3})", d.f_number, position.working_f_number)),
         ("Field", format!("±{:.2}°, {}", position.half_field_deg, position.field_from)),
-        ("Picture", format!("±{:.3} mm", edge.map_or(0.0, |edge| edge.image_height_mm))),
+        ("Picture", format!("±{:.3} mm", edge.map_or(0.0, |edge| edge.chief.image_height_mm))),
         (
             "Entrance pupil",
             format!(
@@ -85,7 +85,7 @@ fn facts(position: &PositionFigures) -> Vec<(String, String)> {
 /// Relative illumination and spots at each stop.
 fn stops(position: &PositionFigures) -> String {
     let head: Vec<String> =
-        position.fields.iter().map(|field| format!("<th class=\"n\">{:.1}°</th>", field.field_deg)).collect();
+        position.fields.iter().map(|field| format!("<th class=\"n\">{:.1}°</th>", field.chief.field_deg)).collect();
     let mut html = format!(
         "<h3>At each stop</h3>\n<table><thead><tr><th>relative illumination</th>{0}</tr></thead>\n<tbody>\n",
         head.concat()

@@ -1,7 +1,7 @@
 //! Curves over the field, and of modulation transfer.
 
 use super::compute::LINES;
-use super::figures::{FieldFigures, MtfFigures, PositionFigures};
+use super::figures::{ChiefFigures, FieldFigures, MtfFigures, PositionFigures};
 use crate::characterisation::report::chart::{
     Axis, BLUE, Chart, Curve, GREEN, Mark, ORANGE, RGBColor, SeriesLabelPosition,
 };
@@ -19,9 +19,14 @@ pub(super) fn plots(position: &PositionFigures) -> Vec<Plot> {
     plots
 }
 
+/// A figure of the chief ray, over its angle.
+fn by_angle(position: &PositionFigures, of: impl Fn(&ChiefFigures) -> Option<f64>) -> Vec<(f64, f64)> {
+    position.curves.iter().filter_map(|chief| Some((chief.field_deg, of(chief)?))).collect()
+}
+
 /// A figure of every field, over its angle.
 fn by_field(position: &PositionFigures, of: impl Fn(&FieldFigures) -> Option<f64>) -> Vec<(f64, f64)> {
-    position.fields.iter().filter_map(|field| Some((field.field_deg, of(field)?))).collect()
+    position.fields.iter().filter_map(|field| Some((field.chief.field_deg, of(field)?))).collect()
 }
 
 fn angle(position: &PositionFigures) -> Axis {
@@ -30,8 +35,8 @@ fn angle(position: &PositionFigures) -> Axis {
 
 fn field_curves(position: &PositionFigures) -> Plot {
     let curves = vec![
-        Curve::new("tangential", Mark::Line, BLUE, by_field(position, |field| field.tangential_focus_mm)),
-        Curve::new("sagittal", Mark::Dashes, ORANGE, by_field(position, |field| field.sagittal_focus_mm)),
+        Curve::new("tangential", Mark::Line, BLUE, by_angle(position, |chief| chief.tangential_focus_mm)),
+        Curve::new("sagittal", Mark::Dashes, ORANGE, by_angle(position, |chief| chief.sagittal_focus_mm)),
     ];
     Plot {
         title: "Field curves",
@@ -52,7 +57,7 @@ fn distortion(position: &PositionFigures) -> Plot {
         chart: Chart {
             x: angle(position),
             y: Axis::linear("distortion in %"),
-            curves: vec![Curve::new("", Mark::Line, BLUE, by_field(position, |field| Some(field.distortion_percent)))],
+            curves: vec![Curve::new("", Mark::Line, BLUE, by_angle(position, |chief| Some(chief.distortion_percent)))],
             legend: SeriesLabelPosition::LowerLeft,
         },
     }
@@ -78,8 +83,8 @@ fn illumination(position: &PositionFigures) -> Plot {
 
 fn lateral_colour(position: &PositionFigures) -> Plot {
     let curves = vec![
-        Curve::new("F", Mark::Line, COLOURS[0], by_field(position, |field| field.lateral_colour_f_um)),
-        Curve::new("C", Mark::Line, COLOURS[2], by_field(position, |field| field.lateral_colour_c_um)),
+        Curve::new("F", Mark::Line, COLOURS[0], by_angle(position, |chief| chief.lateral_colour_f_um)),
+        Curve::new("C", Mark::Line, COLOURS[2], by_angle(position, |chief| chief.lateral_colour_c_um)),
     ];
     Plot {
         title: "Lateral colour",
@@ -108,6 +113,9 @@ fn modulation_by_frequency(position: &PositionFigures) -> Vec<Plot> {
         let field = &position.fields[i];
         let mut curves = Vec::new();
         let mut methods = Vec::new();
+        // The legend stands where there are no curves.
+        let ends = field.mtf.iter().flatten().flat_map(|mtf| [mtf.tangential.last(), mtf.sagittal.last()]);
+        let is_high = ends.flatten().fold(1.0, |least: f64, end| least.min(*end)) > 0.4;
         for (((line, _), colour), mtf) in LINES.into_iter().zip(COLOURS).zip(&field.mtf) {
             let Some(mtf) = mtf else { continue };
             let points = |values: &[f64]| mtf.frequency_per_mm.iter().copied().zip(values.iter().copied()).collect();
@@ -121,12 +129,12 @@ fn modulation_by_frequency(position: &PositionFigures) -> Vec<Plot> {
         }
         Plot {
             title,
-            caption: format!("At {:.2}°; rms of the wave front: {}.", field.field_deg, methods.join(", ")),
+            caption: format!("At {:.2}°; rms of the wave front: {}.", field.chief.field_deg, methods.join(", ")),
             chart: Chart {
                 x: Axis::linear("cycles per mm").within(0.0, 100.0),
                 y: Axis::linear("modulation").within(0.0, 1.0),
                 curves,
-                legend: SeriesLabelPosition::UpperRight,
+                legend: if is_high { SeriesLabelPosition::LowerLeft } else { SeriesLabelPosition::UpperRight },
             },
         }
     };

@@ -19,7 +19,7 @@ const RAYS: u32 = 7;
 /// The angles of the beams that are drawn.
 pub(super) fn angles(position: &PositionFigures) -> String {
     let angles: Vec<String> =
-        shown_fields(position).into_iter().map(|i| format!("{:.1}°", position.fields[i].field_deg)).collect();
+        shown_fields(position).into_iter().map(|i| format!("{:.1}°", position.fields[i].chief.field_deg)).collect();
     angles.join(", ")
 }
 
@@ -27,7 +27,7 @@ pub(super) fn angles(position: &PositionFigures) -> String {
 pub(super) fn svg(lens: &Lens, position: &PositionFigures) -> String {
     let at = lens.at(lines::D);
     let rim = lens.surfaces().iter().map(|surface| surface.semi_aperture_mm).fold(0.0, f64::max);
-    let edge = position.fields.last().map_or(0.0, |field| field.image_height_mm.abs());
+    let edge = position.fields.last().map_or(0.0, |field| field.chief.image_height_mm.abs());
     let half_height = 1.08 * rim.max(edge);
     let sensor = lens.sensor_z_mm();
     let front = lens.surfaces().iter().map(|surface| sag(surface, surface.semi_aperture_mm) + surface.z_mm);
@@ -48,7 +48,7 @@ pub(super) fn svg(lens: &Lens, position: &PositionFigures) -> String {
     glasses(&mut svg, lens);
     for (i, colour) in shown_fields(position).into_iter().zip(COLOURS) {
         let colour = format!("#{:02x}{:02x}{:02x}", colour.0, colour.1, colour.2);
-        for path in rays(&at, position.fields[i].field_deg.to_radians(), before) {
+        for path in rays(&at, position.fields[i].chief.field_deg.to_radians(), before) {
             let _ = writeln!(svg, "<path d=\"{path}\" stroke=\"{colour}\" {THIN}/>");
         }
     }

@@ -23,9 +23,9 @@ pub(super) fn svg(lens: &Lens, position: &PositionFigures) -> String {
         .fields
         .iter()
         .map(|field| {
-            let chief = DVec2::new(0.0, field.image_height_mm);
+            let chief = DVec2::new(0.0, field.chief.image_height_mm);
             let of_line = |(_, nm): (&str, f64)| {
-                let points = lens.at(nm).spot_diagram(field.field_deg.to_radians(), ACROSS);
+                let points = lens.at(nm).spot_diagram(field.chief.field_deg.to_radians(), ACROSS);
                 points.into_iter().map(|point| (point - chief) * 1e3).collect()
             };
             LINES.into_iter().map(of_line).collect()
@@ -70,7 +70,7 @@ pub(super) fn svg(lens: &Lens, position: &PositionFigures) -> String {
              fill=\"#5a606b\">{:.1}°{rms}</text>",
             middle.x,
             SIDE + 14.0,
-            field.field_deg
+            field.chief.field_deg
         );
     }
     let _ = writeln!(

@@ -122,14 +122,14 @@ fn position(text: &mut String, position: &PositionFigures) {
         .iter()
         .map(|field| {
             vec![
-                format!("{:.3}", field.field_deg),
-                format!("{:.4}", field.image_height_mm),
-                format!("{:.3}", field.distortion_percent),
+                format!("{:.3}", field.chief.field_deg),
+                format!("{:.4}", field.chief.image_height_mm),
+                format!("{:.3}", field.chief.distortion_percent),
                 format!("{:.4}", field.relative_illumination),
-                optional(field.lateral_colour_f_um, 2),
-                optional(field.lateral_colour_c_um, 2),
-                optional(field.tangential_focus_mm, 4),
-                optional(field.sagittal_focus_mm, 4),
+                optional(field.chief.lateral_colour_f_um, 2),
+                optional(field.chief.lateral_colour_c_um, 2),
+                optional(field.chief.tangential_focus_mm, 4),
+                optional(field.chief.sagittal_focus_mm, 4),
                 optional(field.spot_rms_um[0], 2),
                 optional(field.spot_rms_um[1], 2),
                 optional(field.spot_rms_um[2], 2),
@@ -167,7 +167,7 @@ fn position(text: &mut String, position: &PositionFigures) {
             cells
         })
         .collect();
-    let angles: Vec<String> = position.fields.iter().map(|field| format!("{:.1}°", field.field_deg)).collect();
+    let angles: Vec<String> = position.fields.iter().map(|field| format!("{:.1}°", field.chief.field_deg)).collect();
     let head: Vec<&str> = std::iter::once("").chain(angles.iter().chain(&angles).map(String::as_str)).collect();
     table(text, &head, &rows);
 }

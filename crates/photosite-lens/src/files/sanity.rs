@@ -59,7 +59,7 @@ pub(super) fn warnings(prescription: &Prescription, lens: &Lens) -> Vec<String> 
     if (f - c).abs() > AXIAL_COLOUR * efl && glasses.len() > 1 {
         let colour = c - f;
         warnings.push(format!(
-            "the foci of F and C are {colour:.3} mm apart, {:.2} % of the focal length: look for a wrong Abbe number",
+            "the foci of F and C are {colour:.3} mm apart, {:.2} % of the focal length, more than most lenses leave: look for a wrong Abbe number",
             100.0 * colour.abs() / efl
         ));
     }
