@@ -60,6 +60,7 @@ mod submit;
 mod surroundings;
 mod targets;
 mod together;
+mod tracks;
 mod truth;
 mod variation;
 mod wavelengths;
