@@ -63,6 +63,7 @@ pub mod cli;
 pub mod dataset;
 pub mod emva1288;
 pub mod io;
+pub mod lens_figures;
 mod locked;
 mod picture;
 pub mod pipeline;

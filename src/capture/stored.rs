@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use super::colour::Finder;
 use super::file::refuse_unknown_sections;
 use super::lens::describe_lens;
+use super::prescription::Prescribed;
 use super::relocate::keys_of;
 use super::sensor::{anchor_files, read_sensor, sensor_model};
 use super::settings::{ExposureSettings, OutputSettings};
@@ -81,7 +82,9 @@ impl StoredCapture {
         };
         let sensor = sensor_model(&merged, source.sandbox()).map_err(at("sensor"))?;
         // Warnings about the lens were given when light was traced.
-        let lens = describe_lens(&finder, &lens, &sensor, None, Some(Focus::Infinity), &mut Warnings::default());
+        let mut given = Warnings::default();
+        let prescribed = Prescribed::of(&finder, &lens, &mut given).map_err(at("lens"))?;
+        let lens = describe_lens(&finder, &lens, prescribed, &sensor, None, Some(Focus::Infinity), &mut given);
         let lens = lens.map_err(at("lens"))?;
         let exposure = settings::exposure(&exposure, &sensor).map_err(at("exposure"))?;
         let of_settings = sensor.warnings().into_iter().chain(exposure.warning());

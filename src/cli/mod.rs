@@ -19,6 +19,7 @@ mod figures_text;
 mod info;
 mod init;
 mod layout;
+mod lens;
 mod listing;
 mod log;
 mod measure;
@@ -94,6 +95,7 @@ enum Command {
     Status(status::StatusArgs),
     Submit(submit::SubmitArgs),
     Layout(layout::LayoutArgs),
+    Lens(lens::LensArgs),
     Rectify(rectify::RectifyArgs),
     Depth(depth::DepthArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
@@ -189,6 +191,7 @@ fn run_command(cli: &Cli) -> Result<u8> {
         Command::Status(args) => return status::run(args),
         Command::Submit(args) => submit::run(args, sandbox, &cli.of_hosts()?),
         Command::Layout(args) => layout::run(args, sandbox),
+        Command::Lens(args) => lens::run(args),
         Command::Rectify(args) => rectify::run(args, sandbox),
         Command::Depth(args) => depth::run(args),
         Command::ExportMitsuba(args) => export_mitsuba::run(args, sandbox),

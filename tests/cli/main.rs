@@ -29,6 +29,7 @@ mod kept_scenes;
 mod layout;
 mod lenient;
 mod lens;
+mod lens_files;
 mod light_paths;
 mod limits;
 mod log;

@@ -23,7 +23,7 @@ footer { margin-top: 3rem; color: #5a606b; font-size: .85rem; }
 ";
 
 /// A page of this title, whose body is HTML.
-pub(super) fn page(title: &str, body: &str) -> String {
+pub fn page(title: &str, body: &str) -> String {
     let (title, version) = (escaped(title), env!("CARGO_PKG_VERSION"));
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
@@ -33,7 +33,7 @@ pub(super) fn page(title: &str, body: &str) -> String {
 }
 
 /// Names and values.
-pub(super) fn conditions(conditions: &[(String, String)]) -> String {
+pub fn conditions(conditions: &[(String, String)]) -> String {
     let mut html = "<dl>\n".to_owned();
     for (name, value) in conditions {
         let _ = writeln!(html, "<dt>{}</dt><dd>{}</dd>", escaped(name), escaped(value));
@@ -42,7 +42,7 @@ pub(super) fn conditions(conditions: &[(String, String)]) -> String {
 }
 
 /// Plots with what is said about them.
-pub(super) fn figures(plots: &[Plot]) -> String {
+pub fn figures(plots: &[Plot]) -> String {
     let mut html = "<div class=\"plots\">\n".to_owned();
     for Plot { title, caption, chart } in plots {
         let _ = writeln!(
@@ -56,6 +56,6 @@ pub(super) fn figures(plots: &[Plot]) -> String {
 }
 
 /// Text as HTML has it.
-pub(super) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -4,13 +4,13 @@
 //!
 //! In: what was measured. Out: the text of the page, the bytes of the plots. Files are left to the caller.
 
-mod chart;
+pub mod chart;
 mod curves;
-mod html;
+pub mod html;
 mod noise_curves;
 mod noise_page;
 mod page;
-mod plot;
+pub mod plot;
 mod points;
 
 pub use noise_page::{NoiseReport, PlaneNoise};
