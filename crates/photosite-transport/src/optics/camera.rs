@@ -37,6 +37,14 @@ pub struct PixelGrid {
     pub pitch_m: [f64; 2],
 }
 
+impl PixelGrid {
+    /// Distance of its corners from its centre, m.
+    fn corner_m(&self) -> f64 {
+        let [width, height] = [0, 1].map(|i| f64::from(self.resolution[i]) * self.pitch_m[i]);
+        width.hypot(height) / 2.0
+    }
+}
+
 /// A lens in front of a pixel grid, placed in the world.
 #[derive(Clone, Debug)]
 pub struct Camera {
@@ -102,7 +110,7 @@ impl Camera {
     ) -> Result<Self, Invalid> {
         lens.validate()?;
         if let (LensKind::Prescription, Some(prescription)) = (lens.kind, &lens.prescription) {
-            let prescribed = PrescribedLens::new(prescription, lens, grid, autofocus_distance_m)?;
+            let prescribed = PrescribedLens::new(prescription, lens, grid.corner_m() * 1e3, autofocus_distance_m)?;
             return Self::of_prescription(prescribed, grid, to_world);
         }
         let f = lens.focal_length_m;

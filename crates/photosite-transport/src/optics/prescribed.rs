@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 
 use glam::{DVec2, DVec3};
 
-use super::{Focus, LensDescription, PixelGrid, Seen};
+use super::{Focus, LensDescription, Seen};
 use photosite_core::Invalid;
 use photosite_core::math::monotone_cubic::MonotoneCubic;
 use photosite_core::spectrum::dispersion::lines;
@@ -62,11 +62,12 @@ pub(super) struct PrescribedRay {
 }
 
 impl PrescribedLens {
-    /// Zooms, stops down and focuses the lens of a prescription. `autofocus_distance_m` counts from the entrance pupil.
+    /// Zooms, stops down and focuses the lens of a prescription for a picture whose corners are at `corner_mm` from the
+    /// axis. `autofocus_distance_m` counts from the entrance pupil.
     pub(super) fn new(
         prescription: &Prescription,
         description: &LensDescription,
-        grid: &PixelGrid,
+        corner_mm: f64,
         autofocus_distance_m: f64,
     ) -> Result<Self, Invalid> {
         let lens = Lens::new(&with_blades(prescription, description)).map_err(|error| error.within("prescription"))?;
@@ -91,8 +92,6 @@ impl PrescribedLens {
         };
         let at = lens.at(REFERENCE_NM);
         let first_order = lens.at(lines::D).first_order();
-        let size_mm = DVec2::from_array([0, 1].map(|i| f64::from(grid.resolution[i]) * grid.pitch_m[i] * 1e3));
-        let corner_mm = size_mm.length() / 2.0;
         let no_chief = || Invalid::new("prescription", "no chief ray of this lens reaches the picture beside its axis");
         let chief = ChiefMap::new(&at, corner_mm).ok_or_else(no_chief)?;
         // What is sharp on the axis to first order, seen from the sensor.
