@@ -42,6 +42,7 @@ mod signals;
 mod status;
 mod submit;
 mod target;
+mod tev;
 
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};

@@ -197,7 +197,11 @@ impl Monitor for TerminalMonitor {
                 *locked(&self.progress) = None;
                 self.log("set_ends", json!({}));
             }
-            Event::Warning(_) | Event::Waiting { .. } | Event::Traced(_) | Event::PassEnds { .. } => {}
+            Event::Warning(_)
+            | Event::Waiting { .. }
+            | Event::Traced(_)
+            | Event::PassEnds { .. }
+            | Event::PictureGrows(_) => {}
         }
     }
 

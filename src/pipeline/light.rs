@@ -76,7 +76,8 @@ impl Prepared {
         let start = Instant::now();
         let camera = self.camera();
         let chain = self.chain();
-        let strips = options.film_memory.strips(&self.capture, self.responses.len(), [true, false])?;
+        let is_watched = options.monitor.picture_interval().is_some();
+        let strips = options.film_memory.strips(&self.capture, self.responses.len(), [true, false, is_watched])?;
         let traced = Trace {
             capture: &self.capture,
             settings: &self.capture.render,

@@ -58,6 +58,7 @@ mod strips;
 mod submit;
 mod surroundings;
 mod targets;
+mod tev;
 mod together;
 mod truth;
 mod variation;
