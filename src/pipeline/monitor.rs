@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::Error;
+use crate::film::Film;
 use crate::report::Timings;
 
 /// Watches work under way. One method takes everything that is reported, the other is asked whether to stop.
@@ -45,6 +46,9 @@ pub enum Event<'a> {
         samples_per_pixel: f64,
         /// Paths that are expected in all.
         expected: u64,
+        /// What is traced so far: [light](super::Prepared::light_so_far) that can be exposed already. Of a picture that
+        /// is traced in strips it is the strip under way.
+        film: &'a Film,
     },
     /// Tracing is over, or broken off.
     TraceEnds,
