@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::camera::pixels;
 use super::chain::{SensorColours, Settings};
 use super::checkpoint::{self, Checkpoints};
 use super::completed_rows::CompletedRows;
@@ -12,9 +13,9 @@ use super::output_folder::OutputFolder;
 use super::prepare::Prepared;
 use super::provenance::provenance;
 use super::same_light::{same_cells, same_times};
-
 use super::trace::{Trace, Traced, trace};
 use crate::capture::{Capture, ExposureSettings, SpectralBands};
+use crate::film::Film;
 use crate::image::{Estimate, Planes};
 use crate::io::light_rows::LightRows;
 use crate::sensor::{SensorModel, electron_rates};
@@ -66,6 +67,11 @@ impl Light {
     }
 }
 
+/// Memory takes what it is given, and gives it back.
+fn in_memory(reason: std::io::Error) -> Error {
+    Error::io("memory".as_ref(), "read", reason)
+}
+
 impl Prepared {
     /// Traces the light of the first picture, in memory.
     ///
@@ -98,8 +104,33 @@ impl Prepared {
         };
         let Traced { rows, paths, pilot_paths, .. } = traced;
         let CompletedRows::Light(rows, _) = rows else { unreachable!("sums are kept of parts alone") };
-        let in_memory = |reason| Error::io("memory".as_ref(), "read", reason);
-        let rates = rows.estimate(chain.channels()).map_err(in_memory)?;
+        self.light(rows, [paths, pilot_paths], start.elapsed().as_secs_f64())
+    }
+
+    /// The light of a film under way, of which [`Event::PassEnds`](super::Event::PassEnds) tells; `None` where it holds
+    /// a strip of the picture alone. `trace_s` is the time that it has taken.
+    ///
+    /// # Errors
+    ///
+    /// None that the film causes.
+    pub fn light_so_far(&self, film: &Film, trace_s: f64) -> Result<Option<Light>> {
+        let [_, height] = pixels(&self.capture).map(|n| n as usize);
+        if film.picture_rows() != (0..height) {
+            return Ok(None);
+        }
+        let rows = CompletedRows::light(&self.capture, &self.responses, None);
+        rows.write(film).map_err(in_memory)?;
+        self.light(rows, [film.total(), 0], trace_s).map(Some)
+    }
+
+    /// Ratio of the noise of that light to that of the sensor, over the picture. `None` where there is not enough light
+    /// for an exposure, and after a single sample.
+    pub fn noise_ratio(&self, light: &Light) -> Option<f64> {
+        self.chain().noise_ratio(&light.rates, light.samples.iter().copied().min().unwrap_or(0))
+    }
+
+    fn light(&self, rows: Arc<LightRows>, [paths, pilot_paths]: [u64; 2], trace_s: f64) -> Result<Light> {
+        let rates = rows.estimate(self.chain().channels()).map_err(in_memory)?;
         let samples = rows.counts().map_err(in_memory)?;
         let Capture { sensor, exposure, output, .. } = &self.capture;
         Ok(Light {
@@ -107,7 +138,7 @@ impl Prepared {
             rates,
             samples,
             paths: paths + pilot_paths,
-            trace_s: start.elapsed().as_secs_f64(),
+            trace_s,
             pilot_paths,
             sensor: sensor.clone(),
             exposure: exposure.clone(),

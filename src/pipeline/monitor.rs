@@ -4,6 +4,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use crate::Error;
+use crate::film::Film;
 use crate::image::Planes;
 use crate::raw::RawImage;
 use crate::report::Timings;
@@ -54,6 +55,9 @@ pub enum Event<'a> {
         samples_per_pixel: f64,
         /// Paths that are expected in all.
         expected: u64,
+        /// What is traced so far: [light](super::Prepared::light_so_far) that can be exposed already. Of a picture that
+        /// is traced in strips it is the strip under way.
+        film: &'a Film,
     },
     /// The picture as far as its light is traced, between two passes and when all is traced. For monitors that
     /// [ask for it](Monitor::picture_interval).

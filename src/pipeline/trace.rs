@@ -139,7 +139,7 @@ pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> 
                 let done = traced + pilot.map_or(0, |pilot| pilot.film.total());
                 let samples = traced as f64 / (width * height) as f64;
                 let expected = expected_paths(settings, done, elapsed, planned);
-                t.monitor.report(Event::PassEnds { samples_per_pixel: samples, expected });
+                t.monitor.report(Event::PassEnds { samples_per_pixel: samples, expected, film });
                 if settings.time_limit.is_some_and(|limit| elapsed >= limit) {
                     return ControlFlow::Break(());
                 }

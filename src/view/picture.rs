@@ -1,0 +1,93 @@
+//! Pictures as they are sent: a description and values.
+
+use serde_json::{Value, json};
+
+use crate::develop::{Codes, EncodedPicture};
+use crate::image::Channel;
+use crate::raw::RawImage;
+
+/// Rows of numbers, the channels of a pixel together.
+pub(super) struct Picture {
+    pub(super) size: [usize; 2],
+    pub(super) channels: Vec<String>,
+    pub(super) unit: &'static str,
+    pub(super) values: Values,
+}
+
+/// Numbers, by their type.
+pub(super) enum Values {
+    U8(Vec<u8>),
+    U16(Vec<u16>),
+    F32(Vec<f32>),
+}
+
+impl Picture {
+    /// Codes of a developed picture.
+    pub(super) fn of_codes(picture: EncodedPicture) -> Self {
+        let names: &[&str] = if picture.components == 3 { &["R", "G", "B"] } else { &["Y"] };
+        let values = match picture.codes {
+            Codes::U8(codes) => Values::U8(codes),
+            Codes::U16(codes) => Values::U16(codes),
+        };
+        let channels = names.iter().map(|&name| name.to_owned()).collect();
+        Self { size: [picture.width, picture.height], channels, unit: "", values }
+    }
+
+    /// Digital numbers.
+    pub(super) fn of_raw(raw: &RawImage) -> Self {
+        let channels = match raw.cfa.samples_per_pixel() {
+            1 => vec!["DN".to_owned()],
+            _ => raw.cfa.channels().to_vec(),
+        };
+        Self { size: [raw.width, raw.height], channels, unit: "DN", values: Values::U16(raw.data.clone()) }
+    }
+
+    /// A plane.
+    pub(super) fn of_plane(size: [usize; 2], channel: &Channel, unit: &'static str) -> Self {
+        Self { size, channels: vec![channel.name.clone()], unit, values: Values::F32(channel.data.clone()) }
+    }
+
+    /// Bytes as they are sent: the length of the description, the description with what else is said, the values.
+    pub(super) fn bytes(&self, more: Value) -> Vec<u8> {
+        let [width, height] = self.size;
+        let kind = match &self.values {
+            Values::U8(_) => "u8",
+            Values::U16(_) => "u16",
+            Values::F32(_) => "f32",
+        };
+        let mut description =
+            json!({ "width": width, "height": height, "channels": self.channels, "type": kind, "unit": self.unit });
+        if let (Value::Object(all), Value::Object(more)) = (&mut description, more) {
+            all.extend(more);
+        }
+        let mut text = description.to_string();
+        // Numbers of four bytes begin where they can be read in place.
+        let padding = text.len().next_multiple_of(4) - text.len();
+        text.extend(std::iter::repeat_n(' ', padding));
+        let mut bytes = (text.len() as u32).to_le_bytes().to_vec();
+        bytes.extend_from_slice(text.as_bytes());
+        match &self.values {
+            Values::U8(values) => bytes.extend_from_slice(values),
+            Values::U16(values) => bytes.extend(values.iter().flat_map(|value| value.to_le_bytes())),
+            Values::F32(values) => bytes.extend(values.iter().flat_map(|value| value.to_le_bytes())),
+        }
+        bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_follow_their_description() {
+        let picture =
+            Picture { size: [2, 1], channels: vec!["DN".to_owned()], unit: "DN", values: Values::U16(vec![1, 0x0203]) };
+        let bytes = picture.bytes(json!({ "light": 7 }));
+        let length = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as usize;
+        let description: Value = serde_json::from_slice(&bytes[4..4 + length]).expect("JSON");
+        assert_eq!((length % 4, &description["type"], &description["light"]), (0, &json!("u16"), &json!(7)));
+        assert_eq!((&description["width"], &description["height"]), (&json!(2), &json!(1)));
+        assert_eq!(bytes[4 + length..], [1, 0, 3, 2]);
+    }
+}
