@@ -6,25 +6,32 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use super::log::say;
+use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::print::println_out;
 use super::scene_args::SceneArgs;
 use super::shorthands::Shorthands;
-use crate::capture::Capture;
+use crate::capture::FileKind;
 use crate::pipeline::FilmMemory;
-use crate::view::{View, serve};
+use crate::view::{Input, Outside, View, serve};
 use crate::{Result, Sandbox};
+
+/// Holds the token of the address. Command lines are for all users of a machine to see; this is not.
+const TOKEN: &str = "PHOTOSITE_VIEW_TOKEN";
 
 /// See it in the browser: light is traced once, and exposure, sensor and development answer at once.
 ///
-/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl). The address of the page is printed; it
+/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl), whose light is traced; a folder that
+/// photosite render has filled, or stored light (.exr), which is exposed anew; a raw file or a picture of light, which is
+/// developed. A second INPUT is compared with the first. The address of the page is printed; it
 /// ends with a token, and who has it may look. On another machine, forward the port: ssh -L 8000:localhost:8000 HOST
-/// photosite view --port 8000 capture.toml
+/// photosite view --port 8000 capture.toml. With a token of your own in the environment variable PHOTOSITE_VIEW_TOKEN
+/// and a --port, a page finds the next photosite view when the one before has ended.
 #[derive(Args)]
 pub(super) struct ViewArgs {
-    /// A capture file (.toml) or a scene.
-    input: PathBuf,
+    /// A capture file, a scene, a folder of a render, stored light or a raw file; a second one to compare it with.
+    #[arg(required = true, num_args = 1..=2, value_name = "INPUT")]
+    inputs: Vec<PathBuf>,
     /// The port of the page [default: any that is free].
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     port: u16,
@@ -50,19 +57,33 @@ pub(super) struct ViewArgs {
 }
 
 pub(super) fn run(args: &ViewArgs, sandbox: &Sandbox) -> Result<()> {
-    let overrides = args.shorthands.around(args.scene.after(&args.overrides), &args.input);
-    let capture = Capture::load_within(sandbox, &args.input, &overrides)?;
+    let open = |(number, path): (usize, &PathBuf)| {
+        // Changes are those of the first.
+        let is_scene = FileKind::of_name(path).is_none_or(|kind| kind == FileKind::Model) && !path.is_dir();
+        let overrides = match (number, is_scene) {
+            (0, true) => args.shorthands.around(args.scene.after(&args.overrides), path),
+            (0, false) => args.overrides.clone(),
+            (_, _) => Vec::new(),
+        };
+        Ok((path.display().to_string(), Input::open(sandbox, path, &overrides)?))
+    };
     let view = View {
-        capture,
-        name: args.input.display().to_string(),
+        inputs: args.inputs.iter().enumerate().map(open).collect::<Result<_>>()?,
         host: args.host,
         port: args.port,
         film_memory: args.film_memory,
         checkpoint: args.output.clone(),
+        token: std::env::var(TOKEN).ok(),
     };
-    serve(view, &(Arc::new(TerminalMonitor::new(false, true)) as _), |address| {
-        // Who started it reads it there; on a pipe, too.
+    let monitor: Outside = Arc::new(TerminalMonitor::new(false, true));
+    serve(view, &monitor, |address| {
+        // Who has started it reads it there, through a pipe, too.
         let _ = println_out(address);
-        say!("the page is at {address}; Ctrl-C ends it");
+        say!("the page is at this address; Ctrl-C ends it");
+        if args.open
+            && let Err(reason) = open::that_detached(address)
+        {
+            warning!("cannot open a browser: {reason}");
+        }
     })
 }

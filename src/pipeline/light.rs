@@ -8,6 +8,7 @@ use super::camera::pixels;
 use super::chain::{SensorColours, Settings};
 use super::checkpoint::{self, Checkpoints};
 use super::completed_rows::CompletedRows;
+use super::ideal;
 use super::options::Options;
 use super::output_folder::OutputFolder;
 use super::prepare::Prepared;
@@ -17,8 +18,9 @@ use super::trace::{Trace, Traced, trace};
 use crate::capture::{Capture, ExposureSettings, SpectralBands};
 use crate::film::Film;
 use crate::image::{Estimate, Planes};
+use crate::integrator::COARSE_STEP;
 use crate::io::light_rows::LightRows;
-use crate::sensor::{SensorModel, electron_rates};
+use crate::sensor::{Exposure, SensorModel, electron_rates};
 use crate::{Error, Invalid, Result};
 
 /// Light that was traced: the rates at which it frees electrons in each pixel.
@@ -47,9 +49,21 @@ impl Light {
     /// Irradiance on the sensor in the bands that `output.irradiance` asked for, W·m⁻²·nm⁻¹, a plane for each, named
     /// after its centre in nm; `None` where the capture asked for none.
     pub fn irradiance(&self) -> Option<Planes> {
-        let bands = self.bands.as_ref()?;
-        let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
+        self.bands.as_ref()?;
+        let names = self.bands();
         self.rows.means(names.iter().map(String::as_str)).to_planes().ok()
+    }
+
+    /// The names of these planes.
+    pub fn bands(&self) -> Vec<String> {
+        self.bands
+            .as_ref()
+            .map_or_else(Vec::new, |bands| (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect())
+    }
+
+    /// Whether the picture of an ideal observer is kept.
+    pub fn has_ideal(&self) -> bool {
+        self.has_ideal
     }
 
     pub(super) fn pilot_paths(&self) -> u64 {
@@ -94,6 +108,7 @@ impl Prepared {
             importance: Some(&self.importance_for_all),
             strips: &strips,
             is_part: false,
+            is_coarse_first: options.is_coarse_first,
             chain: &chain,
             folder: None,
             monitor: options.monitor,
@@ -120,7 +135,30 @@ impl Prepared {
         }
         let rows = CompletedRows::light(&self.capture, &self.responses, None);
         rows.write(film).map_err(in_memory)?;
-        self.light(rows, [film.total(), 0], trace_s).map(Some)
+        let mut light = self.light(rows, [film.total(), 0], trace_s)?;
+        if light.samples.contains(&0) {
+            let Estimate { mean, variance } = &mut light.rates;
+            [mean, variance].into_iter().for_each(|planes| fill_gaps(planes, &light.samples));
+        }
+        Ok(Some(light))
+    }
+
+    /// The picture of an ideal observer at that exposure, linear in the colour space that the capture develops to;
+    /// `None` where the light was traced without it.
+    ///
+    /// # Errors
+    ///
+    /// A sensor whose white is none.
+    pub fn ideal(&self, light: &Light, exposure: &Exposure) -> Result<Option<Planes>> {
+        if !light.has_ideal {
+            return Ok(None);
+        }
+        let seen = light.rows.means(ideal::NAMES).to_planes().map_err(in_memory)?;
+        let picture = ideal::picture(seen, &self.capture, &self.light, exposure)?;
+        Ok(Some(match self.chain().ideal_resampling() {
+            Some(resampling) => resampling.apply(picture),
+            None => picture,
+        }))
     }
 
     /// Ratio of the noise of that light to that of the sensor, over the picture. `None` where there is not enough light
@@ -204,6 +242,17 @@ impl Prepared {
             electron_rates(&bands, sensor, &self.light).map_err(|invalid| self.capture.source.error(invalid))?;
         let variance = Planes::zeros::<&str>(bands.width(), bands.height(), []);
         Ok((Estimate { mean: rates.rates, variance }, rates.warnings))
+    }
+}
+
+/// Gives pixels without a sample what the pixel of a coarse picture shows that is next to them, to the left and above.
+fn fill_gaps(planes: &mut Planes, samples: &[u32]) {
+    let width = planes.width();
+    for channel in planes.channels_mut() {
+        for pixel in (0..samples.len()).filter(|&pixel| samples[pixel] == 0) {
+            let [column, row] = [pixel % width, pixel / width].map(|at| at / COARSE_STEP * COARSE_STEP);
+            channel.data[pixel] = channel.data[row * width + column];
+        }
     }
 }
 

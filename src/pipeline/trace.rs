@@ -8,7 +8,9 @@ use std::time::{Duration, Instant};
 use crate::capture::Capture;
 use crate::film::{Film, FilmResponses, Response};
 use crate::image::{Estimate, Planes};
-use crate::integrator::{FilterTile, Listener, Pilot, RenderJob, RenderSettings, Step, render_on, render_with_pilot};
+use crate::integrator::{
+    FilterTile, Listener, Pilot, RenderJob, RenderSettings, Step, render_coarse, render_on, render_with_pilot,
+};
 use crate::io::film_file::film_bytes;
 use crate::io::light_rows::{LightRows, Store};
 use crate::optics::Camera;
@@ -37,10 +39,12 @@ pub(super) struct Trace<'a> {
     pub(super) responses: &'a [Response],
     pub(super) filters: Option<&'a FilterTile>,
     pub(super) strips: &'a Strips,
-    /// Whether it is a part of a render, of which the sums are kept.
     /// What matters to all pictures of the scene by this sensor, once it is known.
     pub(super) importance: Option<&'a OnceLock<Spectrum>>,
+    /// Whether it is a part of a render, of which the sums are kept.
     pub(super) is_part: bool,
+    /// Whether a coarse picture comes first.
+    pub(super) is_coarse_first: bool,
     pub(super) chain: &'a Chain<'a>,
     /// Where previews go, and whose rows lie in a file. Without, everything stays in memory.
     pub(super) folder: Option<&'a OutputFolder>,
@@ -175,6 +179,10 @@ pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> 
 
 /// Gives a film its samples; one that has a pilot has all rows.
 fn fill(t: &Trace<'_>, job: &RenderJob<'_>, film: &mut Film, pilot: Option<&mut Pilot>, step: &Listener<'_>) {
+    // A limit of time may end after any pass, and this one leaves pixels without light.
+    if t.is_coarse_first && t.settings.time_limit.is_none() {
+        render_coarse(job, film, step);
+    }
     match (t.settings.noise_target, pilot) {
         (Some(target), Some(pilot)) => {
             let chain = t.chain;

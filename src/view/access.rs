@@ -20,8 +20,18 @@ pub(super) struct Access {
 pub(super) struct Refusal(pub(super) &'static str);
 
 impl Access {
+    /// A token that is given.
+    pub(super) fn with_token(token: String) -> Result<Self> {
+        let is_plain = token.bytes().all(|byte| byte.is_ascii_alphanumeric());
+        if token.len() >= 2 * TOKEN_BYTES && is_plain {
+            return Ok(Self { token });
+        }
+        let message = format!("the token of the address has to have at least {} letters and digits", 2 * TOKEN_BYTES);
+        Err(Error::Usage { message, help: Some("for example what `openssl rand -hex 16` gives".into()) })
+    }
+
     /// A token that nobody can guess.
-    pub(super) fn new() -> Result<Self> {
+    pub(super) fn random() -> Result<Self> {
         let mut bytes = [0; TOKEN_BYTES];
         getrandom::fill(&mut bytes).map_err(|reason| Error::Resources {
             message: format!("the system gives no random numbers: {reason}"),

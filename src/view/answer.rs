@@ -79,8 +79,9 @@ impl Failure {
         Self { help: Some(help.into()), ..self }
     }
 
-    pub(super) fn needing_trace(self) -> Self {
-        Self { needs_trace: true, ..self }
+    /// With that status.
+    pub(super) fn of(error: Error, status: StatusCode) -> Self {
+        Self { status, ..Self::from(error) }
     }
 
     pub(super) fn answer(&self) -> Answer {

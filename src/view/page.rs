@@ -4,11 +4,21 @@ use hyper::StatusCode;
 
 use super::answer::{Answer, of_bytes, refused};
 
+const HTML: &str = "text/html; charset=utf-8";
+const CSS: &str = "text/css; charset=utf-8";
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+
 /// Names, media types and texts of its files.
-const FILES: [(&str, &str, &str); 3] = [
-    ("", "text/html; charset=utf-8", include_str!("page/index.html")),
-    ("view.css", "text/css; charset=utf-8", include_str!("page/view.css")),
-    ("view.js", "text/javascript; charset=utf-8", include_str!("page/view.js")),
+const FILES: [(&str, &str, &str); 9] = [
+    ("", HTML, include_str!("page/index.html")),
+    ("view.css", CSS, include_str!("page/view.css")),
+    ("view.js", SCRIPT, include_str!("page/view.js")),
+    ("server.js", SCRIPT, include_str!("page/server.js")),
+    ("stage.js", SCRIPT, include_str!("page/stage.js")),
+    ("colours.js", SCRIPT, include_str!("page/colours.js")),
+    ("controls.js", SCRIPT, include_str!("page/controls.js")),
+    ("measure.js", SCRIPT, include_str!("page/measure.js")),
+    ("camera.js", SCRIPT, include_str!("page/camera.js")),
 ];
 
 /// A file of the page.

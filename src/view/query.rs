@@ -6,6 +6,8 @@ use percent_encoding::percent_decode_str;
 use super::answer::Failure;
 use super::controls::Control;
 
+/// Most frames, as those before may have to be read out, too.
+const MOST_FRAMES: u32 = 1000;
 /// Longest query. Settings of all controls take less.
 const LONGEST: usize = 4096;
 
@@ -19,9 +21,16 @@ pub(super) struct Query {
     pub(super) sensor: Vec<String>,
     pub(super) exposure: Vec<String>,
     pub(super) develop: Vec<String>,
+    /// A pixel of the sensor, of which something is asked.
+    pub(super) pixel: [usize; 2],
 }
 
 impl Query {
+    /// All changes to keys.
+    pub(super) fn changes(&self) -> Vec<String> {
+        [&self.sensor[..], &self.exposure, &self.develop].concat()
+    }
+
     /// Reads `key=value&key=value`, of which keys of captures are those of controls alone.
     pub(super) fn parse(text: &str, controls: &[Control]) -> Result<Self, Failure> {
         let bad = |words: String| Failure::new(StatusCode::BAD_REQUEST, words);
@@ -35,6 +44,7 @@ impl Query {
             sensor: Vec::new(),
             exposure: Vec::new(),
             develop: Vec::new(),
+            pixel: [0, 0],
         };
         for part in text.split('&').filter(|part| !part.is_empty()) {
             let (key, value) = part.split_once('=').ok_or_else(|| bad(format!("{part:?} has no value")))?;
@@ -46,8 +56,15 @@ impl Query {
             let whole = || value.parse::<u32>().map_err(|_| bad(format!("{key}: {value:?} is no whole number")));
             match key.as_str() {
                 "plane" => query.plane = value,
-                "frame" => query.frame = whole()?,
+                "frame" => {
+                    query.frame = whole()?;
+                    if query.frame >= MOST_FRAMES {
+                        return Err(bad(format!("frame: {value} is not below {MOST_FRAMES}")));
+                    }
+                }
                 "input" => query.input = whole()? as usize,
+                "x" => query.pixel[0] = whole()? as usize,
+                "y" => query.pixel[1] = whole()? as usize,
                 _ => {
                     let control = controls.iter().find(|control| control.key == key);
                     let control = control.ok_or_else(|| {

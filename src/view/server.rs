@@ -14,19 +14,20 @@ use hyper::service::service_fn;
 use hyper::{Method, Request, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use serde::Deserialize;
-use serde_json::json;
+use serde_json::{Map, Value, json};
 use tokio::net::TcpListener;
-use tokio::sync::{Semaphore, oneshot};
+use tokio::sync::{Semaphore, oneshot, watch};
 
 use super::access::Access;
 use super::answer::{Answer, Failure, done, of_bytes, of_json, refused};
+use super::changes::{for_trace, to_toml};
 use super::controls::{self, Control};
 use super::exposer::Exposer;
 use super::query::Query;
-use super::source::Source;
+use super::source::{Input, Source};
+use super::status::{Phase, Status};
 use super::tracer::{Outside, Tracer};
 use super::{events, page};
-use crate::capture::Capture;
 use crate::pipeline::FilmMemory;
 use crate::{Error, Result};
 
@@ -41,10 +42,8 @@ const POSTED: usize = 64 << 10;
 
 /// What is to be viewed, and how.
 pub struct View {
-    /// The capture.
-    pub capture: Capture,
-    /// What it is called.
-    pub name: String,
+    /// What is viewed, with the name that the page shows, and that of a command line; of scenes at most one.
+    pub inputs: Vec<(String, Input)>,
     /// The address to listen at: this machine's own unless others shall see it.
     pub host: IpAddr,
     /// The port; 0 for any that is free.
@@ -53,14 +52,27 @@ pub struct View {
     pub film_memory: FilmMemory,
     /// A folder for the checkpoint of a trace that is stopped.
     pub checkpoint: Option<PathBuf>,
+    /// The token of the address, where a page shall find a server again that was started anew; drawn where it is left
+    /// out.
+    pub token: Option<String>,
+}
+
+/// An input that is being viewed.
+enum Viewed {
+    /// The light of the tracer.
+    Scene,
+    /// What does not change.
+    Stored(Source),
 }
 
 /// What all connections share.
 struct Shared {
     access: Access,
-    name: String,
+    inputs: Vec<(String, &'static str, Viewed)>,
     controls: Vec<Control>,
-    tracer: Arc<Tracer>,
+    /// Of a scene, if there is one.
+    tracer: Option<Arc<Tracer>>,
+    status: watch::Sender<Status>,
     exposer: Exposer,
     pictures: Arc<Semaphore>,
 }
@@ -74,7 +86,7 @@ enum Order {
     Stop,
     Start {
         #[serde(default)]
-        changes: Vec<String>,
+        changes: Map<String, Value>,
     },
 }
 
@@ -84,14 +96,35 @@ enum Order {
 ///
 /// An address that cannot be listened at; that the program was asked to end, with how the work goes on.
 pub fn serve(view: View, outside: &Outside, ready: impl FnOnce(&str)) -> Result<()> {
-    let View { capture, name, host, port, film_memory, checkpoint } = view;
-    let tracer = Tracer::new(Arc::clone(outside), film_memory, checkpoint);
+    let View { inputs, host, port, film_memory, checkpoint, token } = view;
+    let status = watch::Sender::new(Status::new(Phase::Stored));
+    let mut scene = None;
+    let mut viewed = Vec::new();
+    for (name, input) in inputs {
+        let kind = input.kind();
+        let input = match input {
+            Input::Scene(capture) if scene.is_none() => {
+                scene = Some(capture);
+                Viewed::Scene
+            }
+            Input::Scene(_) => {
+                let help = "render the other one, and give its folder".into();
+                let message = "one scene is traced at a time, and there are two".to_owned();
+                return Err(Error::Usage { message, help: Some(help) });
+            }
+            Input::Light(render) => Viewed::Stored(Source::Stored(Arc::from(render))),
+            Input::File(file) => Viewed::Stored(Source::File(Arc::new(file))),
+        };
+        viewed.push((name, kind, input));
+    }
+    let tracer = scene.as_ref().map(|_| Tracer::new(Arc::clone(outside), status.clone(), film_memory, checkpoint));
     let shared = Arc::new(Shared {
-        access: Access::new()?,
-        name,
+        access: token.map_or_else(Access::random, Access::with_token)?,
+        inputs: viewed,
         controls: controls::all(),
-        tracer: Arc::clone(&tracer),
-        exposer: Exposer::new(),
+        tracer: tracer.clone(),
+        status,
+        exposer: Exposer::new()?,
         pictures: Arc::new(Semaphore::new(PICTURES)),
     });
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
@@ -102,16 +135,18 @@ pub fn serve(view: View, outside: &Outside, ready: impl FnOnce(&str)) -> Result<
         let listener = listener.map_err(|reason| cannot(&format!("listen at {address}: {reason}")))?;
         let bound = listener.local_addr().map_err(|reason| cannot(&format!("listen at {address}: {reason}")))?;
         let (tell, ended) = oneshot::channel();
-        let tracing = std::thread::Builder::new().name("trace".to_owned());
-        let tracing = tracing.spawn(move || {
+        let tracing = move || {
+            let Some((tracer, capture)) = tracer.zip(scene) else { return };
             // Nobody hears it where the server has ended before.
             let _ = tell.send(tracer.run(&capture));
-        });
-        tracing.map_err(|reason| cannot(&format!("start a thread: {reason}")))?;
+        };
+        let begun = std::thread::Builder::new().name("trace".to_owned()).spawn(tracing);
+        begun.map_err(|reason| cannot(&format!("start a thread: {reason}")))?;
+        let has_tracer = shared.tracer.is_some();
         ready(&format!("http://{bound}/{}/", shared.access.token()));
         tokio::select! {
             never = accept(listener, shared) => match never {},
-            error = ended => Err(error.unwrap_or_else(|_| cannot("trace: its thread has ended"))),
+            error = ended, if has_tracer => Err(error.unwrap_or_else(|_| cannot("trace: its thread has ended"))),
         }
     })
 }
@@ -156,10 +191,20 @@ async fn answer(request: Request<Incoming>, shared: Arc<Shared>) -> Answer {
         }
         Err(refusal) => return refused(StatusCode::FORBIDDEN, refusal.0),
     };
+    let text = request.uri().query().unwrap_or_default();
     let answered = match (request.method(), path.as_str()) {
         (&Method::GET, "about") => Ok(about(&shared)),
-        (&Method::GET, "events") => Ok(events::stream(shared.tracer.status().subscribe())),
-        (&Method::GET, "picture") => picture(request.uri().query().unwrap_or_default(), &shared).await,
+        (&Method::GET, "events") => Ok(events::stream(shared.status.subscribe())),
+        (&Method::GET, "picture") => {
+            let picture = |shared: &Shared, source: &Source, query: &Query| shared.exposer.picture(source, query);
+            made(text, &shared, picture).await.map(|bytes| of_bytes("application/octet-stream", bytes))
+        }
+        (&Method::GET, "pixel") => {
+            let pixel =
+                |shared: &Shared, source: &Source, query: &Query| shared.exposer.pixel(source, query, query.pixel);
+            made(text, &shared, pixel).await.map(|pixel| of_json(&pixel))
+        }
+        (&Method::GET, "capture") => changes(text, &shared),
         (&Method::POST, "trace") => order(request, &shared).await,
         (&Method::GET, name) => Ok(page::file(name)),
         (_, _) => Ok(refused(StatusCode::METHOD_NOT_ALLOWED, "this is asked for in another way")),
@@ -168,38 +213,66 @@ async fn answer(request: Request<Incoming>, shared: Arc<Shared>) -> Answer {
 }
 
 fn about(shared: &Shared) -> Answer {
-    of_json(&json!({
-        "version": env!("CARGO_PKG_VERSION"),
-        "inputs": [{ "name": shared.name, "kind": "scene" }],
-        "controls": shared.controls,
-    }))
+    let inputs: Vec<Value> =
+        shared.inputs.iter().map(|(name, kind, _)| json!({ "name": name, "kind": kind })).collect();
+    of_json(&json!({ "version": env!("CARGO_PKG_VERSION"), "inputs": inputs, "controls": shared.controls }))
 }
 
-async fn picture(text: &str, shared: &Arc<Shared>) -> Result<Answer, Failure> {
+fn no_input(number: usize) -> Failure {
+    Failure::new(StatusCode::NOT_FOUND, format!("there is no input {number}"))
+}
+
+/// Makes something of the input that is asked for, on a thread that may take its time; tracing waits meanwhile.
+async fn made<T: Send + 'static>(
+    text: &str,
+    shared: &Arc<Shared>,
+    make: impl FnOnce(&Shared, &Source, &Query) -> Result<T, Failure> + Send + 'static,
+) -> Result<T, Failure> {
     let query = Query::parse(text, &shared.controls)?;
     let busy = || Failure::new(StatusCode::SERVICE_UNAVAILABLE, "too many pictures are asked for at the same time");
     let place = Arc::clone(&shared.pictures).try_acquire_owned().map_err(|_| busy())?;
     let shared = Arc::clone(shared);
     let made = tokio::task::spawn_blocking(move || {
         let _place = place;
-        let _way = shared.tracer.make_way();
-        let lit = shared.tracer.lit();
-        let lit = lit.ok_or_else(|| Failure::new(StatusCode::CONFLICT, "there is no light yet"))?;
-        shared.exposer.picture(&Source::Traced(lit), &query)
+        let _way = shared.tracer.as_deref().map(Tracer::make_way);
+        let (.., viewed) = shared.inputs.get(query.input).ok_or_else(|| no_input(query.input))?;
+        match viewed {
+            Viewed::Stored(source) => make(&shared, source, &query),
+            Viewed::Scene => {
+                let lit = shared.tracer.as_deref().and_then(Tracer::lit);
+                let lit = lit.ok_or_else(|| Failure::new(StatusCode::CONFLICT, "there is no light yet"))?;
+                make(&shared, &Source::Traced(lit), &query)
+            }
+        }
     });
     let failed = |_| Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "photosite has a mistake, please report it");
-    Ok(of_bytes("application/octet-stream", made.await.map_err(failed)??))
+    made.await.map_err(failed)?
+}
+
+/// What has been changed, as a capture file.
+fn changes(text: &str, shared: &Shared) -> Result<Answer, Failure> {
+    let query = Query::parse(text, &shared.controls)?;
+    let (name, _, viewed) = shared.inputs.get(query.input).ok_or_else(|| no_input(query.input))?;
+    let of_trace = match viewed {
+        Viewed::Scene => shared.tracer.as_deref().map_or_else(Vec::new, Tracer::changes),
+        Viewed::Stored(_) => Vec::new(),
+    };
+    let all = [of_trace, query.changes()].concat();
+    Ok(of_bytes("application/toml; charset=utf-8", to_toml(name, &all)))
 }
 
 async fn order(request: Request<Incoming>, shared: &Shared) -> Result<Answer, Failure> {
     let posted = Limited::new(request.into_body(), POSTED).collect().await;
     let posted = posted.map_err(|_| Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "this is too long"))?.to_bytes();
     let order = serde_json::from_slice(&posted);
-    match order.map_err(|reason| Failure::new(StatusCode::BAD_REQUEST, format!("this is no order: {reason}")))? {
-        Order::Pause => shared.tracer.pause(true),
-        Order::Continue => shared.tracer.pause(false),
-        Order::Stop => shared.tracer.stop(),
-        Order::Start { changes } => shared.tracer.start(changes),
+    let order = order.map_err(|reason| Failure::new(StatusCode::BAD_REQUEST, format!("this is no order: {reason}")))?;
+    let nothing = || Failure::new(StatusCode::CONFLICT, "nothing is traced: the light is read from files");
+    let tracer = shared.tracer.as_deref().ok_or_else(nothing)?;
+    match order {
+        Order::Pause => tracer.pause(true),
+        Order::Continue => tracer.pause(false),
+        Order::Stop => tracer.stop(),
+        Order::Start { changes } => tracer.start(for_trace(&changes)?),
     }
     Ok(done())
 }

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use tokio::sync::watch;
 
 use super::source::Lit;
-use super::status::{Phase, Status};
+use super::status::{CameraState, Phase, Status};
 use crate::capture::Capture;
 use crate::film::Film;
 use crate::locked::locked;
@@ -21,7 +21,7 @@ const PUBLISHING_PART: f64 = 0.2;
 const LOOK_INTERVAL: Duration = Duration::from_millis(20);
 
 /// Who watches the program from outside.
-pub(super) type Outside = Arc<dyn Monitor + Send + Sync>;
+pub type Outside = Arc<dyn Monitor + Send + Sync>;
 
 /// What is to be done.
 #[derive(Default)]
@@ -38,6 +38,8 @@ pub(super) struct Tracer {
     changed: Condvar,
     status: watch::Sender<Status>,
     lit: Mutex<Option<Lit>>,
+    /// Changes of the newest trace.
+    traced_with: Mutex<Vec<String>>,
     /// Pictures that are being made, for which tracing waits.
     pictures: AtomicUsize,
     outside: Outside,
@@ -47,22 +49,24 @@ pub(super) struct Tracer {
 }
 
 impl Tracer {
-    pub(super) fn new(outside: Outside, film_memory: FilmMemory, checkpoint: Option<PathBuf>) -> Arc<Self> {
+    pub(super) fn new(
+        outside: Outside,
+        status: watch::Sender<Status>,
+        film_memory: FilmMemory,
+        checkpoint: Option<PathBuf>,
+    ) -> Arc<Self> {
+        status.send_replace(Status::new(Phase::Preparing));
         Arc::new(Self {
             orders: Mutex::default(),
             changed: Condvar::new(),
-            status: watch::Sender::new(Status::new(Phase::Preparing)),
+            status,
             lit: Mutex::new(None),
+            traced_with: Mutex::default(),
             pictures: AtomicUsize::new(0),
             outside,
             film_memory,
             checkpoint,
         })
-    }
-
-    /// How far the light is.
-    pub(super) fn status(&self) -> &watch::Sender<Status> {
-        &self.status
     }
 
     /// The newest light.
@@ -122,7 +126,13 @@ impl Tracer {
                 }),
             }
             changes = self.next();
+            locked(&self.traced_with).clone_from(&changes);
         }
+    }
+
+    /// Changes to the capture that the newest trace was begun with.
+    pub(super) fn changes(&self) -> Vec<String> {
+        locked(&self.traced_with).clone()
     }
 
     /// Waits for the next order to trace.
@@ -146,6 +156,7 @@ impl Tracer {
         self.status.send_modify(|status| {
             status.phase = Phase::Tracing;
             status.warnings = prepared.warnings().to_vec();
+            status.camera = CameraState::new(&prepared);
         });
         prepared.warnings().iter().for_each(|warning| self.outside.report(Event::Warning(warning)));
         let job = Job {
@@ -156,7 +167,12 @@ impl Tracer {
             rest: Mutex::new(Rest { since: None, spent: Duration::ZERO, published: None }),
         };
         let checkpoint = self.checkpoint.as_deref().filter(|_| changes.is_empty());
-        let light = prepared.trace(Options { monitor: &job, film_memory: self.film_memory, checkpoint })?;
+        let light = prepared.trace(Options {
+            monitor: &job,
+            film_memory: self.film_memory,
+            checkpoint,
+            is_coarse_first: true,
+        })?;
         self.publish(&prepared, light);
         Ok(())
     }
