@@ -23,13 +23,14 @@ const TOKEN: &str = "PHOTOSITE_VIEW_TOKEN";
 ///
 /// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl), whose light is traced; a folder that
 /// photosite render has filled, or stored light (.exr), which is exposed anew; a raw file or a picture of light, which is
-/// developed. A second INPUT is compared with the first. The address of the page is printed; it
+/// developed; or the folder of a data set, whose pictures are shown together. A second INPUT is compared with the first. The address of the page is printed; it
 /// ends with a token, and who has it may look. On another machine, forward the port: ssh -L 8000:localhost:8000 HOST
 /// photosite view --port 8000 capture.toml. With a token of your own in the environment variable PHOTOSITE_VIEW_TOKEN
 /// and a --port, a page finds the next photosite view when the one before has ended.
 #[derive(Args)]
 pub(super) struct ViewArgs {
-    /// A capture file, a scene, a folder of a render, stored light or a raw file; a second one to compare it with.
+    /// A capture file, a scene, a folder of a render or of a data set, stored light or a raw file; a second one to compare
+    /// it with.
     #[arg(required = true, num_args = 1..=2, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
     /// The port of the page [default: any that is free].

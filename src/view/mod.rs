@@ -18,11 +18,14 @@
 //! | request | answer |
 //! |---|---|
 //! | `GET ` | the page, `view.css` and scripts beside it |
-//! | `GET about` | JSON: `version`; `inputs`, each with `name` and `kind` ("scene", "light", "file"); `controls`, each with `key`, `group`, `label`, `unit`, `about`, and `kind`: "linear" with `min`, `max`, `step`; "logarithmic" and "whole" with `min`, `max`; "choice" and "several" with `options`, each `name` and `about`; "flag" |
+//! | `GET about` | JSON: `version`; `name`; `has_sheet`; `inputs`, each with `name` and `kind` ("scene", "light", "file"); `controls`, each with `key`, `group`, `label`, `unit`, `about`, and `kind`: "linear" with `min`, `max`, `step`; "logarithmic" and "whole" with `min`, `max`; "choice" and "several" with `options`, each `name` and `about`; "flag" |
 //! | `GET events` | server-sent events: `data:` is the JSON of [`Status`], at once and whenever it changes |
 //! | `GET picture?QUERY` | a picture, see below |
 //! | `GET pixel?x=X&y=Y&QUERY` | JSON of a pixel that sees light, counted from the top left: `electrons` with `[channel, mean, sigma]` each, `raw` and `developed` with `[channel, value]` each; `null` where there is none |
 //! | `GET capture?QUERY` | TOML: what QUERY and the trace have changed, as keys of a capture file |
+//! | `GET sheet` | JSON of a data set: `cameras`; `frames`; `pictures`, in the order of `inputs`, each with `frame`, `camera`, `time_s`, and `facts`, by which they differ; `widths` of small pictures |
+//! | `GET image?input=N&width=W` | a picture of a data set: `image.png`, or without too many pixels as JPEG |
+//! | `GET overlays?input=N` | JSON of what is drawn over it: [`Overlays`](crate::dataset::Overlays) |
 //! | `POST trace` | JSON `{"do": "pause" \| "continue" \| "stop"}`, or `{"do": "start", "changes": {KEY: VALUE, …}}`, which traces anew with these changes in place of earlier ones: poses of `camera`, some of `lens`, `sensor.preset`, `output.irradiance` and `output.ideal`. 204 |
 //!
 //! QUERY names keys of a capture file, `exposure.time_s=0.02&sensor.preset=textbook-ccd`, those of `controls` alone, so
@@ -55,6 +58,7 @@ mod query;
 mod recent;
 mod server;
 mod settings;
+mod sheet;
 mod source;
 mod status;
 mod tracer;

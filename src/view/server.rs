@@ -24,6 +24,7 @@ use super::changes::{for_trace, to_toml};
 use super::controls::{self, Control};
 use super::exposer::Exposer;
 use super::query::Query;
+use super::sheet::{ContactSheet, Sent};
 use super::source::{Input, Source};
 use super::status::{Phase, Status};
 use super::tracer::{Outside, Tracer};
@@ -63,6 +64,8 @@ enum Viewed {
     Scene,
     /// What does not change.
     Stored(Source),
+    /// A picture of the data set.
+    InSheet(usize),
 }
 
 /// What all connections share.
@@ -75,6 +78,10 @@ struct Shared {
     status: watch::Sender<Status>,
     exposer: Exposer,
     pictures: Arc<Semaphore>,
+    /// What is viewed, in a few words.
+    name: String,
+    /// Of a data set, if there is one.
+    sheet: Option<ContactSheet>,
 }
 
 /// What the page posts to `trace`.
@@ -98,8 +105,10 @@ enum Order {
 pub fn serve(view: View, outside: &Outside, ready: impl FnOnce(&str)) -> Result<()> {
     let View { inputs, host, port, film_memory, checkpoint, token } = view;
     let status = watch::Sender::new(Status::new(Phase::Stored));
-    let mut scene = None;
+    let (mut scene, mut sheet) = (None, None);
     let mut viewed = Vec::new();
+    let names: Vec<String> = inputs.iter().map(|(name, _)| name.clone()).collect();
+    let of_several = names.len() > 1;
     for (name, input) in inputs {
         let kind = input.kind();
         let input = match input {
@@ -114,6 +123,17 @@ pub fn serve(view: View, outside: &Outside, ready: impl FnOnce(&str)) -> Result<
             }
             Input::Light(render) => Viewed::Stored(Source::Stored(Arc::from(render))),
             Input::File(file) => Viewed::Stored(Source::File(Arc::new(file))),
+            Input::DataSet(_) if of_several => {
+                let help = "give it alone: any two of its pictures can be compared on the page".into();
+                return Err(Error::Usage { message: format!("{name} is a data set"), help: Some(help) });
+            }
+            Input::DataSet(set) => {
+                let (set, sandbox) = *set;
+                let set = ContactSheet::new(set, sandbox);
+                viewed.extend(set.names().enumerate().map(|(number, name)| (name, "light", Viewed::InSheet(number))));
+                sheet = Some(set);
+                continue;
+            }
         };
         viewed.push((name, kind, input));
     }
@@ -126,6 +146,8 @@ pub fn serve(view: View, outside: &Outside, ready: impl FnOnce(&str)) -> Result<
         status,
         exposer: Exposer::new()?,
         pictures: Arc::new(Semaphore::new(PICTURES)),
+        name: names.join(" and "),
+        sheet,
     });
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
     let runtime = runtime.map_err(|reason| cannot(&format!("start the server: {reason}")))?;
@@ -206,7 +228,19 @@ async fn answer(request: Request<Incoming>, shared: Arc<Shared>) -> Answer {
         }
         (&Method::GET, "capture") => changes(text, &shared),
         (&Method::POST, "trace") => order(request, &shared).await,
-        (&Method::GET, name) => Ok(page::file(name)),
+        (&Method::GET, "sheet") => of_sheet(&shared, |sheet| Ok(of_json(&sheet.list()))).await,
+        (&Method::GET, "image") => {
+            let text = text.to_owned();
+            of_sheet(&shared, move |sheet| {
+                sheet.image(&text).map(|Sent { media_type, bytes }| of_bytes(media_type, bytes))
+            })
+            .await
+        }
+        (&Method::GET, "overlays") => {
+            let text = text.to_owned();
+            of_sheet(&shared, move |sheet| sheet.overlays(&text).map(|overlays| of_json(&overlays))).await
+        }
+        (&Method::GET, name) => Ok(page::file(name, shared.sheet.is_some())),
         (_, _) => Ok(refused(StatusCode::METHOD_NOT_ALLOWED, "this is asked for in another way")),
     };
     answered.unwrap_or_else(|failure| failure.answer())
@@ -215,7 +249,10 @@ async fn answer(request: Request<Incoming>, shared: Arc<Shared>) -> Answer {
 fn about(shared: &Shared) -> Answer {
     let inputs: Vec<Value> =
         shared.inputs.iter().map(|(name, kind, _)| json!({ "name": name, "kind": kind })).collect();
-    of_json(&json!({ "version": env!("CARGO_PKG_VERSION"), "inputs": inputs, "controls": shared.controls }))
+    let (name, has_sheet) = (&shared.name, shared.sheet.is_some());
+    of_json(&json!({
+        "version": env!("CARGO_PKG_VERSION"), "name": name, "has_sheet": has_sheet, "inputs": inputs, "controls": shared.controls,
+    }))
 }
 
 fn no_input(number: usize) -> Failure {
@@ -229,21 +266,45 @@ async fn made<T: Send + 'static>(
     make: impl FnOnce(&Shared, &Source, &Query) -> Result<T, Failure> + Send + 'static,
 ) -> Result<T, Failure> {
     let query = Query::parse(text, &shared.controls)?;
+    aside(shared, move |shared| {
+        let _way = shared.tracer.as_deref().map(Tracer::make_way);
+        let (.., viewed) = shared.inputs.get(query.input).ok_or_else(|| no_input(query.input))?;
+        match viewed {
+            Viewed::Stored(source) => make(shared, source, &query),
+            Viewed::InSheet(number) => {
+                let source = shared.sheet.as_ref().ok_or_else(|| no_input(query.input))?.source(*number)?;
+                make(shared, &source, &query)
+            }
+            Viewed::Scene => {
+                let lit = shared.tracer.as_deref().and_then(Tracer::lit);
+                let lit = lit.ok_or_else(|| Failure::new(StatusCode::CONFLICT, "there is no light yet"))?;
+                make(shared, &Source::Traced(lit), &query)
+            }
+        }
+    })
+    .await
+}
+
+/// What the contact sheet of a data set answers.
+async fn of_sheet(
+    shared: &Arc<Shared>,
+    answer: impl FnOnce(&ContactSheet) -> Result<Answer, Failure> + Send + 'static,
+) -> Result<Answer, Failure> {
+    let nothing = || Failure::new(StatusCode::NOT_FOUND, "there is nothing at this address: no data set is viewed");
+    aside(shared, move |shared| answer(shared.sheet.as_ref().ok_or_else(nothing)?)).await
+}
+
+/// Works on a thread that may take its time.
+async fn aside<T: Send + 'static>(
+    shared: &Arc<Shared>,
+    work: impl FnOnce(&Shared) -> Result<T, Failure> + Send + 'static,
+) -> Result<T, Failure> {
     let busy = || Failure::new(StatusCode::SERVICE_UNAVAILABLE, "too many pictures are asked for at the same time");
     let place = Arc::clone(&shared.pictures).try_acquire_owned().map_err(|_| busy())?;
     let shared = Arc::clone(shared);
     let made = tokio::task::spawn_blocking(move || {
         let _place = place;
-        let _way = shared.tracer.as_deref().map(Tracer::make_way);
-        let (.., viewed) = shared.inputs.get(query.input).ok_or_else(|| no_input(query.input))?;
-        match viewed {
-            Viewed::Stored(source) => make(&shared, source, &query),
-            Viewed::Scene => {
-                let lit = shared.tracer.as_deref().and_then(Tracer::lit);
-                let lit = lit.ok_or_else(|| Failure::new(StatusCode::CONFLICT, "there is no light yet"))?;
-                make(&shared, &Source::Traced(lit), &query)
-            }
-        }
+        work(&shared)
     });
     let failed = |_| Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "photosite has a mistake, please report it");
     made.await.map_err(failed)?
@@ -255,7 +316,7 @@ fn changes(text: &str, shared: &Shared) -> Result<Answer, Failure> {
     let (name, _, viewed) = shared.inputs.get(query.input).ok_or_else(|| no_input(query.input))?;
     let of_trace = match viewed {
         Viewed::Scene => shared.tracer.as_deref().map_or_else(Vec::new, Tracer::changes),
-        Viewed::Stored(_) => Vec::new(),
+        Viewed::Stored(_) | Viewed::InSheet(_) => Vec::new(),
     };
     let all = [of_trace, query.changes()].concat();
     Ok(of_bytes("application/toml; charset=utf-8", to_toml(name, &all)))

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::calibration::truth::TruthLayer;
 use crate::capture::{Capture, ExposureSettings, FileKind, read_develop_settings};
+use crate::dataset::Sheet;
 use crate::develop::{DevelopSettings, EncodedPicture, develop};
 use crate::image::Planes;
 use crate::io::developable::{Developable, read_developable};
@@ -23,6 +24,8 @@ pub enum Input {
     Light(Box<StoredRender>),
     /// A raw file, or a picture of light.
     File(OpenFile),
+    /// The folder of a data set, whose files must lie where the sandbox allows.
+    DataSet(Box<(Sheet, Sandbox)>),
 }
 
 /// A raw file, or a picture of light.
@@ -34,7 +37,7 @@ pub struct OpenFile {
 }
 
 impl Input {
-    /// Opens a capture file, a scene, a folder that a render has filled, a file of stored light, a raw file or a
+    /// Opens a capture file, a scene, a folder that a render or a data set has filled, a file of stored light, a raw file or a
     /// picture of light; `overrides` change keys of its capture.
     ///
     /// # Errors
@@ -52,6 +55,10 @@ impl Input {
         ];
         FileKind::expect(path, &kinds, "a capture file, a scene, a folder of a render or a raw file")?;
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        if Sheet::is_in(path) {
+            refuse_overrides(path, overrides)?;
+            return Ok(Self::DataSet(Box::new((Sheet::read(path)?, sandbox.clone()))));
+        }
         if path.is_dir() {
             return Self::open_folder(sandbox, path, overrides);
         }
@@ -92,6 +99,7 @@ impl Input {
             Self::Scene(_) => "scene",
             Self::Light(_) => "light",
             Self::File(_) => "file",
+            Self::DataSet(_) => "data set",
         }
     }
 }

@@ -26,7 +26,7 @@ photosite(program, "render", capture, "-o", moved, "--quiet", ...sets([...SETTIN
 const values = page => page.evaluate(() => [...window.state.picture.values]);
 const settled = (page, light) => page.waitForFunction(light => {
   const { status, picture } = window.state;
-  return ["done", "stored"].includes(status?.phase) && status.light >= light && picture?.light === status.light;
+  return status?.phase === "done" && status.light >= light && picture?.light === status.light;
 }, light, { timeout: 120_000 });
 
 /** A value of a control that differs from what is there, and what it becomes in a capture. */
@@ -221,7 +221,7 @@ async function lost(chromium) {
   const token = "0123456789abcdef0123456789abcdef", words = [stored];
   const server = await view(program, words, { token });
   const { page, errors } = await open(chromium, server.address);
-  await settled(page, 0);
+  await page.waitForFunction(() => window.state.pictures > 0, null, { timeout: 30_000 });
   check(!errors.length, errors.join("\n"));
   const before = await page.evaluate(() => window.state.pictures);
   await server.end("SIGKILL");

@@ -30,6 +30,15 @@ export const order = (what, changes) => asked("trace", {
   body: JSON.stringify(changes ? { do: what, changes } : { do: what }),
 });
 
+export const sheet = async () => (await asked("sheet")).json();
+export const overlays = async number => (await asked(`overlays?input=${number}`)).json();
+
+/** A picture of a contact sheet, whole or of one of its widths. */
+export async function image(number, width) {
+  const answer = await asked(`image?input=${number}${width ? `&width=${width}` : ""}`);
+  return createImageBitmap(await answer.blob(), { colorSpaceConversion: "none" });
+}
+
 const KINDS = { u8: Uint8Array, u16: Uint16Array, f32: Float32Array };
 
 /** A picture: its description with its `values`, row by row, the channels of a pixel together. */

@@ -467,10 +467,13 @@ document.addEventListener("keydown", event => {
 try {
   const about = await server.about();
   inputs = about.inputs;
-  document.title = `${inputs.map(input => input.name).join(", ")} – photosite`;
-  $("name").textContent = inputs.map(input => input.name).join(" and ");
-  $("name").title = $("name").textContent;
+  // Of the pictures of a data set the address names one.
+  $("to-sheet").hidden = !about.has_sheet;
+  sides[0].input = sides[1].input = Math.min(+(new URLSearchParams(location.search).get("input") ?? 0) || 0, inputs.length - 1);
+  document.title = `${about.name} – photosite`;
+  $("name").textContent = $("name").title = about.has_sheet ? `${about.name}/${inputs[sides[0].input].name}` : about.name;
   $("input").replaceChildren(...inputs.map((input, i) => new Option(input.name, i)));
+  $("input").value = sides[0].input;
   $("input-field").hidden = inputs.length < 2;
   controls = new Controls($("controls"), about.controls, change);
   drawLegend($("legend"), $("map").value);
