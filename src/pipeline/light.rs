@@ -227,6 +227,11 @@ impl Prepared {
         Ok(changed)
     }
 
+    /// Whether that light tells what this capture's sensor sees: as the one that it was traced for, or by its irradiance.
+    pub fn is_served_by(&self, light: &Light) -> bool {
+        light.bands.is_some() || light.serves(&self.capture.sensor)
+    }
+
     /// The rates at which light frees electrons in this capture's sensor, e⁻/s. Those of another sensor than the light
     /// was traced for come from its irradiance, without a variance, and with warnings about it.
     pub(super) fn rates(&self, light: &Light) -> Result<(Estimate, Vec<String>)> {

@@ -243,6 +243,11 @@ impl Kept {
                 let prepared = self.prepared.get_or_make((input, trace, all.clone()), || {
                     changed(&base, &query.exposure).map_err(Failure::from)
                 })?;
+                if !prepared.is_served_by(light) {
+                    let message = "this sensor sees light in another way than the one that it was traced for";
+                    let failure = Failure { needs_trace: true, ..Failure::new(StatusCode::CONFLICT, message) };
+                    return Err(failure.help("trace again for this sensor, or keep the spectrum, which serves all"));
+                }
                 (Ready::Traced(prepared, Arc::clone(light)), lit.number, trace)
             }
             Source::Stored(render) => {

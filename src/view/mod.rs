@@ -45,6 +45,7 @@
 mod access;
 mod answer;
 mod changes;
+mod connection;
 mod controls;
 mod events;
 mod exposer;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use http_body_util::{BodyExt, Limited};
-use hyper::body::Incoming;
+use hyper::body::{Bytes, Incoming};
 use hyper::header::{HeaderValue, LOCATION};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
@@ -16,11 +16,12 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use tokio::net::TcpListener;
-use tokio::sync::{Semaphore, oneshot, watch};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot, watch};
 
 use super::access::Access;
 use super::answer::{Answer, Failure, done, of_bytes, of_json, refused};
 use super::changes::{for_trace, to_toml};
+use super::connection::Connection;
 use super::controls::{self, Control};
 use super::exposer::Exposer;
 use super::query::Query;
@@ -33,7 +34,7 @@ use crate::{Error, Result};
 
 /// Connections at the same time; others wait.
 const CONNECTIONS: usize = 64;
-/// Within this time a connection has to say what it wants.
+/// Within this time a connection has to say what it wants, and to take some of what it gets.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Pictures that are made, or wait to be sent, at the same time.
 const PICTURES: usize = 8;
@@ -174,7 +175,8 @@ async fn accept(listener: TcpListener, shared: Arc<Shared>) -> Infallible {
             let mut connection = http1::Builder::new();
             connection.timer(TokioTimer::new()).header_read_timeout(PATIENCE);
             // A connection that breaks is of no concern to others.
-            let _ = connection.serve_connection(TokioIo::new(stream), service).await;
+            let stream = TokioIo::new(Connection::new(stream, PATIENCE));
+            let _ = connection.serve_connection(stream, service).await;
         });
     }
 }
@@ -197,12 +199,16 @@ async fn answer(request: Request<Incoming>, shared: Arc<Shared>) -> Answer {
         (&Method::GET, "events") => Ok(events::stream(shared.status.subscribe())),
         (&Method::GET, "picture") => {
             let picture = |shared: &Shared, source: &Source, query: &Query| shared.exposer.picture(source, query);
-            made(text, &shared, picture).await.map(|bytes| of_bytes("application/octet-stream", bytes))
+            let made = made(text, &shared, picture).await;
+            // Its place is taken until it is sent.
+            made.map(|(bytes, place)| {
+                of_bytes("application/octet-stream", Bytes::from_owner(Sent { bytes, _place: place }))
+            })
         }
         (&Method::GET, "pixel") => {
             let pixel =
                 |shared: &Shared, source: &Source, query: &Query| shared.exposer.pixel(source, query, query.pixel);
-            made(text, &shared, pixel).await.map(|pixel| of_json(&pixel))
+            made(text, &shared, pixel).await.map(|(pixel, _place)| of_json(&pixel))
         }
         (&Method::GET, "capture") => changes(text, &shared),
         (&Method::POST, "trace") => order(request, &shared).await,
@@ -222,28 +228,41 @@ fn no_input(number: usize) -> Failure {
     Failure::new(StatusCode::NOT_FOUND, format!("there is no input {number}"))
 }
 
-/// Makes something of the input that is asked for, on a thread that may take its time; tracing waits meanwhile.
+/// A picture on its way, and the place that it takes.
+struct Sent {
+    bytes: Vec<u8>,
+    _place: OwnedSemaphorePermit,
+}
+
+impl AsRef<[u8]> for Sent {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+/// Makes something of the input that is asked for, on a thread that may take its time; tracing waits meanwhile. With it
+/// comes its place among the pictures under way.
 async fn made<T: Send + 'static>(
     text: &str,
     shared: &Arc<Shared>,
     make: impl FnOnce(&Shared, &Source, &Query) -> Result<T, Failure> + Send + 'static,
-) -> Result<T, Failure> {
+) -> Result<(T, OwnedSemaphorePermit), Failure> {
     let query = Query::parse(text, &shared.controls)?;
     let busy = || Failure::new(StatusCode::SERVICE_UNAVAILABLE, "too many pictures are asked for at the same time");
     let place = Arc::clone(&shared.pictures).try_acquire_owned().map_err(|_| busy())?;
     let shared = Arc::clone(shared);
     let made = tokio::task::spawn_blocking(move || {
-        let _place = place;
         let _way = shared.tracer.as_deref().map(Tracer::make_way);
         let (.., viewed) = shared.inputs.get(query.input).ok_or_else(|| no_input(query.input))?;
-        match viewed {
-            Viewed::Stored(source) => make(&shared, source, &query),
+        let made = match viewed {
+            Viewed::Stored(source) => make(&shared, source, &query)?,
             Viewed::Scene => {
                 let lit = shared.tracer.as_deref().and_then(Tracer::lit);
                 let lit = lit.ok_or_else(|| Failure::new(StatusCode::CONFLICT, "there is no light yet"))?;
-                make(&shared, &Source::Traced(lit), &query)
+                make(&shared, &Source::Traced(lit), &query)?
             }
-        }
+        };
+        Ok((made, place))
     });
     let failed = |_| Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "photosite has a mistake, please report it");
     made.await.map_err(failed)?

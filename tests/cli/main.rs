@@ -61,5 +61,7 @@ mod targets;
 mod together;
 mod truth;
 mod variation;
+#[cfg(feature = "view")]
+mod view;
 mod wavelengths;
 mod wrong_file;

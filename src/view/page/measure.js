@@ -62,8 +62,9 @@ export function inWords(rows, unit) {
 
 function plot(canvas, curves, labels, low, high, range) {
   const context = canvas.getContext("2d");
-  const { width, height } = canvas;
-  context.clearRect(0, 0, width, height);
+  const ratio = window.devicePixelRatio || 1, [width, height] = [canvas.clientWidth, canvas.clientHeight];
+  [canvas.width, canvas.height] = [width * ratio, height * ratio];
+  context.scale(ratio, ratio);
   const style = getComputedStyle(canvas);
   for (const { name, points, index } of curves) {
     context.strokeStyle = ink(name, index);
@@ -76,7 +77,7 @@ function plot(canvas, curves, labels, low, high, range) {
     context.stroke();
   }
   context.fillStyle = style.color;
-  context.font = "12px system-ui, sans-serif";
+  context.font = "11px system-ui, sans-serif";
   context.textAlign = "left";
   context.fillText(low, 2, height - 3);
   context.textAlign = "right";

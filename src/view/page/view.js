@@ -65,8 +65,8 @@ async function ask() {
 function refuse(error) {
   state.error = error.message;
   if (!(error instanceof server.Refused)) return lose();
-  const anew = error.needsTrace ? " Trace again to see it." : "";
-  $("readout").textContent = `${error.message}.${error.help ? ` ${error.help[0].toUpperCase()}${error.help.slice(1)}.` : ""}${anew}`;
+  const sentence = words => words ? `${words[0].toUpperCase()}${words.slice(1)}. ` : "";
+  $("readout").textContent = sentence(error.message) + sentence(error.help);
   $("readout").classList.add("bad");
   controls?.mark("sensor.preset", error.needsTrace);
 }
@@ -87,7 +87,10 @@ function show(i) {
   }
   stage.put(i, toImage(picture, $("map").value, i === edited ? scale() : scaleOf(picture)));
   $("zoom").value = `${readable(stage.scale * 100, 3)} %`;
-  if (i === edited) measure();
+  if (i === edited) {
+    if (stage.pixel) point(stage.pixel, i);
+    measure();
+  }
 }
 
 const scale = () => [+$("low").value, +$("high").value];
@@ -128,7 +131,7 @@ function tellStatus() {
   const lines = [PHASES[status.phase]];
   if (status.phase !== "stored") {
     lines.push(`${readable(status.samples_per_pixel, 4)} samples a pixel, ${clock(status.elapsed_s)}${["tracing", "paused"].includes(status.phase) && status.left_s !== null ? `, ${clock(status.left_s)} left` : ""}`);
-    if (status.noise_ratio !== null) lines.push(`Noise of the light ${readable(100 * status.noise_ratio, 2)} % of the sensor's`);
+    if (status.noise_ratio !== null) lines.push(`Noise of the light: ${readable(status.noise_ratio, 2)} × that of the sensor`);
   }
   if (status.message) lines.push(status.message);
   if (state.latency !== null) lines.push(`Answer within ${state.latency.toFixed(0)} ms`);
@@ -150,7 +153,8 @@ function hear(status) {
     traced = status.trace;
     light = -1;
   }
-  if (status.camera && !orbit?.isHeld) {
+  // While it is being moved the page knows better where it is.
+  if (status.camera && status.phase !== "preparing" && !orbit?.isHeld && !wantsOrder && !isOrdered) {
     orbit = new Orbit(status.camera);
     for (const [id, value] of [["focal", status.camera.focal_length_mm], ["stop-number", status.camera.f_number], ["focus", status.camera.focus_distance_m]]) {
       if (document.activeElement !== $(id)) $(id).value = value === null ? "" : +value.toPrecision(5);
@@ -192,7 +196,7 @@ function lose() {
   if (!state.isLost) {
     state.isLost = true;
     $("lost").hidden = false;
-    $("lost").textContent = "The connection is lost: photosite view may have ended. The page goes on when it is back.";
+    $("lost").textContent = "The connection is lost: photosite view may have ended. This page goes on when it is back at this address.";
   }
 }
 
@@ -468,8 +472,10 @@ try {
   const about = await server.about();
   inputs = about.inputs;
   document.title = `${inputs.map(input => input.name).join(", ")} – photosite`;
-  $("name").textContent = inputs.map(input => input.name).join(" and ");
-  $("name").title = $("name").textContent;
+  // The end of a path tells more than its beginning.
+  const short = name => name.length > 32 ? "…" + name.slice(-31) : name;
+  $("name").textContent = inputs.map(input => short(input.name)).join(" and ");
+  $("name").title = inputs.map(input => input.name).join(" and ");
   $("input").replaceChildren(...inputs.map((input, i) => new Option(input.name, i)));
   $("input-field").hidden = inputs.length < 2;
   controls = new Controls($("controls"), about.controls, change);
