@@ -235,9 +235,8 @@ impl Job<'_> {
             let waited = tracer.changed.wait_timeout(orders, LOOK_INTERVAL);
             orders = waited.map_or_else(|poisoned| poisoned.into_inner().0, |(orders, _)| orders);
             let mut rest = locked(&self.rest);
-            match (is_paused, rest.since) {
-                (true, None) => rest.since = Some(Instant::now()),
-                (true, Some(_)) | (false, _) => {}
+            if is_paused && rest.since.is_none() {
+                rest.since = Some(Instant::now());
             }
         }
         drop(orders);

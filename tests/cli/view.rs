@@ -159,7 +159,7 @@ fn planes_and_pixels_are_those_of_the_files() {
         picture.values.as_chunks().0.iter().map(|&bytes| f32::from_le_bytes(bytes)).collect()
     };
     let same = |a: &[f32], b: &[f32]| a.iter().map(|v| v.to_bits()).eq(b.iter().map(|v| v.to_bits()));
-    let electrons = folder.electrons("out/electrons.exr");
+    let electrons = folder.electrons("out");
     let of_page = server.picture("plane=electrons:G");
     assert_eq!(of_page.facts["unit"], "e⁻");
     assert!(same(&floats(&of_page), electrons.mean.plane("G").expect("green")));

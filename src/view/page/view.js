@@ -89,7 +89,7 @@ function show(i) {
   $("zoom").value = `${readable(stage.scale * 100, 3)} %`;
   if (i === edited) {
     if (stage.pixel) point(stage.pixel, i);
-    measure();
+    measureSoon();
   }
 }
 
@@ -172,7 +172,6 @@ function hear(status) {
 let isOrdered = false, wantsOrder = false;
 function moveCamera(changes) {
   Object.assign(camera, changes);
-  for (const [key, other] of [["lens.autofocus_px", "lens.focus_distance_m"], ["lens.focus_distance_m", "lens.autofocus_px"]]) if (key in changes) delete camera[other];
   wantsOrder = true;
   sendCamera();
 }
@@ -220,6 +219,13 @@ function connect() {
 
 // Measures
 
+/** Measures wait until no picture follows: while a slider moves it is the picture that counts. */
+let measuring = null;
+function measureSoon() {
+  clearTimeout(measuring);
+  measuring = setTimeout(measure, 120);
+}
+
 function measure() {
   const { picture } = sides[edited];
   if (!picture) return;
@@ -266,6 +272,17 @@ async function tellPixel() {
   } catch (error) { refuse(error); }
   asksPixel = false;
   if (nextPixel) { nextPixel = false; tellPixel(); }
+}
+
+/** Focuses on what a pixel of the picture shows. */
+async function focusOn(pixel) {
+  const side = sides[edited];
+  try {
+    const depth = await server.picture({ ...query(side), plane: "truth:depth", frame: 0 });
+    const [, metres] = valuesAt(depth, pixel)?.[0] ?? [];
+    if (metres > 0 && Number.isFinite(metres)) moveCamera({ "lens.focus_distance_m": +metres.toPrecision(6) });
+    else $("readout").textContent = `${pixel[0]}, ${pixel[1]}: there is nothing to focus on`;
+  } catch (error) { refuse(error); }
 }
 
 function pick(pixel) {
@@ -332,10 +349,8 @@ $("view").onpointerup = event => {
     if (!hasMoved) stage.patch = null;
     measure();
     stage.draw();
-  } else if (!hasMoved && tool === "focus") {
-    const [x, y] = stage.at(from);
-    moveCamera({ "lens.autofocus_px": [x, y] });
-  } else if (!hasMoved) pick(stage.at(from));
+  } else if (!hasMoved && tool === "focus") focusOn(stage.at(from));
+  else if (!hasMoved) pick(stage.at(from));
 };
 $("view").onpointercancel = event => { pointers.delete(event.pointerId); drag = null; if (orbit) orbit.isHeld = false; };
 $("view").addEventListener("wheel", event => {
