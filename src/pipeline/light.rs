@@ -227,11 +227,6 @@ impl Prepared {
         Ok(changed)
     }
 
-    /// Whether that light tells what this capture's sensor sees: as the one that it was traced for, or by its irradiance.
-    pub fn is_served_by(&self, light: &Light) -> bool {
-        light.bands.is_some() || light.serves(&self.capture.sensor)
-    }
-
     /// The rates at which light frees electrons in this capture's sensor, e⁻/s. Those of another sensor than the light
     /// was traced for come from its irradiance, without a variance, and with warnings about it.
     pub(super) fn rates(&self, light: &Light) -> Result<(Estimate, Vec<String>)> {
@@ -261,6 +256,11 @@ fn fill_gaps(planes: &mut Planes, samples: &[u32]) {
 }
 
 impl Light {
+    /// Whether it tells what a sensor sees: as the one that it was traced for, or by its irradiance.
+    pub fn tells_of(&self, sensor: &SensorModel) -> bool {
+        self.bands.is_some() || self.serves(sensor)
+    }
+
     /// Whether a sensor sees light as the one does that it was traced for.
     fn serves(&self, sensor: &SensorModel) -> bool {
         self.sensor.cfa.channels() == sensor.cfa.channels() && self.sensor.responses() == sensor.responses()

@@ -38,7 +38,7 @@
 //! to a multiple of four; and the values, little endian, row by row from the top, the channels of a pixel together. The
 //! description has `plane`, `width`, `height`, `channels` (names), `type` ("u8", "u16", "f32"), `unit`; `light`, the
 //! number of the light (see [`Status`]); `planes`, all that there are; `settings`, by the keys of the controls, as they
-//! are; `raw` with `black_dn`, `white_dn`, `bits`, `active` (column, row, columns and rows of the pixels that see light)
+//! are; `sensors`, the presets that the light tells of without tracing anew; `raw` with `black_dn`, `white_dn`, `bits`, `active` (column, row, columns and rows of the pixels that see light)
 //! and `tile` (names of the filters, rows of them); `warnings`; and `seconds` that it took. The values of `developed` are
 //! the codes of `image.png`.
 

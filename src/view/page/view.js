@@ -41,9 +41,11 @@ async function ask() {
     const side = sides[i], began = changedAt;
     side.wanted = false;
     if (i === edited) changedAt = null;
-    if (inputs[side.input]?.kind === "scene" && !state.status?.light) continue;
+    const isScene = inputs[side.input]?.kind === "scene";
+    if (isScene && !state.status?.light || needsTrace(side)) continue;
     try {
-      side.picture = await server.picture(query(side));
+      const asked = traced;
+      side.picture = { ...await server.picture(query(side)), trace: isScene ? asked : traced };
       show(i);
       state.pictures++;
       state.error = null;
@@ -382,8 +384,14 @@ function change(key, value) {
   if (key === "develop.white_balance" && value !== "temperature") { delete side.settings["develop.temperature_k"]; delete side.settings["develop.tint"]; }
   if (key === "develop.white_balance" && value === "temperature") side.settings["develop.temperature_k"] ??= 5500;
   if (side.picture) controls.show(side.picture.settings, side.settings);
+  if (needsTrace(side)) return refuse(new server.Refused({ ...UNTOLD, needs_trace: true }, 409));
   refresh([edited]);
 }
+
+const UNTOLD = { message: "this sensor sees light in another way than the one that it was traced for", help: "trace again for this sensor, or keep the spectrum, which serves all" };
+
+/** Whether the light of a side does not tell what the sensor sees that is chosen. */
+const needsTrace = ({ settings, picture }) => Boolean(settings["sensor.preset"] && picture?.sensors && !picture.sensors.includes(settings["sensor.preset"]) && picture.trace === traced);
 
 function edit(i) {
   edited = i;
