@@ -59,6 +59,7 @@ mod submit;
 mod surroundings;
 mod targets;
 mod together;
+mod tracks;
 mod truth;
 mod variation;
 #[cfg(feature = "view")]
