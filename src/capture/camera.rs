@@ -8,7 +8,8 @@ use super::framing::{Framing, LensSize, Sphere, bounding_sphere};
 use super::lens::{DEFAULT_FOCAL_LENGTH_M, describe_lens, image_distance_of_field};
 use super::tables::{CameraTable, CaptureFile, FocusDistance, LensTable};
 use crate::Invalid;
-use crate::optics::{CameraMotion, Focus, LensDescription};
+use crate::geometry::Trajectory;
+use crate::optics::{Focus, LensDescription};
 use crate::scene::description::{CameraDescription, SceneDescription, looking};
 use crate::sensor::SensorModel;
 use photosite_core::suggest::{did_you_mean, list};
@@ -17,20 +18,17 @@ use photosite_core::warnings::Warnings;
 /// Places the camera of `[camera]` and describes `[lens]`: camera → world, and the lens.
 pub(super) fn place_camera(
     CaptureFile { camera, lens, .. }: &CaptureFile,
-    motion: Option<&CameraMotion>,
+    motion: Option<&Trajectory>,
     finder: &Finder<'_>,
     scene: &SceneDescription,
     sensor: &SensorModel,
     warnings: &mut Warnings,
 ) -> Result<(DAffine3, LensDescription), Invalid> {
     let pose = match motion {
-        // Poses stand for themselves.
-        Some(motion @ CameraMotion::Poses(_)) => {
+        Some(motion) if motion.is_absolute() => {
             Some(Pose { to_world: motion.pose(&DAffine3::IDENTITY, 0.0), vertical_fov_rad: None })
         }
-        Some(CameraMotion::Steady { .. }) | None => {
-            pose(camera, &scene.cameras).map_err(|invalid| invalid.within("camera"))?
-        }
+        Some(_) | None => pose(camera, &scene.cameras).map_err(|invalid| invalid.within("camera"))?,
     };
     let size = lens_size(lens, sensor).map_err(|invalid| invalid.within("lens"))?;
     let sphere = bounding_sphere(scene);

@@ -46,7 +46,10 @@ mod lens_elements;
 mod light;
 mod material;
 mod models;
+mod moments;
 mod motion;
+mod object_pose;
+mod object_track;
 mod objects;
 mod overrides;
 mod projection;
@@ -92,7 +95,7 @@ pub(crate) use extent::{Extent, FileUnit, subject};
 pub use init::{InitialCapture, initial_capture};
 use input::{focus_on_scene, is_scene_file, read_source};
 use models::KnownModels;
-use motion::Moments;
+use moments::Moments;
 use quadrics::refuse_shining;
 use relocate::keys_of;
 pub use relocate::{real_path, relative_path};
@@ -379,20 +382,24 @@ impl Capture {
     ) -> Result<Self, Invalid> {
         let finder = Finder::new(folder, source.sandbox(), Vec::new());
         let sensor = sensor_model(&file.sensor, source.sandbox()).map_err(|invalid| invalid.within("sensor"))?;
-        let motion = motion::motion(&file.camera).map_err(|e| e.within("motion").within("camera"))?;
+        let motion = motion::of_camera(&file.camera).map_err(|e| e.within("motion").within("camera"))?;
         let mut warnings = Warnings::default();
         source.displaced().iter().for_each(|message| warnings.once(message));
         let (camera_to_world, lens) = place_camera(file, motion.as_ref(), &finder, &scene, &sensor, &mut warnings)?;
         let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
-        let scene_moves = file.scene.is_animated();
-        let mover = if motion.is_some() { "camera.motion" } else { "scene.animation" };
+        let scene_mover = file.scene.mover();
+        let scene_moves = scene_mover.is_some();
         let moves = motion.is_some() || scene_moves;
+        let mover = match (&motion, &scene_mover) {
+            (None, Some(mover)) => mover,
+            (Some(_), _) | (None, None) => "camera.motion",
+        };
         if moves && exposure.bracket.is_some() {
             let key = if file.exposure.bracket_ev.is_some() { "bracket_ev" } else { "bracket_times_s" };
             let invalid = Invalid::new(key, "cannot go with a camera or a scene that moves, as the pictures differ");
             return Err(invalid.help(format!("remove it, or {mover}")).within("exposure"));
         }
-        let recording = moves.then(|| motion::recording(mover, motion, &exposure, &sensor)).transpose()?;
+        let recording = moves.then(|| moments::recording(mover, motion, &exposure, &sensor)).transpose()?;
         let recording = recording.map(|recording| recording.later(frame)).map(|recording| {
             let of_file = motion::motion_of_file(&file.camera, &scene.cameras, &recording);
             Recording { motion: recording.motion.clone().or(of_file), ..recording }

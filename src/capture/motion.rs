@@ -1,50 +1,148 @@
-//! `[camera.motion]` and `scene.animation`: how camera and scene move while a picture is taken.
+//! How cameras and objects move: `motion` of `[camera]` and `[[scene.objects]]`.
 
 use glam::{DAffine3, DVec3};
 
-use super::sensor::sensor_model;
-use super::settings::{self, ExposureSettings, ExposureTime};
-use super::tables::{CameraTable, CaptureFile, MotionTable, ObjectTable, PoseTable, SceneTable};
+use super::object_pose;
+use super::tables::{
+    CameraMotionTable, CameraTable, ObjectMotionTable, ObjectPoseTable, ObjectTable, PoseTable, TurntableTable,
+};
 use crate::Invalid;
-use crate::io::gltf::Moment;
-use crate::optics::{CameraMotion, Recording, TimedPose};
+use crate::calibration::dataset::InterpolationName;
+use crate::geometry::{TimedPose, Trajectory};
+use crate::optics::Recording;
 use crate::scene::description::{CameraDescription, looking, vector};
-use crate::sensor::SensorModel;
-use photosite_core::Sandbox;
 
 /// How the camera of the table moves; `None` if it stands still.
-pub(super) fn motion(camera: &CameraTable) -> Result<Option<CameraMotion>, Invalid> {
+pub(super) fn of_camera(camera: &CameraTable) -> Result<Option<Trajectory>, Invalid> {
     let Some(table) = &camera.motion else { return Ok(None) };
-    let Some(poses) = &table.poses else { return steady(table) };
-    let surplus = [
-        ("velocity_m_per_s", table.velocity_m_per_s.is_some()),
-        ("angular_velocity_deg_per_s", table.angular_velocity_deg_per_s.is_some()),
-    ];
-    if let Some((key, _)) = surplus.iter().find(|(_, is_given)| *is_given) {
-        return Err(Invalid::new(*key, "cannot go with poses").help("keep one of them"));
-    }
-    let of_camera = [
+    let pose =
+        |(i, table): (usize, &PoseTable)| timed_pose(table).map_err(|invalid| invalid.within(&format!("poses[{i}]")));
+    let poses = table.poses.as_ref().map(|poses| poses.iter().enumerate().map(pose).collect()).transpose()?;
+    let stated = [
         ("position_m", camera.position_m.is_some()),
         ("look_at_m", camera.look_at_m.is_some()),
         ("up", camera.up.is_some()),
         ("gltf_camera", camera.gltf_camera.is_some()),
     ];
-    if let Some((key, _)) = of_camera.iter().find(|(_, is_given)| *is_given) {
-        let message = format!("cannot go with {key} of [camera]: poses say where the camera stands at all times");
-        return Err(Invalid::new("poses", message).help(format!("remove {key}")));
+    refuse_pose(poses.is_some(), &stated, "[camera]")?;
+    let CameraMotionTable { velocity_m_per_s, angular_velocity_deg_per_s, turntable, poses: _, interpolation } = table;
+    let centre = || {
+        camera.look_at_m.ok_or_else(|| {
+            Invalid::new("turntable.centre_m", "is missing, and [camera] has no look_at_m to stand for it")
+                .help("write a point of the axis, centre_m = [x, y, z]")
+        })
+    };
+    Stated {
+        velocities: [*velocity_m_per_s, *angular_velocity_deg_per_s],
+        turntable: turntable.as_ref(),
+        poses,
+        interpolation: *interpolation,
     }
-    let pose =
-        |(i, table): (usize, &PoseTable)| timed_pose(table).map_err(|invalid| invalid.within(&format!("poses[{i}]")));
-    let poses = poses.iter().enumerate().map(pose).collect::<Result<_, Invalid>>()?;
-    CameraMotion::through(poses, "for a camera that stands still, write [camera]").map(Some)
+    .trajectory(centre, "for a camera that stands still, write [camera]")
 }
 
-fn steady(table: &MotionTable) -> Result<Option<CameraMotion>, Invalid> {
-    let velocity_m_per_s = vector("velocity_m_per_s", table.velocity_m_per_s.unwrap_or_default())?;
-    let degrees = vector("angular_velocity_deg_per_s", table.angular_velocity_deg_per_s.unwrap_or_default())?;
-    let angular_velocity_rad_per_s = degrees * (std::f64::consts::PI / 180.0);
-    let moves = velocity_m_per_s != DVec3::ZERO || angular_velocity_rad_per_s != DVec3::ZERO;
-    Ok(moves.then_some(CameraMotion::Steady { velocity_m_per_s, angular_velocity_rad_per_s }))
+/// How an object moves; `None` if it stands still.
+pub(super) fn of_object(object: &ObjectTable) -> Result<Option<Trajectory>, Invalid> {
+    let Some(table) = &object.motion else { return Ok(None) };
+    let pose = |(i, table): (usize, &ObjectPoseTable)| {
+        let rotation = object_pose::rotation(
+            DVec3::from_array(table.position_m),
+            [table.rotation_deg, table.look_at_m],
+            table.quaternion_wxyz,
+        );
+        let position_m = vector("position_m", table.position_m);
+        let pose = |rotation| Ok(TimedPose { time_s: table.time_s, position_m: position_m?, rotation });
+        rotation.and_then(pose).map_err(|invalid| invalid.within(&format!("poses[{i}]")))
+    };
+    let poses = table.poses.as_ref().map(|poses| poses.iter().enumerate().map(pose).collect()).transpose()?;
+    let stated = [
+        ("position_m", object.position_m.is_some()),
+        ("rotation_deg", object.rotation_deg.is_some()),
+        ("quaternion_wxyz", object.quaternion_wxyz.is_some()),
+        ("look_at_m", object.look_at_m.is_some()),
+    ];
+    refuse_pose(poses.is_some(), &stated, "the object")?;
+    let ObjectMotionTable { velocity_m_per_s, angular_velocity_deg_per_s, turntable, poses: _, interpolation } = table;
+    Stated {
+        velocities: [*velocity_m_per_s, *angular_velocity_deg_per_s],
+        turntable: turntable.as_ref(),
+        poses,
+        interpolation: *interpolation,
+    }
+    .trajectory(|| Ok(object.position_m.unwrap_or_default()), "for an object that stands still, leave motion out")
+}
+
+/// Poses stand for themselves.
+fn refuse_pose(has_poses: bool, stated: &[(&str, bool)], of: &str) -> Result<(), Invalid> {
+    match stated.iter().find(|(_, is_given)| has_poses && *is_given) {
+        None => Ok(()),
+        Some((key, _)) => {
+            let message = format!("cannot go with {key} of {of}: poses say where it stands at all times");
+            Err(Invalid::new("poses", message).help(format!("remove {key}")))
+        }
+    }
+}
+
+/// What a table of motion says, one of the three.
+struct Stated<'a> {
+    /// Along the world's axes, m/s, and about the own ones, degrees per second.
+    velocities: [Option<[f64; 3]>; 2],
+    turntable: Option<&'a TurntableTable>,
+    poses: Option<Vec<TimedPose>>,
+    interpolation: Option<InterpolationName>,
+}
+
+impl Stated<'_> {
+    /// `centre` is a point of the turntable's axis where none is given, and `still` what the help says of what does not
+    /// move.
+    fn trajectory(
+        self,
+        centre: impl Fn() -> Result<[f64; 3], Invalid>,
+        still: &str,
+    ) -> Result<Option<Trajectory>, Invalid> {
+        let Self { velocities: [velocity, angular_velocity], turntable, poses, interpolation } = self;
+        let kinds = [
+            ("poses", poses.is_some()),
+            ("turntable", turntable.is_some()),
+            ("velocity_m_per_s", velocity.is_some()),
+            ("angular_velocity_deg_per_s", angular_velocity.is_some()),
+        ];
+        let given: Vec<&str> = kinds.iter().filter(|(_, is_given)| *is_given).map(|(key, _)| *key).collect();
+        if let &[first @ ("poses" | "turntable"), second, ..] = &*given {
+            return Err(Invalid::new(second, format!("cannot go with {first}")).help("keep one of them"));
+        }
+        if interpolation.is_some() && poses.is_none() {
+            let message = "goes only with poses, between which it says how to go";
+            return Err(Invalid::new("interpolation", message).help("write poses, or remove it"));
+        }
+        if let Some(poses) = poses {
+            return Trajectory::through(poses, interpolation.unwrap_or_default().into(), still).map(Some);
+        }
+        if let Some(table) = turntable {
+            return on_turntable(table, centre).map(Some);
+        }
+        let velocity_m_per_s = vector("velocity_m_per_s", velocity.unwrap_or_default())?;
+        let degrees = vector("angular_velocity_deg_per_s", angular_velocity.unwrap_or_default())?;
+        let angular_velocity_rad_per_s = degrees * (std::f64::consts::PI / 180.0);
+        let moves = velocity_m_per_s != DVec3::ZERO || angular_velocity_rad_per_s != DVec3::ZERO;
+        Ok(moves.then_some(Trajectory::Steady { velocity_m_per_s, angular_velocity_rad_per_s }))
+    }
+}
+
+fn on_turntable(table: &TurntableTable, centre: impl Fn() -> Result<[f64; 3], Invalid>) -> Result<Trajectory, Invalid> {
+    let centre_m = match table.centre_m {
+        Some(stated) => vector("turntable.centre_m", stated)?,
+        None => DVec3::from_array(centre()?),
+    };
+    let axis = vector("turntable.axis", table.axis.unwrap_or([0.0, 1.0, 0.0]))?;
+    let axis = axis.try_normalize().ok_or_else(|| {
+        Invalid::new("turntable.axis", "has no length").help("for example [0, 1, 0], about which it turns upright")
+    })?;
+    let speed = table.speed_deg_per_s;
+    if !speed.is_finite() {
+        return Err(Invalid::new("turntable.speed_deg_per_s", format!("must be finite, got {speed}")));
+    }
+    Ok(Trajectory::Turntable { centre_m, axis, speed_rad_per_s: speed.to_radians() })
 }
 
 fn timed_pose(table: &PoseTable) -> Result<TimedPose, Invalid> {
@@ -56,7 +154,7 @@ pub(super) fn motion_of_file(
     table: &CameraTable,
     cameras: &[CameraDescription],
     recording: &Recording,
-) -> Option<CameraMotion> {
+) -> Option<Trajectory> {
     let camera = match &table.gltf_camera {
         Some(name) => cameras.iter().find(|camera| camera.name == *name),
         None => cameras.first().filter(|_| table.position_m.is_none()),
@@ -66,81 +164,5 @@ pub(super) fn motion_of_file(
         TimedPose::new(recording.start_s + recording.duration_s * i as f64 / parts, place)
     };
     let places = || [&camera.to_world].into_iter().chain(&camera.later);
-    (parts > 0.0).then(|| CameraMotion::Poses(places().enumerate().map(pose).collect()))
-}
-
-/// When a picture is taken of the animations of a scene.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Moments {
-    /// Of the animation of `scene.geometry`, if it has one.
-    pub(super) of_scene: Option<Moment>,
-    /// Of that of each object.
-    pub(super) of_objects: Vec<Option<Moment>>,
-}
-
-impl Moments {
-    /// Those of the picture of that number.
-    pub(super) fn of(file: &CaptureFile, frame: u32, sandbox: &Sandbox) -> Result<Self, Invalid> {
-        let SceneTable { animation, animation_time_s, objects, .. } = &file.scene;
-        let of_scene = moment(file, animation.as_ref(), *animation_time_s, frame, sandbox);
-        let of_object = |(i, object): (usize, &ObjectTable)| {
-            let found = moment(file, object.animation.as_ref(), object.animation_time_s, frame, sandbox);
-            found.map_err(|invalid| invalid.within(&format!("scene.objects[{i}]")))
-        };
-        Ok(Self {
-            of_scene: of_scene.map_err(|invalid| invalid.within("scene"))?,
-            of_objects: objects.iter().enumerate().map(of_object).collect::<Result<_, _>>()?,
-        })
-    }
-}
-
-/// When the picture of that number is taken of an animation, if there is one. Keys of errors are `animation` and
-/// `animation_time_s`.
-fn moment(
-    file: &CaptureFile,
-    animation: Option<&String>,
-    time_s: Option<f64>,
-    frame: u32,
-    sandbox: &Sandbox,
-) -> Result<Option<Moment>, Invalid> {
-    let Some(animation) = animation else {
-        return match time_s {
-            None => Ok(None),
-            Some(_) => Err(Invalid::new("animation_time_s", "goes only with an animation")
-                .help("remove it, or name an animation, for example animation = \"Walk\"")),
-        };
-    };
-    let start_s = time_s.unwrap_or(0.0);
-    if !start_s.is_finite() {
-        return Err(Invalid::new("animation_time_s", format!("must be finite, got {start_s}")));
-    }
-    let sensor = sensor_model(&file.sensor, sandbox).map_err(|invalid| invalid.within("sensor"))?;
-    let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
-    let recording = recording("animation", None, &exposure, &sensor)?.later(frame);
-    let start_s = start_s + recording.start_s;
-    Ok(Some(Moment { animation: animation.clone(), start_s, duration_s: recording.duration_s }))
-}
-
-/// The first picture of something that moves. `key` names what does.
-pub(super) fn recording(
-    key: &str,
-    motion: Option<CameraMotion>,
-    exposure: &ExposureSettings,
-    sensor: &SensorModel,
-) -> Result<Recording, Invalid> {
-    let ExposureTime::Fixed(time) = exposure.time else {
-        let message = "needs an exposure time, which tells how far things come meanwhile";
-        return Err(Invalid::new(key, message).help("write [exposure] with time_s, for example time_s = 0.01"));
-    };
-    let rows = sensor.resolution[1];
-    let last = (0..rows).map(|row| sensor.shutter.delay(row, rows).0).fold(0.0, f64::max);
-    Ok(Recording {
-        motion,
-        start_s: 0.0,
-        exposure_s: time.0,
-        row_time_s: sensor.shutter.row_time().0,
-        first_row: sensor.shutter.first_row(rows),
-        duration_s: last + time.0,
-        frame_interval_s: sensor.frame_interval(time, exposure.frame_interval).0,
-    })
+    (parts > 0.0).then(|| Trajectory::Poses(places().enumerate().map(pose).collect()))
 }

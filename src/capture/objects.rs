@@ -6,12 +6,15 @@ use std::path::Path;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use super::models::ModelFile;
+use super::moments::{Moments, Span};
+use super::motion;
+use super::object_pose::ObjectPose;
+use super::object_track::ObjectTrack;
 use super::scene::{ReadScene, check_name, extents, is_within_reach, missing_normals, unit_length};
 use super::source::CaptureSource;
-use super::tables::{MaterialChoice, MaterialTable, ObjectTable, ScaleSource, UpAxis};
-use crate::io::gltf::Moment;
+use super::tables::{MaterialChoice, MaterialTable, ObjectTable, UpAxis};
 use crate::scene::description::{
-    CameraDescription, InstanceDescription, LightDescription, ObjectDescription, SceneDescription, look_at, vector,
+    CameraDescription, InstanceDescription, LightDescription, ObjectDescription, SceneDescription, pose_at, vector,
 };
 use crate::{Invalid, Result};
 use photosite_core::suggest::{did_you_mean, list};
@@ -29,14 +32,6 @@ struct Template {
     animations: Vec<String>,
 }
 
-/// Where an object is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Pose {
-    position: DVec3,
-    rotation: DQuat,
-    scale: DVec3,
-}
-
 impl ReadScene {
     /// Reads the files of objects and places them; `moments` are those of their animations. Materials are those of the
     /// files, and those of `described` names.
@@ -44,13 +39,13 @@ impl ReadScene {
         &mut self,
         source: &CaptureSource,
         objects: &[ObjectTable],
-        moments: &[Option<Moment>],
+        moments: &Moments,
         folder: &Path,
         described: &BTreeMap<String, MaterialTable>,
     ) -> Result<()> {
         let mut templates: Vec<Template> = Vec::new();
         let mut of_objects = Vec::with_capacity(objects.len());
-        for (i, (table, moment)) in objects.iter().zip(moments).enumerate() {
+        for (i, (table, moment)) in objects.iter().zip(&moments.of_objects).enumerate() {
             let file = ModelFile {
                 path: folder.join(&table.file),
                 variant: table.variant.clone(),
@@ -72,7 +67,8 @@ impl ReadScene {
         let names = names(objects).map_err(|invalid| source.error(invalid))?;
         let mut repainted = BTreeMap::new();
         for (i, ((table, template), name)) in objects.iter().zip(of_objects).zip(names).enumerate() {
-            let place = || self.place(table, (template, &templates[template]), name, described, &mut repainted);
+            let template = (template, &templates[template]);
+            let place = || self.place(table, template, name, moments.of_trajectories, described, &mut repainted);
             place().map_err(|invalid| source.error(invalid.within(&format!("scene.objects[{i}]"))))?;
         }
         Ok(())
@@ -100,12 +96,14 @@ impl ReadScene {
         table: &ObjectTable,
         (number, template): (usize, &Template),
         name: String,
+        span: Option<Span>,
         described: &BTreeMap<String, MaterialTable>,
         repainted: &mut BTreeMap<(usize, Vec<Option<usize>>), usize>,
     ) -> Result<(), Invalid> {
         check_name("variant", "material variant", table.variant.as_deref(), &template.variants)?;
         check_name("animation", "animation", table.animation.as_deref(), &template.animations)?;
-        let pose = pose(table)?;
+        let trajectory = motion::of_object(table).map_err(|invalid| invalid.within("motion"))?;
+        let track = ObjectTrack::new(ObjectPose::of(table)?, trajectory.zip(span))?;
         let keypoint =
             |(name, point): (&String, &[f64; 3])| Ok((name.clone(), vector(&format!("keypoints.{name}"), *point)?));
         let keypoints = table.keypoints.iter().map(keypoint).collect::<Result<_, Invalid>>()?;
@@ -114,8 +112,7 @@ impl ReadScene {
             None | Some(UpAxis::Y) => DQuat::IDENTITY,
             Some(UpAxis::Z) => DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2),
         };
-        let to_world = DAffine3::from_scale_rotation_translation(pose.scale, pose.rotation, pose.position);
-        let of_file = to_world * DAffine3::from_scale_rotation_translation(DVec3::splat(unit), turn, DVec3::ZERO);
+        let upright = DAffine3::from_scale_rotation_translation(DVec3::splat(unit), turn, DVec3::ZERO);
         if let Some(choice) = &table.material {
             self.check_materials(choice, template)?;
         }
@@ -129,11 +126,13 @@ impl ReadScene {
         };
         let first = self.scene.instances.len();
         for (instance, extent) in template.instances.iter().zip(&template.extents) {
+            let at = |part: f64| track.to_world(part) * upright * instance.at(part as f32);
+            let (to_world, later) = track.places(instance.later.len(), at);
             let placed = InstanceDescription {
                 name: name.clone(),
                 meshes: instance.meshes.start + shift..instance.meshes.end + shift,
-                to_world: of_file * instance.to_world,
-                later: instance.later.iter().map(|later| of_file * *later).collect(),
+                to_world,
+                later,
                 is_movable: table.has_pose(),
             };
             if ![placed.to_world].iter().chain(&placed.later).all(|to_world| is_within_reach(to_world, *extent)) {
@@ -143,32 +142,26 @@ impl ReadScene {
             self.scene.instances.push(placed);
         }
         // Lamps and cameras are moved and turned, and not made larger.
-        let rigid = |of: &DAffine3| {
-            let place = of_file.transform_point3(of.translation);
-            DAffine3 { matrix3: DMat3::from_quat(pose.rotation * turn) * of.matrix3, translation: place }
+        let rigid = |of: &DAffine3, later: &[DAffine3]| {
+            track.places(later.len(), |part| {
+                let of_file = pose_at(of, later, part as f32);
+                let translation = (track.to_world(part) * upright).transform_point3(of_file.translation);
+                DAffine3 { matrix3: track.rigid(part).matrix3 * DMat3::from_quat(turn) * of_file.matrix3, translation }
+            })
         };
-        let all = |later: &[DAffine3]| later.iter().map(rigid).collect::<Vec<_>>();
-        self.scene.lights.extend(template.lights.iter().map(|light| LightDescription {
-            to_world: rigid(&light.to_world),
-            later: all(&light.later),
-            ..light.clone()
+        self.scene.lights.extend(template.lights.iter().map(|light| {
+            let (to_world, later) = rigid(&light.to_world, &light.later);
+            LightDescription { to_world, later, ..light.clone() }
         }));
-        self.scene.cameras.extend(template.cameras.iter().map(|camera| CameraDescription {
-            to_world: rigid(&camera.to_world),
-            later: all(&camera.later),
-            ..camera.clone()
+        self.scene.cameras.extend(template.cameras.iter().map(|camera| {
+            let (to_world, later) = rigid(&camera.to_world, &camera.later);
+            CameraDescription { to_world, later, ..camera.clone() }
         }));
         let instances = first..self.scene.instances.len();
         if !instances.is_empty() {
             let category = Some(table.category.clone().unwrap_or_else(|| stem(&table.file)));
-            self.scene.objects.push(ObjectDescription {
-                name,
-                category,
-                to_world,
-                later: Vec::new(),
-                keypoints,
-                instances,
-            });
+            let (to_world, later) = track.places(0, |part| track.to_world(part));
+            self.scene.objects.push(ObjectDescription { name, category, to_world, later, keypoints, instances });
         }
         Ok(())
     }
@@ -248,7 +241,7 @@ impl ObjectTable {
     /// Whether anything places it, so that it may be elsewhere in another picture.
     fn has_pose(&self) -> bool {
         let is_turned = self.rotation_deg.is_some() || self.quaternion_wxyz.is_some() || self.look_at_m.is_some();
-        self.position_m.is_some() || is_turned || self.scale.is_some()
+        self.position_m.is_some() || is_turned || self.scale.is_some() || self.motion.is_some()
     }
 }
 
@@ -271,53 +264,6 @@ fn together(instances: Vec<InstanceDescription>, scene: &SceneDescription) -> Ve
         }
     }
     all
-}
-
-fn pose(table: &ObjectTable) -> Result<Pose, Invalid> {
-    let position = vector("position_m", table.position_m.unwrap_or_default())?;
-    let turns = [
-        ("rotation_deg", table.rotation_deg.is_some()),
-        ("quaternion_wxyz", table.quaternion_wxyz.is_some()),
-        ("look_at_m", table.look_at_m.is_some()),
-    ];
-    let mut given = turns.iter().filter(|(_, is_given)| *is_given);
-    if let (Some((first, _)), Some((second, _))) = (given.next(), given.next()) {
-        return Err(Invalid::new(*second, format!("cannot go with {first}")).help("keep one of them"));
-    }
-    let rotation = if let Some(angles) = table.rotation_deg {
-        let [x, y, z] = vector("rotation_deg", angles)?.to_array().map(f64::to_radians);
-        DQuat::from_rotation_z(z) * DQuat::from_rotation_y(y) * DQuat::from_rotation_x(x)
-    } else if let Some([w, x, y, z]) = table.quaternion_wxyz {
-        let quaternion = DQuat::from_xyzw(x, y, z, w);
-        let length = quaternion.length();
-        if !(length.is_finite() && length > 0.0) {
-            let message = format!("must not be 0 and must be finite, got {:?}", [w, x, y, z]);
-            return Err(Invalid::new("quaternion_wxyz", message).help("[1, 0, 0, 0] is no turn"));
-        }
-        quaternion / length
-    } else if let Some(target) = table.look_at_m {
-        let target = vector("look_at_m", target)?;
-        // Turned about: a camera looks along −z, and the front of an object is +z.
-        let away = position * 2.0 - target;
-        let looking = look_at(position, away, DVec3::Y).ok_or_else(|| {
-            let message =
-                "is straight above, below or where the object stands, so that it is not known which way is up";
-            Invalid::new("look_at_m", message).help("write rotation_deg or quaternion_wxyz instead")
-        })?;
-        DQuat::from_mat3(&looking.matrix3)
-    } else {
-        DQuat::IDENTITY
-    };
-    let scale = match table.scale {
-        None => DVec3::ONE,
-        Some(ScaleSource::All(scale)) => DVec3::splat(scale),
-        Some(ScaleSource::Each(scale)) => DVec3::from_array(scale),
-    };
-    if !(scale.is_finite() && scale.min_element() > 0.0) {
-        let message = format!("must be above 0, got {:?}", scale.to_array());
-        return Err(Invalid::new("scale", message).help("1 leaves the size as it is"));
-    }
-    Ok(Pose { position, rotation, scale })
 }
 
 /// The names of objects, all different.

@@ -1,6 +1,6 @@
 //! `[scene]`: reading geometry and laying the tables of a capture file over it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use super::environment::describe_environment;
 use super::light::describe_lights;
 use super::material::override_materials;
 use super::models::{KnownModels, Model, ModelFile};
-use super::motion::Moments;
+use super::moments::Moments;
 use super::source::CaptureSource;
 use super::tables::{CaptureFile, MaterialTable, NormalsName};
 use super::target::scene_of;
@@ -74,7 +74,7 @@ impl ReadScene {
             check_name("scene.animation", "animation", table.animation.as_deref(), &animations)
         };
         check().map_err(|invalid| source.error(invalid))?;
-        read.add_objects(source, &table.objects, &moments.of_objects, folder, materials)?;
+        read.add_objects(source, &table.objects, moments, folder, materials)?;
         Ok(read)
     }
 
@@ -225,7 +225,11 @@ impl ReadScene {
         let is_palette = !file.scene.objects.is_empty();
         override_materials(&file.materials, is_palette, &mut finder, &mut self.scene.materials, &mut warnings)?;
         describe_lights(&file.lights, &finder, &mut self.scene)?;
-        for name in self.undescribed_materials.iter().filter(|name| !file.materials.contains_key(*name)) {
+        // An object may have got another material for all of its file's.
+        let seen = self.scene.instances.iter().flat_map(|instance| &self.scene.meshes[instance.meshes.clone()]);
+        let used: BTreeSet<&str> = seen.map(|mesh| &*self.scene.materials[mesh.material].name).collect();
+        let is_seen = |name: &&String| used.contains(name.as_str()) && !file.materials.contains_key(*name);
+        for name in self.undescribed_materials.iter().filter(is_seen) {
             warnings.once(format!("nothing describes the material {name:?}; it is diffuse grey"));
         }
         if let Some(environment) = &file.scene.environment {

@@ -14,7 +14,7 @@ use super::layout_folder::PICTURE;
 use crate::calibration::camera_files::CalibratedCamera;
 use crate::calibration::layouts::{EPOCH_NS, PictureSet, RollingShutter, SceneObject, SeenPoint, SeenTarget, Shot};
 use crate::io::file_sum::FileSum;
-use crate::optics::{CameraMotion, Projection, Recording};
+use crate::optics::{Projection, Recording};
 use crate::report::{REPORT, Report, TargetReport, TracedReport};
 use crate::{Error, Invalid, Result};
 
@@ -121,8 +121,7 @@ pub(super) fn shot(path: &Path, report: Report, line: Line, camera: usize) -> Re
     let time_s = recording.as_ref().map_or(0.0, Recording::middle_s);
     let pose = |time_s: f64| match recording.as_ref().and_then(|recording| recording.motion.as_ref()) {
         None => reported_pose,
-        Some(motion @ CameraMotion::Steady { .. }) => motion.pose(&reported_pose, time_s - reported_s),
-        Some(motion @ CameraMotion::Poses(_)) => motion.pose(&reported_pose, time_s),
+        Some(motion) => motion.pose_from(&reported_pose, reported_s, time_s),
     };
     // Short against any change of a velocity, and long against the last bits of a position.
     const STEP_S: f64 = 1e-4;

@@ -53,7 +53,7 @@ pub(super) fn plan(
         // A variation may ask for flow in some frames.
         let varies_truth = description.vary.iter().any(|d| d.keys().any(|key| key.starts_with("output")));
         let flows = varies_truth || capture.output.truth.layers.contains(&TruthLayer::Flow);
-        cameras.push(RigCamera { place, camera, serial, seed, flows });
+        cameras.push(RigCamera { place, camera, serial, seed, flows, scene_moves: capture.scene_moves });
         captures.push(capture);
     }
     for (index, camera) in cameras.iter().enumerate() {

@@ -197,7 +197,25 @@ impl<'a> Chain<'a> {
         let exposure = exposure.and_then(|exposure| exposure.validate(self.settings.sensor).map(|()| exposure));
         let exposure = exposure.map_err(|invalid| self.in_exposure(invalid))?;
         let electrons = if exposure.time == collected { light } else { light.scaled(exposure.time.0 / collected.0) };
+        let warning = warning.or_else(|| self.saturation_warning(&electrons.mean, &exposure));
         Ok(Exposed { exposure, electrons, warning })
+    }
+
+    /// Tells where most of a picture whose exposure is stated is saturated. A bracket is meant to be, in part.
+    fn saturation_warning(&self, electrons: &Planes, exposure: &Exposure) -> Option<String> {
+        let Settings { sensor, exposure: wanted, .. } = self.settings;
+        if matches!(wanted.time, ExposureTime::Auto(_)) || wanted.bracket.is_some() {
+            return None;
+        }
+        let capacity = sensor.saturation_capacity(exposure).0 as f32;
+        let values = || electrons.channels().iter().flat_map(|channel| &channel.data).filter(|value| **value > 0.0);
+        let part = values().filter(|value| **value >= capacity).count() as f64 / values().count().max(1) as f64;
+        (part > 0.5).then(|| {
+            let percent = (part * 100.0).floor();
+            format!(
+                "{percent} % of the picture is saturated: shorten exposure.time_s or leave it out, or raise lens.f_number"
+            )
+        })
     }
 
     /// Reads the sensor out; each frame has noise of its own.

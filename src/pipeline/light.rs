@@ -257,6 +257,11 @@ fn fill_gaps(planes: &mut Planes, samples: &[u32]) {
 }
 
 impl Light {
+    /// Whether it tells what a sensor sees: as the one that it was traced for, or by its irradiance.
+    pub fn tells_of(&self, sensor: &SensorModel) -> bool {
+        self.bands.is_some() || self.serves(sensor)
+    }
+
     /// Whether a sensor sees light as the one does that it was traced for.
     fn serves(&self, sensor: &SensorModel) -> bool {
         self.sensor.cfa.channels() == sensor.cfa.channels() && self.sensor.responses() == sensor.responses()

@@ -103,6 +103,19 @@ impl StoredRender {
         }
     }
 
+    /// Whether its light tells what a sensor sees: as the one that it was traced for, or by irradiance that is stored, too.
+    pub fn tells_of(&self, sensor: &SensorModel) -> bool {
+        let own = &self.stored.capture.sensor;
+        let has_irradiance =
+            || self.input.is_dir() && light_names("irradiance").iter().any(|n| self.input.join(n).exists());
+        match *self.light {
+            StoredLight::Irradiance { .. } => true,
+            StoredLight::Electrons { .. } => {
+                own.cfa.channels() == sensor.cfa.channels() && own.responses() == sensor.responses() || has_irradiance()
+            }
+        }
+    }
+
     /// The sensor that its light falls on, as it is now.
     pub fn sensor(&self) -> &SensorModel {
         &self.stored.capture.sensor
@@ -143,4 +156,9 @@ impl StoredRender {
     pub fn expose_into(self, folder: &mut OutputFolder, monitor: &dyn Monitor) -> Result<Report> {
         self.expose()?.write_into(folder, monitor)
     }
+}
+
+/// Names of a file of light: alone, and of the first picture of a series.
+fn light_names(kind: &str) -> [String; 2] {
+    [format!("{kind}.exr"), format!("{kind}-0000.exr")]
 }

@@ -4,7 +4,9 @@ use glam::{DQuat, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::optics::{CameraMotion, Recording, TimedPose};
+use crate::calibration::dataset::InterpolationName;
+use crate::geometry::{TimedPose, Trajectory};
+use crate::optics::Recording;
 
 /// Row y of frame k sees light from t = k·interval + (|y + ½ − first row| − ½)·row time on, for the exposure time.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -33,13 +35,32 @@ pub enum PathReport {
         /// Turn about the camera's own axes, °/s.
         angular_velocity_deg_per_s: [f64; 3],
     },
-    /// Between two poses, position linear in t, rotation on the shortest way.
+    /// The pose at pose_time_s, turned about an axis of the world by speed·(t − pose_time_s).
+    Turntable {
+        /// The axis and the speed.
+        turntable: TurntableReport,
+    },
+    /// Between two poses position linear in t and rotation on the shortest way, or a spline.
     Poses {
         /// In the order of their times.
         poses: Vec<PoseReport>,
+        /// How it goes from one pose to the next; "linear" where nothing is said.
+        #[serde(default, skip_serializing_if = "is_linear")]
+        interpolation: InterpolationName,
     },
     /// The scene moves, not the camera. Stands last, as it says nothing that the others lack.
     Still {},
+}
+
+/// A turn about an axis of the world.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct TurntableReport {
+    /// A point of the axis.
+    pub centre_m: [f64; 3],
+    /// Direction of the axis, of unit length.
+    pub axis: [f64; 3],
+    /// Counter-clockwise seen against the axis.
+    pub speed_deg_per_s: f64,
 }
 
 /// Where the camera is at a time.
@@ -53,22 +74,37 @@ pub struct PoseReport {
     pub rotation_xyzw: [f64; 4],
 }
 
+impl PoseReport {
+    fn new(pose: &TimedPose) -> Self {
+        Self { time_s: pose.time_s, position_m: pose.position_m.to_array(), rotation_xyzw: pose.rotation.to_array() }
+    }
+}
+
+fn is_linear(interpolation: &InterpolationName) -> bool {
+    *interpolation == InterpolationName::Linear
+}
+
 impl MotionReport {
     pub(super) fn new(recording: &Recording) -> Self {
         let path = match &recording.motion {
             None => PathReport::Still {},
-            Some(CameraMotion::Steady { velocity_m_per_s, angular_velocity_rad_per_s }) => PathReport::Steady {
+            Some(Trajectory::Steady { velocity_m_per_s, angular_velocity_rad_per_s }) => PathReport::Steady {
                 velocity_m_per_s: velocity_m_per_s.to_array(),
                 angular_velocity_deg_per_s: angular_velocity_rad_per_s.to_array().map(f64::to_degrees),
             },
-            Some(CameraMotion::Poses(poses)) => {
-                let poses = poses.iter().map(|pose| PoseReport {
-                    time_s: pose.time_s,
-                    position_m: pose.position_m.to_array(),
-                    rotation_xyzw: pose.rotation.to_array(),
-                });
-                PathReport::Poses { poses: poses.collect() }
+            Some(Trajectory::Turntable { centre_m, axis, speed_rad_per_s }) => {
+                let [centre_m, axis] = [centre_m, axis].map(DVec3::to_array);
+                let turntable = TurntableReport { centre_m, axis, speed_deg_per_s: speed_rad_per_s.to_degrees() };
+                PathReport::Turntable { turntable }
             }
+            Some(Trajectory::Poses(poses)) => PathReport::Poses {
+                poses: poses.iter().map(PoseReport::new).collect(),
+                interpolation: InterpolationName::Linear,
+            },
+            Some(Trajectory::Spline(spline)) => PathReport::Poses {
+                poses: spline.poses().map(PoseReport::new).collect(),
+                interpolation: InterpolationName::Spline,
+            },
         };
         let Recording { exposure_s, row_time_s, first_row, frame_interval_s, .. } = *recording;
         Self { path, exposure_s, row_time_s, first_row, frame_interval_s }
@@ -82,11 +118,18 @@ impl MotionReport {
             rotation: DQuat::from_array(pose.rotation_xyzw),
         };
         let motion = match &self.path {
-            PathReport::Steady { velocity_m_per_s, angular_velocity_deg_per_s } => Some(CameraMotion::Steady {
+            PathReport::Steady { velocity_m_per_s, angular_velocity_deg_per_s } => Some(Trajectory::Steady {
                 velocity_m_per_s: DVec3::from_array(*velocity_m_per_s),
                 angular_velocity_rad_per_s: DVec3::from_array(angular_velocity_deg_per_s.map(f64::to_radians)),
             }),
-            PathReport::Poses { poses } => Some(CameraMotion::Poses(poses.iter().map(pose).collect())),
+            PathReport::Turntable { turntable } => Some(Trajectory::Turntable {
+                centre_m: DVec3::from_array(turntable.centre_m),
+                axis: DVec3::from_array(turntable.axis),
+                speed_rad_per_s: turntable.speed_deg_per_s.to_radians(),
+            }),
+            PathReport::Poses { poses, interpolation } => {
+                Trajectory::through(poses.iter().map(pose).collect(), (*interpolation).into(), "").ok()
+            }
             PathReport::Still {} => None,
         };
         let unknown = Recording {

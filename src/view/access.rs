@@ -49,7 +49,8 @@ impl Access {
     pub(super) fn path<'a, B>(&self, request: &'a Request<B>) -> Result<Option<&'a str>, Refusal> {
         let headers = request.headers();
         let host = text(headers, HOST.as_str()).unwrap_or_default();
-        if !is_address(host) {
+        // Of two hosts it is not known which one the browser means.
+        if !is_address(host) || headers.get_all(HOST).iter().count() > 1 {
             return Err(Refusal("this server is asked for by its address, 127.0.0.1 or localhost, and not by a name"));
         }
         let path = request.uri().path().strip_prefix('/').unwrap_or_default();
@@ -125,6 +126,7 @@ mod tests {
             assert!(asked("/ab12/", &[("host", host)]).is_err(), "{host}");
         }
         assert!(asked("/ab12/", &[]).is_err());
+        assert!(asked("/ab12/", &[("host", "127.0.0.1:8000"), ("host", "evil.example")]).is_err());
     }
 
     #[test]

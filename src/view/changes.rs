@@ -68,6 +68,8 @@ pub(super) fn to_toml(name: &str, changes: &[String]) -> String {
             lay_over(&mut all, one);
         }
     }
+    // A file may be called anything.
+    let name = &name.replace(char::is_control, " ");
     let options: String = changes.iter().map(|change| format!(" --set {}", in_shell(change))).collect();
     format!(
         "# What was changed of {name}, as keys of a capture file. The same on the command line:\n\
@@ -87,9 +89,8 @@ fn lay_over(all: &mut toml::Table, changes: toml::Table) {
 
 /// A word as a shell takes it for one, on a line.
 fn in_shell(word: &str) -> String {
-    let word = word.replace(['\n', '\r'], " ");
     let is_plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "_-./=,:".contains(c)) && !word.is_empty();
-    if is_plain { word } else { format!("'{}'", word.replace('\'', r"'\''")) }
+    if is_plain { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
 
 #[cfg(test)]

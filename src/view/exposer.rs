@@ -21,7 +21,7 @@ use crate::io::developable::Developable;
 use crate::locked::locked;
 use crate::pipeline::{Prepared, Shot, StoredRender};
 use crate::raw::RawImage;
-use crate::sensor::NoiseMap;
+use crate::sensor::{NoiseMap, presets};
 use crate::{Error, Result};
 
 /// What is made of an input in a trace, by changes to keys.
@@ -45,6 +45,8 @@ struct Kept {
     shots: Recent<OfLight, Arc<Shot>>,
     developed: Recent<(OfLight, Vec<String>), Arc<EncodedPicture>>,
     truth: Recent<(usize, u64, TruthLayer), Arc<Planes>>,
+    /// The presets that light tells of.
+    sensors: Recent<(usize, u64), Arc<Vec<&'static str>>>,
 }
 
 /// A shot, and what it is made of.
@@ -54,6 +56,7 @@ struct Made {
     key: OfLight,
     trace: u64,
     develop: Arc<DevelopSettings>,
+    sensors: Arc<Vec<&'static str>>,
 }
 
 impl Exposer {
@@ -72,6 +75,7 @@ impl Exposer {
             shots: Recent::new(),
             developed: Recent::new(),
             truth: Recent::new(),
+            sensors: Recent::new(),
         };
         Ok(Self { threads, kept: Mutex::new(kept) })
     }
@@ -211,6 +215,7 @@ impl Made {
             "light": self.key.1,
             "planes": Plane::all(&self.ready, &self.shot),
             "settings": settings,
+            "sensors": *self.sensors,
             "raw": levels(&self.shot.raw),
             "warnings": warnings,
         })
@@ -243,6 +248,11 @@ impl Kept {
                 let prepared = self.prepared.get_or_make((input, trace, all.clone()), || {
                     changed(&base, &query.exposure).map_err(Failure::from)
                 })?;
+                if !light.tells_of(&prepared.capture().sensor) {
+                    let message = "this sensor sees light in another way than the one that it was traced for";
+                    let failure = Failure { needs_trace: true, ..Failure::new(StatusCode::CONFLICT, message) };
+                    return Err(failure.help("trace again for this sensor, or keep the spectrum, which serves all"));
+                }
                 (Ready::Traced(prepared, Arc::clone(light)), lit.number, trace)
             }
             Source::Stored(render) => {
@@ -271,12 +281,16 @@ impl Kept {
         let develop = self.develop.get_or_make((input, trace, [&all[..], &query.develop].concat()), || {
             ready.develop_settings(&query.develop).map(Arc::new)
         })?;
+        let sensors = self.sensors.get_or_make((input, trace), || {
+            let is_told = |name: &&str| presets::model(name).is_some_and(|sensor| ready.tells_of(&sensor));
+            Ok::<_, Failure>(Arc::new(presets::names().filter(is_told).collect()))
+        })?;
         let key = (input, light, query.frame, all, map);
         let shot = self.shots.get_or_make(key.clone(), || {
             let maps: Vec<NoiseMap> = map.into_iter().collect();
             ready.expose(query.frame, &maps).map(Arc::new)
         })?;
-        Ok(Made { ready, shot, key, trace, develop })
+        Ok(Made { ready, shot, key, trace, develop, sensors })
     }
 
     /// It, developed.

@@ -18,7 +18,7 @@
 //! | request | answer |
 //! |---|---|
 //! | `GET ` | the page, `view.css` and scripts beside it |
-//! | `GET about` | JSON: `version`; `name`; `has_sheet`; `inputs`, each with `name` and `kind` ("scene", "light", "file"); `controls`, each with `key`, `group`, `label`, `unit`, `about`, and `kind`: "linear" with `min`, `max`, `step`; "logarithmic" and "whole" with `min`, `max`; "choice" and "several" with `options`, each `name` and `about`; "flag" |
+//! | `GET about` | JSON: `version`; `name`; `has_sheet`; `inputs`, each with `name` and `kind` ("scene", "light", "file", or "picture" of a data set); `controls`, each with `key`, `group`, `label`, `unit`, `about`, and `kind`: "linear" with `min`, `max`, `step`; "logarithmic" and "whole" with `min`, `max`; "choice" and "several" with `options`, each `name` and `about`; "flag" |
 //! | `GET events` | server-sent events: `data:` is the JSON of [`Status`], at once and whenever it changes |
 //! | `GET picture?QUERY` | a picture, see below |
 //! | `GET pixel?x=X&y=Y&QUERY` | JSON of a pixel that sees light, counted from the top left: `electrons` with `[channel, mean, sigma]` each, `raw` and `developed` with `[channel, value]` each; `null` where there is none |
@@ -41,13 +41,14 @@
 //! to a multiple of four; and the values, little endian, row by row from the top, the channels of a pixel together. The
 //! description has `plane`, `width`, `height`, `channels` (names), `type` ("u8", "u16", "f32"), `unit`; `light`, the
 //! number of the light (see [`Status`]); `planes`, all that there are; `settings`, by the keys of the controls, as they
-//! are; `raw` with `black_dn`, `white_dn`, `bits`, `active` (column, row, columns and rows of the pixels that see light)
+//! are; `sensors`, the presets that the light tells of without tracing anew; `raw` with `black_dn`, `white_dn`, `bits`, `active` (column, row, columns and rows of the pixels that see light)
 //! and `tile` (names of the filters, rows of them); `warnings`; and `seconds` that it took. The values of `developed` are
 //! the codes of `image.png`.
 
 mod access;
 mod answer;
 mod changes;
+mod connection;
 mod controls;
 mod events;
 mod exposer;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use http_body_util::{BodyExt, Limited};
-use hyper::body::Incoming;
+use hyper::body::{Bytes, Incoming};
 use hyper::header::{HeaderValue, LOCATION};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
@@ -16,15 +16,17 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use tokio::net::TcpListener;
-use tokio::sync::{Semaphore, oneshot, watch};
+use tokio::sync::{OwnedSemaphorePermit, Semaphore, oneshot, watch};
+use tokio::time::timeout;
 
 use super::access::Access;
 use super::answer::{Answer, Failure, done, of_bytes, of_json, refused};
 use super::changes::{for_trace, to_toml};
+use super::connection::Connection;
 use super::controls::{self, Control};
 use super::exposer::Exposer;
 use super::query::Query;
-use super::sheet::{ContactSheet, Sent};
+use super::sheet::ContactSheet;
 use super::source::{Input, Source};
 use super::status::{Phase, Status};
 use super::tracer::{Outside, Tracer};
@@ -34,7 +36,9 @@ use crate::{Error, Result};
 
 /// Connections at the same time; others wait.
 const CONNECTIONS: usize = 64;
-/// Within this time a connection has to say what it wants.
+/// Pages that are told how far the light is, at the same time: each keeps a connection.
+const LISTENERS: usize = 32;
+/// Within this time a connection has to say what it wants, and to take some of what it gets.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Pictures that are made, or wait to be sent, at the same time.
 const PICTURES: usize = 8;
@@ -88,9 +92,9 @@ struct Shared {
 #[derive(Deserialize)]
 #[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
 enum Order {
-    Pause,
-    Continue,
-    Stop,
+    Pause {},
+    Continue {},
+    Stop {},
     Start {
         #[serde(default)]
         changes: Map<String, Value>,
@@ -130,7 +134,7 @@ pub fn serve(view: View, outside: &Outside, ready: impl FnOnce(&str)) -> Result<
             Input::DataSet(set) => {
                 let (set, sandbox) = *set;
                 let set = ContactSheet::new(set, sandbox);
-                viewed.extend(set.names().enumerate().map(|(number, name)| (name, "light", Viewed::InSheet(number))));
+                viewed.extend(set.names().enumerate().map(|(number, name)| (name, "picture", Viewed::InSheet(number))));
                 sheet = Some(set);
                 continue;
             }
@@ -196,7 +200,8 @@ async fn accept(listener: TcpListener, shared: Arc<Shared>) -> Infallible {
             let mut connection = http1::Builder::new();
             connection.timer(TokioTimer::new()).header_read_timeout(PATIENCE);
             // A connection that breaks is of no concern to others.
-            let _ = connection.serve_connection(TokioIo::new(stream), service).await;
+            let stream = TokioIo::new(Connection::new(stream, PATIENCE));
+            let _ = connection.serve_connection(stream, service).await;
         });
     }
 }
@@ -216,29 +221,34 @@ async fn answer(request: Request<Incoming>, shared: Arc<Shared>) -> Answer {
     let text = request.uri().query().unwrap_or_default();
     let answered = match (request.method(), path.as_str()) {
         (&Method::GET, "about") => Ok(about(&shared)),
+        (&Method::GET, "events") if shared.status.receiver_count() >= LISTENERS => {
+            Err(Failure::new(StatusCode::SERVICE_UNAVAILABLE, "too many pages are open"))
+        }
         (&Method::GET, "events") => Ok(events::stream(shared.status.subscribe())),
         (&Method::GET, "picture") => {
             let picture = |shared: &Shared, source: &Source, query: &Query| shared.exposer.picture(source, query);
-            made(text, &shared, picture).await.map(|bytes| of_bytes("application/octet-stream", bytes))
+            let made = made(text, &shared, picture).await;
+            made.map(|(bytes, place)| sent("application/octet-stream", bytes, place))
         }
         (&Method::GET, "pixel") => {
             let pixel =
                 |shared: &Shared, source: &Source, query: &Query| shared.exposer.pixel(source, query, query.pixel);
-            made(text, &shared, pixel).await.map(|pixel| of_json(&pixel))
+            made(text, &shared, pixel).await.map(|(pixel, _place)| of_json(&pixel))
         }
         (&Method::GET, "capture") => changes(text, &shared),
         (&Method::POST, "trace") => order(request, &shared).await,
-        (&Method::GET, "sheet") => of_sheet(&shared, |sheet| Ok(of_json(&sheet.list()))).await,
+        (&Method::GET, "sheet") => {
+            of_sheet(&shared, |sheet| Ok(sheet.list())).await.map(|(list, _place)| of_json(&list))
+        }
         (&Method::GET, "image") => {
             let text = text.to_owned();
-            of_sheet(&shared, move |sheet| {
-                sheet.image(&text).map(|Sent { media_type, bytes }| of_bytes(media_type, bytes))
-            })
-            .await
+            let image = of_sheet(&shared, move |sheet| sheet.image(&text)).await;
+            image.map(|((media_type, bytes), place)| sent(media_type, bytes, place))
         }
         (&Method::GET, "overlays") => {
             let text = text.to_owned();
-            of_sheet(&shared, move |sheet| sheet.overlays(&text).map(|overlays| of_json(&overlays))).await
+            let overlays = of_sheet(&shared, move |sheet| sheet.overlays(&text)).await;
+            overlays.map(|(overlays, _place)| of_json(&overlays))
         }
         (&Method::GET, name) => Ok(page::file(name, shared.sheet.is_some())),
         (_, _) => Ok(refused(StatusCode::METHOD_NOT_ALLOWED, "this is asked for in another way")),
@@ -259,12 +269,30 @@ fn no_input(number: usize) -> Failure {
     Failure::new(StatusCode::NOT_FOUND, format!("there is no input {number}"))
 }
 
-/// Makes something of the input that is asked for, on a thread that may take its time; tracing waits meanwhile.
+/// A picture on its way, and the place that it takes.
+struct Sent {
+    bytes: Vec<u8>,
+    _place: OwnedSemaphorePermit,
+}
+
+impl AsRef<[u8]> for Sent {
+    fn as_ref(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+/// Bytes whose place is taken until they are sent.
+fn sent(media_type: &'static str, bytes: Vec<u8>, place: OwnedSemaphorePermit) -> Answer {
+    of_bytes(media_type, Bytes::from_owner(Sent { bytes, _place: place }))
+}
+
+/// Makes something of the input that is asked for, on a thread that may take its time; tracing waits meanwhile. With it
+/// comes its place among the pictures under way.
 async fn made<T: Send + 'static>(
     text: &str,
     shared: &Arc<Shared>,
     make: impl FnOnce(&Shared, &Source, &Query) -> Result<T, Failure> + Send + 'static,
-) -> Result<T, Failure> {
+) -> Result<(T, OwnedSemaphorePermit), Failure> {
     let query = Query::parse(text, &shared.controls)?;
     aside(shared, move |shared| {
         let _way = shared.tracer.as_deref().map(Tracer::make_way);
@@ -286,26 +314,23 @@ async fn made<T: Send + 'static>(
 }
 
 /// What the contact sheet of a data set answers.
-async fn of_sheet(
+async fn of_sheet<T: Send + 'static>(
     shared: &Arc<Shared>,
-    answer: impl FnOnce(&ContactSheet) -> Result<Answer, Failure> + Send + 'static,
-) -> Result<Answer, Failure> {
+    answer: impl FnOnce(&ContactSheet) -> Result<T, Failure> + Send + 'static,
+) -> Result<(T, OwnedSemaphorePermit), Failure> {
     let nothing = || Failure::new(StatusCode::NOT_FOUND, "there is nothing at this address: no data set is viewed");
     aside(shared, move |shared| answer(shared.sheet.as_ref().ok_or_else(nothing)?)).await
 }
 
-/// Works on a thread that may take its time.
+/// Works on a thread that may take its time. With what it makes comes its place among the pictures under way.
 async fn aside<T: Send + 'static>(
     shared: &Arc<Shared>,
     work: impl FnOnce(&Shared) -> Result<T, Failure> + Send + 'static,
-) -> Result<T, Failure> {
+) -> Result<(T, OwnedSemaphorePermit), Failure> {
     let busy = || Failure::new(StatusCode::SERVICE_UNAVAILABLE, "too many pictures are asked for at the same time");
     let place = Arc::clone(&shared.pictures).try_acquire_owned().map_err(|_| busy())?;
     let shared = Arc::clone(shared);
-    let made = tokio::task::spawn_blocking(move || {
-        let _place = place;
-        work(&shared)
-    });
+    let made = tokio::task::spawn_blocking(move || Ok((work(&shared)?, place)));
     let failed = |_| Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "photosite has a mistake, please report it");
     made.await.map_err(failed)?
 }
@@ -323,16 +348,17 @@ fn changes(text: &str, shared: &Shared) -> Result<Answer, Failure> {
 }
 
 async fn order(request: Request<Incoming>, shared: &Shared) -> Result<Answer, Failure> {
-    let posted = Limited::new(request.into_body(), POSTED).collect().await;
+    let posted = timeout(PATIENCE, Limited::new(request.into_body(), POSTED).collect()).await;
+    let posted = posted.map_err(|_| Failure::new(StatusCode::REQUEST_TIMEOUT, "the order does not come"))?;
     let posted = posted.map_err(|_| Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "this is too long"))?.to_bytes();
     let order = serde_json::from_slice(&posted);
     let order = order.map_err(|reason| Failure::new(StatusCode::BAD_REQUEST, format!("this is no order: {reason}")))?;
     let nothing = || Failure::new(StatusCode::CONFLICT, "nothing is traced: the light is read from files");
     let tracer = shared.tracer.as_deref().ok_or_else(nothing)?;
     match order {
-        Order::Pause => tracer.pause(true),
-        Order::Continue => tracer.pause(false),
-        Order::Stop => tracer.stop(),
+        Order::Pause {} => tracer.pause(true),
+        Order::Continue {} => tracer.pause(false),
+        Order::Stop {} => tracer.stop(),
         Order::Start { changes } => tracer.start(for_trace(&changes)?),
     }
     Ok(done())

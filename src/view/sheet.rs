@@ -28,11 +28,8 @@ pub(super) struct ContactSheet {
     opened: Mutex<Recent<usize, Source>>,
 }
 
-/// A file that is sent as it is.
-pub(super) struct Sent {
-    pub(super) media_type: &'static str,
-    pub(super) bytes: Vec<u8>,
-}
+/// A picture with its media type.
+type Image = (&'static str, Vec<u8>);
 
 impl ContactSheet {
     pub(super) fn new(sheet: Sheet, sandbox: Sandbox) -> Self {
@@ -61,7 +58,7 @@ impl ContactSheet {
     }
 
     /// The developed picture that `input=NUMBER` asks for, with `width=WIDTH` a small one.
-    pub(super) fn image(&self, query: &str) -> Result<Sent, Failure> {
+    pub(super) fn image(&self, query: &str) -> Result<Image, Failure> {
         let number = asked(query, "input")?.unwrap_or(0);
         let width = asked(query, "width")?;
         let missing = || {
@@ -73,7 +70,7 @@ impl ContactSheet {
         let path = self.sheet.image_of(number).ok_or_else(missing)?;
         let read = |reason| Failure::from(Error::io(&path, "read", reason));
         match width {
-            None => Ok(Sent { media_type: "image/png", bytes: std::fs::read(&path).map_err(read)? }),
+            None => Ok(("image/png", std::fs::read(&path).map_err(read)?)),
             Some(width) if WIDTHS.iter().any(|known| *known as usize == width) => small(&path, width as u32),
             Some(width) => Err(Failure::new(StatusCode::BAD_REQUEST, format!("width: {width} is none of {WIDTHS:?}"))),
         }
@@ -99,7 +96,7 @@ fn asked(query: &str, key: &str) -> Result<Option<usize>, Failure> {
 }
 
 /// A picture no wider than that, as JPEG.
-fn small(path: &Path, width: u32) -> Result<Sent, Failure> {
+fn small(path: &Path, width: u32) -> Result<Image, Failure> {
     let unreadable = |reason: &dyn std::fmt::Display| {
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, format!("{} cannot be read: {reason}", path.display()))
     };
@@ -113,7 +110,7 @@ fn small(path: &Path, width: u32) -> Result<Sent, Failure> {
     let mut bytes = Cursor::new(Vec::new());
     let encoder = JpegEncoder::new_with_quality(&mut bytes, 88);
     picture.into_rgb8().write_with_encoder(encoder).map_err(|reason| unreadable(&reason))?;
-    Ok(Sent { media_type: "image/jpeg", bytes: bytes.into_inner() })
+    Ok(("image/jpeg", bytes.into_inner()))
 }
 
 #[cfg(test)]
@@ -134,7 +131,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("image.png");
         image::RgbImage::from_pixel(640, 400, image::Rgb([200, 100, 50])).save(&path).expect("written");
-        let Sent { media_type, bytes } = small(&path, 160).expect("a picture");
+        let (media_type, bytes) = small(&path, 160).expect("a picture");
         assert_eq!(media_type, "image/jpeg");
         let picture = image::load_from_memory(&bytes).expect("JPEG");
         assert_eq!([picture.width(), picture.height()], [160, 100]);

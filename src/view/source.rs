@@ -217,6 +217,14 @@ impl Ready {
         }
     }
 
+    /// Whether the light tells what a sensor sees.
+    pub(super) fn tells_of(&self, sensor: &SensorModel) -> bool {
+        match self {
+            Self::Traced(_, light) => light.tells_of(sensor),
+            Self::Stored(_, stored) => stored.tells_of(sensor),
+        }
+    }
+
     /// Whether frames have light of their own, of which that of the first is traced alone.
     pub(super) fn has_first_frame_alone(&self) -> bool {
         match self {

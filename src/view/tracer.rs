@@ -118,7 +118,7 @@ impl Tracer {
                 Err(Error::Cancelled { .. }) if locked(&self.orders).next.is_some() => {}
                 Err(Error::Cancelled { help, .. }) => self.status.send_modify(|status| {
                     status.phase = Phase::Stopped;
-                    status.message = help.map(|help| help.to_string());
+                    status.message = self.checkpoint.as_ref().and(help).map(|help| help.to_string());
                 }),
                 Err(error) => self.status.send_modify(|status| {
                     status.phase = Phase::Failed;
@@ -148,7 +148,8 @@ impl Tracer {
 
     fn trace(&self, capture: &Capture, changes: &[String], earlier: &mut Option<Prepared>) -> Result<()> {
         self.status.send_modify(|status| {
-            *status = Status { trace: status.trace + 1, light: status.light, ..Status::new(Phase::Preparing) };
+            let camera = status.camera.take();
+            *status = Status { trace: status.trace + 1, light: status.light, camera, ..Status::new(Phase::Preparing) };
         });
         let changed = if changes.is_empty() { capture.clone() } else { capture.with(changes)? };
         let prepared = Arc::new(Prepared::after(earlier.take(), changed)?);
@@ -234,9 +235,8 @@ impl Job<'_> {
             let waited = tracer.changed.wait_timeout(orders, LOOK_INTERVAL);
             orders = waited.map_or_else(|poisoned| poisoned.into_inner().0, |(orders, _)| orders);
             let mut rest = locked(&self.rest);
-            match (is_paused, rest.since) {
-                (true, None) => rest.since = Some(Instant::now()),
-                (true, Some(_)) | (false, _) => {}
+            if is_paused && rest.since.is_none() {
+                rest.since = Some(Instant::now());
             }
         }
         drop(orders);
@@ -255,8 +255,12 @@ impl Job<'_> {
     fn show(&self, film: &Film) {
         let start = Instant::now();
         let last = locked(&self.rest).published;
-        if last
-            .is_some_and(|(end, took)| start.duration_since(end).as_secs_f64() * PUBLISHING_PART < took.as_secs_f64())
+        // What a trace that is stopped leaves is shown in any case.
+        let is_last = locked(&self.tracer.orders).is_stopped;
+        if !is_last
+            && last.is_some_and(|(end, took)| {
+                start.duration_since(end).as_secs_f64() * PUBLISHING_PART < took.as_secs_f64()
+            })
         {
             return;
         }

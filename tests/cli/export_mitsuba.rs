@@ -119,6 +119,23 @@ fn what_has_no_counterpart_is_refused_by_name_or_listed(#[case] from: &str, #[ca
 }
 
 #[test]
+fn colours_of_corners_are_left_out_by_name() {
+    let folder = triangle();
+    let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+        property uchar red\nproperty uchar green\nproperty uchar blue\nelement face 1\n\
+        property list uchar int vertex_indices\nend_header\n0 0 0 255 0 0\n1 0 0 0 255 0\n0 1 0 0 0 255\n3 0 1 2\n";
+    folder.add("scan.ply", ply);
+    let paint = "[materials.paint]\ntype = \"diffuse\"\nreflectance = 0.5\n";
+    folder.add("capture.toml", CAPTURE.replace("triangle.obj", "scan.ply").replace(paint, ""));
+    let outcome = folder.succeed("export-mitsuba capture.toml -o out --approximate");
+    assert!(
+        outcome.text().contains("the colours of the corners of mesh \"scan\": they are left out"),
+        "{}",
+        outcome.stderr
+    );
+}
+
+#[test]
 fn everything_of_a_room_can_be_approximated() {
     let folder = room("[render]\nsamples_per_pixel = 1");
     folder.succeed("export-mitsuba capture.toml -o out --approximate --quiet");

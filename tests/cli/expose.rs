@@ -27,6 +27,19 @@ fn sums(folder: &Folder, name: &str) -> Vec<f64> {
     planes.channels().iter().map(|c| c.data.iter().map(|&e| f64::from(e)).sum()).collect()
 }
 
+#[rstest]
+#[case::most("exposure.time_s=1", true)]
+#[case::little("exposure.time_s=0.0001", false)]
+#[case::automatic("exposure.auto=true", false)]
+fn a_picture_that_is_mostly_saturated_is_told_of(#[case] set: &str, #[case] is_told: bool) {
+    let folder = room("[render]\nsamples_per_pixel = 8\n[output]\nraw = ['dng']\n");
+    let told = folder.succeed(&format!("render capture.toml -o out --set {set}")).stderr;
+    assert_eq!(told.contains("% of the picture is saturated: shorten exposure.time_s"), is_told, "{told}");
+    let raw = folder.raw("out/raw.dng");
+    let saturated = raw.data.iter().filter(|&&dn| dn >= raw.white_level_dn).count();
+    assert_eq!(saturated > raw.data.len() / 2, is_told, "{saturated} of {}", raw.data.len());
+}
+
 /// The search for the matrices of a sensor takes longer than to expose a small picture: a number in the report that no
 /// search would find must arrive in the raw file.
 #[test]

@@ -60,7 +60,10 @@ mod surroundings;
 mod targets;
 mod tev;
 mod together;
+mod tracks;
 mod truth;
 mod variation;
+#[cfg(feature = "view")]
+mod view;
 mod wavelengths;
 mod wrong_file;

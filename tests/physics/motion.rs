@@ -2,8 +2,9 @@
 //! the pictures of line cameras.
 
 use glam::{DAffine3, DVec3, Vec3};
+use photosite::geometry::Trajectory;
 use photosite::integrator::{RenderSettings, WavelengthChoice};
-use photosite::optics::{Camera, CameraMotion, Falloff, Focus, LensDescription, LensKind, PixelGrid, Recording};
+use photosite::optics::{Camera, Falloff, Focus, LensDescription, LensKind, PixelGrid, Recording};
 use photosite::scene::Scene;
 use rstest::rstest;
 
@@ -65,7 +66,7 @@ fn pinhole(x: f64) -> Camera {
 
 /// A picture taken at once by a camera that moves to the right and turns to the left.
 fn steady(speed_m_per_s: f64, pan_rad_per_s: f64) -> Recording {
-    let motion = CameraMotion::Steady {
+    let motion = Trajectory::Steady {
         velocity_m_per_s: DVec3::X * speed_m_per_s,
         angular_velocity_rad_per_s: DVec3::Y * pan_rad_per_s,
     };
@@ -224,8 +225,7 @@ fn a_line_camera_that_moves_makes_an_ellipse_of_a_circle() {
     let grid = PixelGrid { resolution: [RESOLUTION[0], 1], pitch_m: [2e-3 / FX; 2] };
     // The disk is in the middle of 120 lines.
     let start = DAffine3::from_translation(DVec3::Y * (60.0 * line_time_s * speed));
-    let motion =
-        CameraMotion::Steady { velocity_m_per_s: DVec3::NEG_Y * speed, angular_velocity_rad_per_s: DVec3::ZERO };
+    let motion = Trajectory::Steady { velocity_m_per_s: DVec3::NEG_Y * speed, angular_velocity_rad_per_s: DVec3::ZERO };
     let recording = Recording { motion: Some(motion), exposure_s: 1e-9, row_time_s: line_time_s, ..steady(0.0, 0.0) };
     let camera = camera(&lens, &grid, start).scanning().recording(recording);
     let picture = irradiance(&scene, &camera, RESOLUTION, &SETTINGS);

@@ -3,8 +3,9 @@
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 use photosite::calibration::truth::{TruthJob, TruthLayer, View, truth};
 use photosite::colour::ColourSpace;
+use photosite::geometry::Trajectory;
 use photosite::image::Planes;
-use photosite::optics::{Camera, CameraMotion, Focus, LensDescription, LensKind, PixelGrid, Recording};
+use photosite::optics::{Camera, Focus, LensDescription, LensKind, PixelGrid, Recording};
 use photosite::scene::Scene;
 use photosite::scene::description::{Colour, Diffuse, MaterialModel, TexturedColour};
 use photosite::spectrum::{Spectrum, cie, illuminant};
@@ -85,7 +86,7 @@ fn a_plane_is_where_the_rays_meet_it(#[case] about_x: f64, #[case] about_y: f64)
 
 /// The camera of picture `number` of a series, rows one after the other where `row_time_s` is not 0.
 fn moving(velocity_m_per_s: DVec3, row_time_s: f64, number: u32) -> Camera {
-    let motion = CameraMotion::Steady { velocity_m_per_s, angular_velocity_rad_per_s: DVec3::ZERO };
+    let motion = Trajectory::Steady { velocity_m_per_s, angular_velocity_rad_per_s: DVec3::ZERO };
     let recording = Recording {
         motion: Some(motion),
         start_s: 0.0,

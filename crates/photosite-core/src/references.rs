@@ -234,6 +234,10 @@
 //! ## Shoemake85
 //! K. Shoemake, "Animating Rotation with Quaternion Curves", Proc. SIGGRAPH, 245–254 (1985).
 //!
+//! ## Kim95
+//! M.-J. Kim, M.-S. Kim, S. Y. Shin, "A General Construction Scheme for Unit Quaternion Curves with Simple High Order
+//! Derivatives", Proc. SIGGRAPH, 369–376 (1995).
+//!
 //! ## Konnik14
 //! M. Konnik, J. Welsh, "High-level numerical simulations of noise in CCD and CMOS photosensors: review and tutorial",
 //! arXiv:1412.4031 (2014).

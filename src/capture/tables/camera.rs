@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::CameraMotionTable;
 use super::lens_elements::{AutofocusSearchTable, LensmakerTable, SupplementaryTable};
 use crate::sensor::SpectrumSource;
 
@@ -19,36 +20,7 @@ pub(crate) struct CameraTable {
     /// Name of a camera of the glTF files.
     pub(crate) gltf_camera: Option<String>,
     /// How it moves while it records. Left out: not at all.
-    pub(crate) motion: Option<MotionTable>,
-}
-
-/// A motion at constant velocities, from the pose of [camera] at the start of the first picture on; or poses.
-/// capture.json and what is made of it have the pose halfway through the first picture, pose_time_s after its start.
-#[derive(Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct MotionTable {
-    /// Velocity of the lens along the world's axes, m/s. Left out: 0.
-    pub(crate) velocity_m_per_s: Option<[f64; 3]>,
-    /// Angular velocity about the camera's own axes (x right, y up, z backward), degrees per second; about y, above 0,
-    /// it pans to the left. Left out: 0.
-    pub(crate) angular_velocity_deg_per_s: Option<[f64; 3]>,
-    /// In place of velocities: poses at times, between which the camera goes straight and turns evenly. Before the
-    /// first and after the last it stands still. [camera] says nothing else then.
-    pub(crate) poses: Option<Vec<PoseTable>>,
-}
-
-/// Where a camera stands and looks at a time.
-#[derive(Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct PoseTable {
-    /// Time from the start of the first picture, s.
-    pub(crate) time_s: f64,
-    /// Where the centre of the lens is, m.
-    pub(crate) position_m: [f64; 3],
-    /// A point on the axis, m.
-    pub(crate) look_at_m: [f64; 3],
-    /// What is up in the picture. Left out: [0, 1, 0].
-    pub(crate) up: Option<[f64; 3]>,
+    pub(crate) motion: Option<CameraMotionTable>,
 }
 
 /// The lens.

@@ -8,6 +8,7 @@ mod colour;
 mod lens_elements;
 mod light;
 mod material;
+mod motion;
 mod object;
 mod scene;
 mod settings;
@@ -22,8 +23,7 @@ use crate::develop::DevelopSettings;
 use crate::sensor::SensorDescription;
 
 pub(super) use camera::{
-    AutofocusTable, CameraTable, DistortionTable, FocusDistance, IntrinsicsTable, LensTable, LensType, MotionTable,
-    PoseTable,
+    AutofocusTable, CameraTable, DistortionTable, FocusDistance, IntrinsicsTable, LensTable, LensType,
 };
 pub(super) use camera::{
     DistortionModel, FalloffName, KernelOrigin, LateralColourTable, PointSpreadTable, ProjectionName, StopTable,
@@ -36,6 +36,7 @@ pub(super) use light::{
     DirectionalTable, GaussianBeamTable, LightTable, LightType, PointTable, ProfileTable, ProjectorTable, SpotTable,
 };
 pub(super) use material::*;
+pub(super) use motion::{CameraMotionTable, ObjectMotionTable, ObjectPoseTable, PoseTable, TurntableTable};
 pub(super) use object::{MaterialChoice, NormalsName, ObjectTable, ScaleSource, UpAxis};
 pub(super) use scene::{EnvironmentSource, EnvironmentTable, SceneTable, SkyTable};
 pub use settings::RawFormat;

@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::ObjectMotionTable;
+
 /// What a file of geometry holds, somewhere in the world. Objects of the same file share its memory.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -38,8 +40,10 @@ pub(crate) struct ObjectTable {
     pub(crate) variant: Option<String>,
     /// Name of an animation of the file, or "animation-0" … Left out: everything stands as the file has it.
     pub(crate) animation: Option<String>,
-    /// When the first picture starts, s of the animation. Left out: 0.
+    /// When scene.time_s is 0, s of the animation. Left out: 0.
     pub(crate) animation_time_s: Option<f64>,
+    /// How it moves, in the time of a picture as well. Left out: not at all.
+    pub(crate) motion: Option<ObjectMotionTable>,
     /// What faces without normals get. Left out: "flat".
     pub(crate) generate_normals: Option<NormalsName>,
     /// Points of it that ground truth tells of, by name: in its own axes, m before `scale`.

@@ -21,8 +21,11 @@ pub(crate) struct SceneTable {
     /// Name of an animation of the glTF files, or "animation-0" … for those without a name. Left out: everything stands
     /// as the files have it.
     pub(crate) animation: Option<String>,
-    /// When the first picture starts, s of the animation. Left out: 0.
+    /// When scene.time_s is 0, s of the animation. Left out: 0.
     pub(crate) animation_time_s: Option<f64>,
+    /// When the first picture starts, s, on the clock of animations and of objects that move. Left out: 0; along the
+    /// trajectory of a data set, when the frame is taken.
+    pub(crate) time_s: Option<f64>,
     /// Length of the unit of OBJ, PLY and STL files, which state none, m. Left out: 1. (glTF is in metres.)
     /// Without it a scene of such files that is longer than 20 units is told of, as most of these are in millimetres.
     pub(crate) meters_per_unit: Option<f64>,
@@ -55,9 +58,15 @@ pub(crate) struct SceneTable {
 }
 
 impl SceneTable {
-    /// Whether anything follows an animation of its file.
-    pub(crate) fn is_animated(&self) -> bool {
-        self.animation.is_some() || self.objects.iter().any(|object| object.animation.is_some())
+    /// The key of what moves, if anything does.
+    pub(crate) fn mover(&self) -> Option<String> {
+        let of_object = |(i, object): (usize, &ObjectTable)| match (&object.motion, &object.animation) {
+            (Some(_), _) => Some(format!("scene.objects[{i}].motion")),
+            (None, Some(_)) => Some(format!("scene.objects[{i}].animation")),
+            (None, None) => None,
+        };
+        let of_scene = self.animation.as_ref().map(|_| "scene.animation".to_owned());
+        of_scene.or_else(|| self.objects.iter().enumerate().find_map(of_object))
     }
 }
 

@@ -123,6 +123,23 @@ fn wrong_keys_are_named(#[case] keys: &str, #[case] key: &str, #[case] message: 
 }
 
 #[test]
+fn materials_that_no_object_shows_need_no_description() {
+    let told = |keys: &str| {
+        let capture = objects(&format!("[[scene.objects]]\nfile = 'corner.obj'\n{keys}")).read(&[]).expect("a capture");
+        capture.warnings().iter().filter(|warning| warning.contains("nothing describes the material \"paint\"")).count()
+    };
+    let red = "material = 'red'\n[materials.red]\ntype = 'diffuse'\nreflectance = 0.5";
+    assert_eq!(
+        [
+            told(""),
+            told(red),
+            told("name = 'b'\nvisible = false\n[[scene.objects]]\nfile = 'corner.obj'\nmaterial = { paint = 'paint' }")
+        ],
+        [1, 0, 1]
+    );
+}
+
+#[test]
 fn a_palette_of_materials_may_have_more_than_are_used() {
     let palette = "[materials.red]\ntype = 'diffuse'\nreflectance = 0.5";
     let object = "[[scene.objects]]\nfile = 'corner.obj'\n";

@@ -1,10 +1,14 @@
 //! Meshes as PLY files, spheres, disks and cylinders, and where they stand.
 
+use glam::Vec4;
+
 use super::element::Element;
 use super::material::ExportedMaterial;
 use super::output::{Output, quoted};
 use super::sensor::rows;
-use crate::scene::description::{AlphaMode, MaterialDescription, MeshDescription, Roughness, SceneDescription, Visit};
+use crate::scene::description::{
+    AlphaMode, MaterialDescription, MaterialModel, MeshDescription, Roughness, SceneDescription, Visit,
+};
 use crate::scene::emission_spectrum;
 use crate::texture::UvTransform;
 
@@ -62,6 +66,10 @@ fn shape(
         .string("filename", file)
         .boolean("face_normals", is_flat(mesh))
         .child(Element::reference(&material.id));
+    let is_coloured = matches!(described.model, MaterialModel::Layered(_));
+    if is_coloured && mesh.colours.iter().any(|colour| *colour != Vec4::ONE) {
+        out.approximate(format!("the colours of the corners of {}: they are left out", quoted("mesh", &mesh.name)));
+    }
     let name = quoted("material", &described.name);
     if !has_uvs(mesh) && is_anisotropic(described) {
         out.approximate(format!("the anisotropy of {name} on a mesh without UVs: its direction is another one"));

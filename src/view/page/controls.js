@@ -14,10 +14,12 @@ export function readable(value, digits = 4) {
   return size >= 1e6 || size < 1e-4 ? value.toExponential(2) : String(+value.toPrecision(digits));
 }
 
+/** Where sliders stand whose key is not set. */
+const UNSET = { "develop.temperature_k": 5500, "develop.tint": 0, "develop.sharpening_radius_px": 1 };
+
 /** An exposure time as cameras show it. */
 const time = s => s < 0.25 ? `1/${readable(1 / s, 3)} s` : `${readable(s)} s`;
 
-/** Whether keys belong to what light has to be traced anew for, given what is kept. */
 export class Controls {
   /** `changed(key, value)` hears of a change, with `undefined` where a control is reset. */
   constructor(root, controls, changed) {
@@ -52,9 +54,11 @@ export class Controls {
       const text = v => v === null || v === undefined ? "" : key.endsWith("time_s") ? time(v) : `${readable(v)} ${unit}`;
       input.oninput = () => { output.value = text(value()); input.ariaValueText = output.value; changed(+value().toPrecision(6)); };
       show = v => {
-        output.value = text(v);
+        const isUnset = v === null || v === undefined;
+        output.value = isUnset ? "not set" : text(v);
         input.ariaValueText = output.value;
-        if (document.activeElement !== input || undo.hidden) input.value = v === null || v === undefined ? 0 : kind === "linear" ? v : Math.log2(v);
+        const at = isUnset ? UNSET[key] ?? 0 : v;
+        if (document.activeElement !== input || undo.hidden) input.value = kind === "linear" ? at : Math.log2(at);
       };
       root.append(head, input);
     } else if (kind === "whole") {

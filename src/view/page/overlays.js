@@ -10,7 +10,7 @@ const rgb = (number, count) => {
 /** The pixels of a mask in runs down its columns, in a colour. */
 function mask({ size: [height, width], counts }, colour) {
   const image = new ImageData(width, height), pixels = new Uint32Array(image.data.buffer);
-  const ink = new Uint32Array(new Uint8ClampedArray([...colour, 120]).buffer)[0];
+  const ink = new Uint32Array(new Uint8ClampedArray([...colour, 90]).buffer)[0];
   let at = 0, isInside = false;
   for (const count of counts) {
     if (isInside) {

@@ -49,8 +49,12 @@ async function overlaysOf(number) {
 async function paint(canvas, number, width) {
   const names = wanted();
   const [bitmap, overlays] = await Promise.all([server.image(number, width), names.size ? overlaysOf(number) : null]);
-  [canvas.width, canvas.height] = [bitmap.width, bitmap.height];
-  canvas.getContext("2d").drawImage(bitmap, 0, 0);
+  // What is drawn over few pixels needs more of them.
+  const times = width ? 1 : Math.max(1, Math.floor(960 / bitmap.width));
+  [canvas.width, canvas.height] = [times * bitmap.width, times * bitmap.height];
+  const context = canvas.getContext("2d");
+  context.imageSmoothingEnabled = false;
+  context.drawImage(bitmap, 0, 0, canvas.width, canvas.height);
   bitmap.close();
   if (overlays && !overlays.refused) draw(canvas, overlays, names);
   return overlays;

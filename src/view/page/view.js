@@ -41,9 +41,11 @@ async function ask() {
     const side = sides[i], began = changedAt;
     side.wanted = false;
     if (i === edited) changedAt = null;
-    if (inputs[side.input]?.kind === "scene" && !state.status?.light) continue;
+    const isScene = inputs[side.input]?.kind === "scene";
+    if (isScene && !state.status?.light || needsTrace(side)) continue;
     try {
-      side.picture = await server.picture(query(side));
+      const asked = traced;
+      side.picture = { ...await server.picture(query(side)), trace: isScene ? asked : traced };
       show(i);
       state.pictures++;
       state.error = null;
@@ -65,8 +67,8 @@ async function ask() {
 function refuse(error) {
   state.error = error.message;
   if (!(error instanceof server.Refused)) return lose();
-  const anew = error.needsTrace ? " Trace again to see it." : "";
-  $("readout").textContent = `${error.message}.${error.help ? ` ${error.help[0].toUpperCase()}${error.help.slice(1)}.` : ""}${anew}`;
+  const sentence = words => words ? `${words[0].toUpperCase()}${words.slice(1)}. ` : "";
+  $("readout").textContent = sentence(error.message) + sentence(error.help);
   $("readout").classList.add("bad");
   controls?.mark("sensor.preset", error.needsTrace);
 }
@@ -87,7 +89,10 @@ function show(i) {
   }
   stage.put(i, toImage(picture, $("map").value, i === edited ? scale() : scaleOf(picture)));
   $("zoom").value = `${readable(stage.scale * 100, 3)} %`;
-  if (i === edited) measure();
+  if (i === edited) {
+    if (stage.pixel) point(stage.pixel, i);
+    measureSoon();
+  }
 }
 
 const scale = () => [+$("low").value, +$("high").value];
@@ -128,7 +133,7 @@ function tellStatus() {
   const lines = [PHASES[status.phase]];
   if (status.phase !== "stored") {
     lines.push(`${readable(status.samples_per_pixel, 4)} samples a pixel, ${clock(status.elapsed_s)}${["tracing", "paused"].includes(status.phase) && status.left_s !== null ? `, ${clock(status.left_s)} left` : ""}`);
-    if (status.noise_ratio !== null) lines.push(`Noise of the light ${readable(100 * status.noise_ratio, 2)} % of the sensor's`);
+    if (status.noise_ratio !== null) lines.push(`Noise of the light: ${readable(status.noise_ratio, 2)} × that of the sensor`);
   }
   if (status.message) lines.push(status.message);
   if (state.latency !== null) lines.push(`Answer within ${state.latency.toFixed(0)} ms`);
@@ -150,7 +155,8 @@ function hear(status) {
     traced = status.trace;
     light = -1;
   }
-  if (status.camera && !orbit?.isHeld) {
+  // While it is being moved the page knows better where it is.
+  if (status.camera && status.phase !== "preparing" && !orbit?.isHeld && !wantsOrder && !isOrdered) {
     orbit = new Orbit(status.camera);
     for (const [id, value] of [["focal", status.camera.focal_length_mm], ["stop-number", status.camera.f_number], ["focus", status.camera.focus_distance_m]]) {
       if (document.activeElement !== $(id)) $(id).value = value === null ? "" : +value.toPrecision(5);
@@ -168,7 +174,6 @@ function hear(status) {
 let isOrdered = false, wantsOrder = false;
 function moveCamera(changes) {
   Object.assign(camera, changes);
-  for (const [key, other] of [["lens.autofocus_px", "lens.focus_distance_m"], ["lens.focus_distance_m", "lens.autofocus_px"]]) if (key in changes) delete camera[other];
   wantsOrder = true;
   sendCamera();
 }
@@ -192,7 +197,7 @@ function lose() {
   if (!state.isLost) {
     state.isLost = true;
     $("lost").hidden = false;
-    $("lost").textContent = "The connection is lost: photosite view may have ended. The page goes on when it is back.";
+    $("lost").textContent = "The connection is lost: photosite view may have ended. This page goes on when it is back at this address.";
   }
 }
 
@@ -215,6 +220,13 @@ function connect() {
 }
 
 // Measures
+
+/** Measures wait until no picture follows: while a slider moves it is the picture that counts. */
+let measuring = null;
+function measureSoon() {
+  clearTimeout(measuring);
+  measuring = setTimeout(measure, 120);
+}
 
 function measure() {
   const { picture } = sides[edited];
@@ -262,6 +274,17 @@ async function tellPixel() {
   } catch (error) { refuse(error); }
   asksPixel = false;
   if (nextPixel) { nextPixel = false; tellPixel(); }
+}
+
+/** Focuses on what a pixel of the picture shows. */
+async function focusOn(pixel) {
+  const side = sides[edited];
+  try {
+    const depth = await server.picture({ ...query(side), plane: "truth:depth", frame: 0 });
+    const [, metres] = valuesAt(depth, pixel)?.[0] ?? [];
+    if (metres > 0 && Number.isFinite(metres)) moveCamera({ "lens.focus_distance_m": +metres.toPrecision(6) });
+    else $("readout").textContent = `${pixel[0]}, ${pixel[1]}: there is nothing to focus on`;
+  } catch (error) { refuse(error); }
 }
 
 function pick(pixel) {
@@ -328,10 +351,8 @@ $("view").onpointerup = event => {
     if (!hasMoved) stage.patch = null;
     measure();
     stage.draw();
-  } else if (!hasMoved && tool === "focus") {
-    const [x, y] = stage.at(from);
-    moveCamera({ "lens.autofocus_px": [x, y] });
-  } else if (!hasMoved) pick(stage.at(from));
+  } else if (!hasMoved && tool === "focus") focusOn(stage.at(from));
+  else if (!hasMoved) pick(stage.at(from));
 };
 $("view").onpointercancel = event => { pointers.delete(event.pointerId); drag = null; if (orbit) orbit.isHeld = false; };
 $("view").addEventListener("wheel", event => {
@@ -363,8 +384,14 @@ function change(key, value) {
   if (key === "develop.white_balance" && value !== "temperature") { delete side.settings["develop.temperature_k"]; delete side.settings["develop.tint"]; }
   if (key === "develop.white_balance" && value === "temperature") side.settings["develop.temperature_k"] ??= 5500;
   if (side.picture) controls.show(side.picture.settings, side.settings);
+  if (needsTrace(side)) return refuse(new server.Refused({ ...UNTOLD, needs_trace: true }, 409));
   refresh([edited]);
 }
+
+const UNTOLD = { message: "this sensor sees light in another way than the one that it was traced for", help: "trace again for this sensor, or keep the spectrum, which serves all" };
+
+/** Whether the light of a side does not tell what the sensor sees that is chosen. */
+const needsTrace = ({ settings, picture }) => Boolean(settings["sensor.preset"] && picture?.sensors && !picture.sensors.includes(settings["sensor.preset"]) && picture.trace === traced);
 
 function edit(i) {
   edited = i;
@@ -470,8 +497,12 @@ try {
   // Of the pictures of a data set the address names one.
   $("to-sheet").hidden = !about.has_sheet;
   sides[0].input = sides[1].input = Math.min(+(new URLSearchParams(location.search).get("input") ?? 0) || 0, inputs.length - 1);
-  document.title = `${about.name} – photosite`;
-  $("name").textContent = $("name").title = about.has_sheet ? `${about.name}/${inputs[sides[0].input].name}` : about.name;
+  const names = about.has_sheet ? [`${about.name}/${inputs[sides[0].input].name}`] : inputs.map(input => input.name);
+  // The end of a path tells more than its beginning.
+  const short = name => name.length > 32 ? "…" + name.slice(-31) : name;
+  document.title = `${names.join(", ")} – photosite`;
+  $("name").textContent = names.map(short).join(" and ");
+  $("name").title = names.join(" and ");
   $("input").replaceChildren(...inputs.map((input, i) => new Option(input.name, i)));
   $("input").value = sides[0].input;
   $("input-field").hidden = inputs.length < 2;

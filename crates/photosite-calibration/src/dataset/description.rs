@@ -1,9 +1,10 @@
 //! The keys of a data set file.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::PlaceDescription;
+use photosite_transport::geometry::Interpolation;
 
 /// A data set: a capture, and what differs from frame to frame.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -140,7 +141,7 @@ pub struct RandomPoses {
     pub margin_px: Option<f64>,
 }
 
-/// A way through poses at times: straight from one to the next, turning evenly.
+/// A way through poses at times.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrajectoryPoses {
@@ -148,8 +149,30 @@ pub struct TrajectoryPoses {
     pub frame_rate_hz: f64,
     /// The poses, in the order of their times.
     pub poses: Vec<TimedPoseDescription>,
+    /// How the rig goes from one pose to the next. Left out: "linear".
+    pub interpolation: Option<InterpolationName>,
     /// Whether the rig moves while it records: blur, and the skew of rolling shutters. Left out: true.
     pub moving: Option<bool>,
+}
+
+/// How a trajectory goes from one pose to the next.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum InterpolationName {
+    /// Straight at constant speed, turning evenly.
+    #[default]
+    Linear,
+    /// On a spline, whose velocity and angular velocity do not jump at any pose between the first and the last.
+    Spline,
+}
+
+impl From<InterpolationName> for Interpolation {
+    fn from(name: InterpolationName) -> Self {
+        match name {
+            InterpolationName::Linear => Self::Linear,
+            InterpolationName::Spline => Self::Spline,
+        }
+    }
 }
 
 /// Where the rig stands and looks at a time.

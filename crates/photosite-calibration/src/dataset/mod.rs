@@ -17,7 +17,7 @@ mod toml_value;
 mod variation;
 
 pub use description::{
-    DatasetDescription, GridPoses, HsvDescription, PoseDescription, PosesDescription, RandomPoses,
+    DatasetDescription, GridPoses, HsvDescription, InterpolationName, PoseDescription, PosesDescription, RandomPoses,
     RigCameraDescription, RotationDescription, SamplingDescription, SphereDescription, TimedPoseDescription,
     TrajectoryPoses, VariationDescription,
 };

@@ -29,6 +29,8 @@ pub struct Plan {
     /// Whether the capture's own camera pose is kept.
     keeps_pose: bool,
     variations: Vec<Variation>,
+    /// Whether these say when the scene is seen.
+    varies_time: bool,
     frames: u32,
 }
 
@@ -66,6 +68,8 @@ impl Plan {
             let message = format!("{FOCAL_LENGTH}: poses.trajectory says what it is in each frame");
             return Err(Invalid::new(format!("vary[{i}].key"), message).help("remove one of them"));
         }
+        let is_time = |key: &str| key == TIME || key.ends_with(ANIMATION_TIME);
+        let varies_time = variations.iter().any(|variation| variation.keys().any(is_time));
         let frames = match (description.frames, poses.count()) {
             (Some(0), _) => return Err(Invalid::new("frames", "must be at least 1, got 0")),
             (Some(frames), _) => frames,
@@ -78,6 +82,7 @@ impl Plan {
             cameras,
             poses,
             variations,
+            varies_time,
             frames,
         })
     }
@@ -158,6 +163,10 @@ impl Plan {
                     );
                 }
             }
+            // What moves by itself goes on from frame to frame, unless the description says when each begins.
+            if let Some(time_s) = self.poses.time_s(number).filter(|_| camera.scene_moves && !self.varies_time) {
+                set.push(format!("{TIME}={}", toml_value::number(time_s)));
+            }
             set.extend(
                 self.poses.focal_length_mm(number).map(|mm| format!("{FOCAL_LENGTH}={}", toml_value::number(mm))),
             );
@@ -174,6 +183,10 @@ impl Plan {
     }
 }
 
+/// The key of when the scene is seen.
+const TIME: &str = "scene.time_s";
+/// The end of those of when animations are.
+const ANIMATION_TIME: &str = "animation_time_s";
 /// The key that zoom changes.
 const FOCAL_LENGTH: &str = "lens.focal_length_mm";
 /// The key of the number that fixed pattern belongs to.

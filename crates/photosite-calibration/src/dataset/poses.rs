@@ -8,7 +8,7 @@ use super::{GridPoses, PosesDescription, RandomPoses, RigCamera, TrajectoryPoses
 use photosite_core::Invalid;
 use photosite_core::math::hash::hash64;
 use photosite_core::math::philox::Philox;
-use photosite_transport::optics::{CameraMotion, TimedPose};
+use photosite_transport::geometry::{TimedPose, Trajectory};
 use photosite_transport::scene::description::{look_at, looking};
 
 /// What poses are taken around.
@@ -71,8 +71,10 @@ pub(super) struct Around {
 /// A way in time.
 #[derive(Clone, Debug)]
 pub(super) struct Way {
-    pub(super) motion: CameraMotion,
+    pub(super) motion: Trajectory,
     pub(super) frame_rate_hz: f64,
+    /// From the first pose to the last.
+    length_s: f64,
     pub(super) moving: bool,
     /// Focal length in mm by time in s; empty where the lens stays as it is.
     zoom: Vec<(f64, f64)>,
@@ -116,11 +118,8 @@ impl Poses {
     pub(super) fn count(&self) -> Option<usize> {
         match self {
             Self::List(poses) => Some(poses.len()),
-            Self::Trajectory(Way { motion: CameraMotion::Poses(poses), frame_rate_hz, .. }) => {
-                let length = poses.last()?.time_s - poses.first()?.time_s;
-                Some((length * frame_rate_hz).floor() as usize + 1)
-            }
-            Self::Fixed(_) | Self::Random(_) | Self::Trajectory(_) => None,
+            Self::Trajectory(way) => Some((way.length_s * way.frame_rate_hz).floor() as usize + 1),
+            Self::Fixed(_) | Self::Random(_) => None,
         }
     }
 
@@ -279,9 +278,12 @@ impl Way {
             let to_world = looking(p.position_m, p.look_at_m, p.up).map_err(|e| e.within(&format!("poses[{i}]")))?;
             Ok(TimedPose::new(p.time_s, &to_world))
         };
-        let poses = d.poses.iter().enumerate().map(pose).collect::<Result<_, Invalid>>()?;
+        let poses = d.poses.iter().enumerate().map(pose).collect::<Result<Vec<_>, Invalid>>()?;
+        let length_s = poses.last().map_or(0.0, |last| last.time_s - poses[0].time_s);
+        let interpolation = d.interpolation.unwrap_or_default().into();
         Ok(Self {
-            motion: CameraMotion::through(poses, "for a rig that stands still, write list")?,
+            motion: Trajectory::through(poses, interpolation, "for a rig that stands still, write list")?,
+            length_s,
             frame_rate_hz: d.frame_rate_hz,
             moving: d.moving.unwrap_or(true),
             zoom: zoom(&d.poses)?,

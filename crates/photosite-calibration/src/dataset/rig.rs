@@ -32,4 +32,6 @@ pub struct RigCamera {
     pub seed: u64,
     /// Whether flow of ground truth is asked of it.
     pub flows: bool,
+    /// Whether anything in its scene moves by itself.
+    pub scene_moves: bool,
 }

@@ -18,6 +18,8 @@
 //! on a canvas of three times its width and height, and the width of a box is the difference of its last and its first
 //! column. What is seen is taken from the instance layer, exactly, and not from depths.
 //!
+//! Ground and backdrop are no objects here.
+//!
 //! The format has no distortion, and one pose a picture: lenses with distortion, and rows that are taken one after the
 //! other while something moves, are refused.
 
@@ -103,6 +105,8 @@ struct Built {
 }
 
 struct BuiltObject {
+    /// Its index among the objects of the pictures.
+    index: usize,
     scene: Scene,
     /// Points between which it lies, in the world, m.
     corners: Vec<DVec3>,
@@ -124,7 +128,7 @@ impl Built {
         if let Some(instance) = description.instances.iter().find(|instance| moves(instance)) {
             let message =
                 format!("{} moves while the picture is taken, and BOP files have one pose for it", instance.name);
-            return Err(Invalid::new("scene.animation", message).help("make a data set without animation"));
+            return Err(Invalid::new("scene", message).help("make a data set without animation, or motion of objects"));
         }
         let found = SceneObject::of_scene(&description);
         let is_same = |(a, b): (&SceneObject, &SceneObject)| {
@@ -142,7 +146,7 @@ impl Built {
             let message = format!("{name:?} is a {}, and BOP files have models of triangles", kind.name());
             return Err(Invalid::new(format!("scene.{}s", kind.name()), message).help("put a mesh in its place"));
         }
-        let build = |object: &SceneObject| {
+        let build = |(index, object): (usize, &SceneObject)| {
             let model = Model::new(object, &description);
             let to_world = rigid(&object.to_world);
             let corners = model.box_corners().map(|corner| to_world.transform_point3(corner)).to_vec();
@@ -150,9 +154,16 @@ impl Built {
                 models.push(model);
                 models.len() - 1
             });
-            BuiltObject { scene: alone(object, &description), corners, model: known + 1, to_world }
+            BuiltObject { index, scene: alone(object, &description), corners, model: known + 1, to_world }
         };
-        let objects = objects.iter().map(build).collect();
+        // Ground and backdrop have no pose that anyone looks for.
+        let surroundings: Vec<&InstanceDescription> =
+            description.surroundings.iter().map(|&index| &description.instances[index]).collect();
+        let is_subject = |(_, object): &(usize, &SceneObject)| {
+            let instances = object.instances(&description);
+            !instances.iter().any(|instance| surroundings.iter().any(|other| std::ptr::eq(*instance, *other)))
+        };
+        let objects = objects.iter().enumerate().filter(is_subject).map(build).collect();
         Ok(Self { description, objects })
     }
 }
@@ -207,9 +218,9 @@ impl SceneFiles {
         );
         let (mut poses, mut info) = (Vec::new(), Vec::new());
         let seen = object_of_pixel(truth, &shot.objects);
-        for (index, object) in built.objects.iter().enumerate() {
+        for object in &built.objects {
             let silhouette = Silhouette::new(&object.scene, &object.corners, &shot.calibrated);
-            let Some(found) = Found::new(&silhouette, &seen, index, size, &codes) else { continue };
+            let Some(found) = Found::new(&silhouette, &seen, object.index, size, &codes) else { continue };
             let name = format!("{image}_{:06}.png", poses.len());
             files.write_mask(&format!("{folder}/mask/{name}"), size, &found.mask)?;
             files.write_mask(&format!("{folder}/mask_visib/{name}"), size, &found.visible)?;

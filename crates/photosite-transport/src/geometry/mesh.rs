@@ -238,7 +238,7 @@ impl Deformation {
 
 /// Which of so many equal parts of the time from 0 to 1 a time falls into, and how far.
 #[inline]
-pub(super) fn segment(time: f32, count: usize) -> (usize, f32) {
+pub(crate) fn segment(time: f32, count: usize) -> (usize, f32) {
     let along = time * count as f32;
     let index = (along as usize).min(count - 1);
     (index, along - index as f32)

@@ -13,7 +13,6 @@ mod element;
 mod field_of_view;
 mod focusing;
 mod lateral_colour;
-mod motion;
 mod point_spread;
 mod recording;
 mod stop;
@@ -23,7 +22,6 @@ pub use description::{AutofocusMethod, ContrastAutofocus, Falloff, Focus, LensDe
 pub use element::{GroundLens, Power, SupplementaryLens};
 pub use field_of_view::FieldOfView;
 pub use lateral_colour::LateralColour;
-pub use motion::{CameraMotion, TimedPose};
 pub use photosite_core::projection::{BrownConrady, Intrinsics, Projection, Reach, ReachEnd, Seen};
 pub use point_spread::{Kernel, KernelField, PointSpread};
 pub use recording::Recording;

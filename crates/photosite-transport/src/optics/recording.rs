@@ -1,13 +1,13 @@
 //! When each row of a picture sees light, and where a moving camera is then.
 
-use super::CameraMotion;
+use crate::geometry::Trajectory;
 
 /// A picture in whose time the camera or the scene moves: row y sees light from start + n·row time on, for the exposure
 /// time, where n = |y + ½ − first row| − ½ rows come before it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
     /// How the camera moves; `None` if it stands still.
-    pub motion: Option<CameraMotion>,
+    pub motion: Option<Trajectory>,
     /// When the exposure of the first rows starts, s.
     pub start_s: f64,
     /// How long each row is exposed, s.
@@ -59,7 +59,7 @@ mod tests {
 
     #[test]
     fn rows_start_one_after_the_other() {
-        let motion = CameraMotion::Steady { velocity_m_per_s: DVec3::X, angular_velocity_rad_per_s: DVec3::ZERO };
+        let motion = Trajectory::Steady { velocity_m_per_s: DVec3::X, angular_velocity_rad_per_s: DVec3::ZERO };
         let (exposure_s, row_time_s, frame_interval_s) = (0.5, 0.25, 2.0);
         let duration_s = 1.5;
         let (start_s, first_row, motion) = (1.0, 0.0, Some(motion));

@@ -10,7 +10,7 @@ use glam::{DAffine3, Vec3};
 use super::description::{InstanceDescription, MeshDescription, ShapeDescription};
 use crate::geometry::{
     Accel, Deformation, Geometry, Instance, InstanceTransform, MeshRange, Motion, PlacedQuadric, PrimitiveRange,
-    Transform, Triangle,
+    Transform, Triangle, segment,
 };
 
 /// A transform and those that follow, if any differs from it.
@@ -259,7 +259,6 @@ fn place(instances: &[InstanceDescription], parts: Parts, kept: &Kept) -> (Vec<I
 fn deform(geometry: &mut Geometry, mesh: &MeshDescription, instance: &InstanceDescription) {
     let first = ShapeDescription { positions: mesh.positions.clone(), normals: mesh.normals.clone() };
     let shapes: Vec<&ShapeDescription> = [&first].into_iter().chain(&mesh.later_shapes).collect();
-    let poses: Vec<&DAffine3> = [&instance.to_world].into_iter().chain(&instance.later).collect();
     let corner_count = mesh.positions.len() as u32;
     let mut deformation = Deformation {
         first_corner: geometry.positions.len() as u32 - corner_count,
@@ -267,13 +266,19 @@ fn deform(geometry: &mut Geometry, mesh: &MeshDescription, instance: &InstanceDe
         positions: Vec::new(),
         normals: Vec::new(),
     };
-    // One of both may stand still.
-    for i in 0..shapes.len().max(poses.len()) {
-        let (shape, pose) = (shapes[i.min(shapes.len() - 1)], poses[i.min(poses.len() - 1)]);
+    // One of both may stand still, or have fewer times than the other.
+    let parts = mesh.later_shapes.len().max(instance.later.len());
+    for i in 0..=parts {
+        let time = i as f32 / parts.max(1) as f32;
+        let (shape, part) = segment(time, mesh.later_shapes.len().max(1));
+        let [from, to] = [shape, shape + 1].map(|shape| shapes[shape.min(shapes.len() - 1)]);
+        let pose = instance.at(time);
         let normal_matrix = pose.matrix3.inverse().transpose();
-        deformation.positions.extend(shape.positions.iter().map(|p| pose.transform_point3(p.as_dvec3()).as_vec3()));
-        let normal = |n: &Vec3| (normal_matrix * n.as_dvec3()).normalize_or_zero().as_vec3();
-        deformation.normals.extend(shape.normals.iter().map(normal));
+        let position = |(a, b): (&Vec3, &Vec3)| pose.transform_point3(a.lerp(*b, part).as_dvec3()).as_vec3();
+        deformation.positions.extend(from.positions.iter().zip(&to.positions).map(position));
+        let normal =
+            |(a, b): (&Vec3, &Vec3)| (normal_matrix * a.lerp(*b, part).as_dvec3()).normalize_or_zero().as_vec3();
+        deformation.normals.extend(from.normals.iter().zip(&to.normals).map(normal));
     }
     let handle = geometry.deformations.len() as u32;
     geometry.deformations.push(deformation);
@@ -419,6 +424,47 @@ mod tests {
         let moved = next.point(&first.hit_in(&hit, &next).expect("it is there"), 0.0);
         let way = moved.position - first.point(&hit, 0.0).position;
         assert!((way - Vec3::Y * 0.7).length() < 1e-6, "{way}");
+    }
+
+    #[test]
+    fn shapes_and_poses_have_their_own_times() {
+        for (shapes, poses) in [(2, 4), (4, 2), (2, 2), (0, 2), (2, 0)] {
+            assert_carried(shapes, poses);
+        }
+    }
+
+    fn assert_carried(shapes: usize, poses: usize) {
+        // A shape that grows upwards as time², and a way to the right as time², both straight from time to time.
+        let up = |time: f64| if shapes == 0 { 0.0 } else { 2.0 * time * time };
+        let right = |time: f64| if poses == 0 { 0.0 } else { 3.0 * time * time };
+        let straight = |time: f64, parts: usize, at: &dyn Fn(f64) -> f64| {
+            let (from, count) = ((time * parts as f64).floor(), parts as f64);
+            at(from / count) + (at((from + 1.0) / count) - at(from / count)) * (time * count - from)
+        };
+        let mut mesh = MeshDescription { positions: vec![Vec3::ZERO], ..MeshDescription::default() };
+        let shape = |i: usize| ShapeDescription {
+            positions: vec![Vec3::Y * up(i as f64 / shapes as f64) as f32],
+            normals: Vec::new(),
+        };
+        mesh.later_shapes = (1..=shapes).map(shape).collect();
+        let pose = |i: usize| DAffine3::from_translation(DVec3::X * right(i as f64 / poses as f64));
+        let mut instance = InstanceDescription::of_mesh("moving", 0, DAffine3::IDENTITY);
+        instance.later = (1..=poses).map(pose).collect();
+        let mut geometry = Geometry::default();
+        append(&mut geometry, &mesh, &instance.to_world, None);
+        deform(&mut geometry, &mesh, &instance);
+        let parts = shapes.max(poses);
+        let positions = &geometry.deformations[0].positions;
+        assert_eq!(positions.len(), parts + 1);
+        for (i, found) in positions.iter().enumerate() {
+            let time = i as f64 / parts as f64;
+            let x = if poses == 0 { 0.0 } else { straight(time, poses, &right) };
+            let y = if shapes == 0 { 0.0 } else { straight(time, shapes, &up) };
+            assert!(
+                found.as_dvec3().distance(DVec3::new(x, y, 0.0)) < 1e-6,
+                "{shapes}, {poses}, {time}: {found} for {x}, {y}"
+            );
+        }
     }
 
     #[test]

@@ -77,7 +77,7 @@ impl InstanceDescription {
 }
 
 /// The pose on a way through evenly spaced ones when this part of its time, 0 to 1, has gone by.
-pub(super) fn pose_at(first: &DAffine3, later: &[DAffine3], time: f32) -> DAffine3 {
+pub fn pose_at(first: &DAffine3, later: &[DAffine3], time: f32) -> DAffine3 {
     if later.iter().all(|pose| pose == first) {
         return *first;
     }

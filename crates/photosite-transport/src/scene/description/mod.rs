@@ -29,7 +29,7 @@ pub use camera::{CameraDescription, look_at, looking, vector};
 pub use layered::{AnisotropyDescription, CoatDescription, FilmDescription, LayeredDescription};
 pub use light::{EmissionDescription, EnvironmentDescription, LightDescription, PictureLevel};
 pub use material::{AlphaMode, MaterialDescription};
-pub use mesh::{InstanceDescription, MeshDescription, ShapeDescription};
+pub use mesh::{InstanceDescription, MeshDescription, ShapeDescription, pose_at};
 pub use model::{Described, MaterialModel, Roughness, Visit};
 pub use object::{ObjectDescription, rigid};
 pub use texture::{Channel, Colour, TextureDescription, TexturedColour, TexturedFactor};
