@@ -70,6 +70,8 @@ pub mod pipeline;
 pub mod report;
 pub mod schedulers;
 pub mod sight;
+#[cfg(feature = "view")]
+pub mod view;
 
 pub use capture::Capture;
 pub use photosite_calibration as calibration;

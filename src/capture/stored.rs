@@ -68,6 +68,28 @@ impl StoredCapture {
         Self::assemble(source)
     }
 
+    /// The same with more changes, `key=value`.
+    ///
+    /// # Errors
+    ///
+    /// A key that light transport has used; a value that cannot be used.
+    pub fn with(&self, changes: &[String]) -> Result<Self> {
+        Self::changed(&self.source, &self.sensor.name, changes)
+    }
+
+    /// Lays changes over keys whose sensor is whole.
+    fn changed(source: &CaptureSource, sensor_name: &str, changes: &[String]) -> Result<Self> {
+        check(source.path(), changes)?;
+        let mut source = source.clone();
+        if let Some(mut sensor) = source.take_sensor() {
+            // Its paths are relative to the current folder already, those of a report to its own.
+            anchor_files(&mut sensor, &std::env::current_dir().unwrap_or_default());
+            source.keep_sensor(sensor, sensor_name);
+        }
+        lay_over(&mut source, changes)?;
+        Self::assemble(source)
+    }
+
     fn assemble(mut source: CaptureSource) -> Result<Self> {
         refuse_unknown_sections(&source)?;
         let merged = read_sensor(&mut source, Path::new(""))?;
@@ -115,16 +137,8 @@ impl Capture {
     ///
     /// A key that light transport has used; a value that cannot be used.
     pub fn for_traced_light(&self, changes: &[String]) -> Result<Self> {
-        check(self.source.path(), changes)?;
-        let mut source = self.source.clone();
-        if let Some(mut sensor) = source.take_sensor() {
-            // Its paths are relative to the current folder already, those of a report to its own.
-            anchor_files(&mut sensor, &std::env::current_dir().unwrap_or_default());
-            source.keep_sensor(sensor, &self.sensor.name);
-        }
-        lay_over(&mut source, changes)?;
         let StoredCapture { sensor, exposure, output, develop, seed, warnings, source, lens: _ } =
-            StoredCapture::assemble(source)?;
+            StoredCapture::changed(&self.source, &self.sensor.name, changes)?;
         let origin = self.origin.clone().map(|mut origin| {
             origin.overrides.extend_from_slice(changes);
             origin

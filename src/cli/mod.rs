@@ -43,6 +43,9 @@ mod signals;
 mod status;
 mod submit;
 mod target;
+mod tev;
+#[cfg(feature = "view")]
+mod view;
 
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
@@ -111,6 +114,8 @@ enum Command {
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
     Target(target::TargetArgs),
+    #[cfg(feature = "view")]
+    View(view::ViewArgs),
 }
 
 impl Cli {
@@ -205,6 +210,8 @@ fn run_command(cli: &Cli) -> Result<u8> {
         Command::Sensors(args) => sensors::run(args),
         Command::Schema(args) => schema::run(args),
         Command::Target(args) => target::run(args),
+        #[cfg(feature = "view")]
+        Command::View(args) => view::run(args, sandbox),
     };
     done.map(|()| DONE)
 }

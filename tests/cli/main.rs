@@ -59,9 +59,12 @@ mod strips;
 mod submit;
 mod surroundings;
 mod targets;
+mod tev;
 mod together;
 mod tracks;
 mod truth;
 mod variation;
+#[cfg(feature = "view")]
+mod view;
 mod wavelengths;
 mod wrong_file;
