@@ -3,14 +3,16 @@
 use hyper::StatusCode;
 
 use super::answer::{Answer, of_bytes, refused};
+use crate::characterisation::report::LOOK;
 
 const HTML: &str = "text/html; charset=utf-8";
 const CSS: &str = "text/css; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 /// Names, media types and texts of its files.
-const FILES: [(&str, &str, &str); 12] = [
+const FILES: [(&str, &str, &str); 13] = [
     ("", HTML, include_str!("page/index.html")),
+    ("look.css", CSS, LOOK),
     ("view.css", CSS, include_str!("page/view.css")),
     ("view.js", SCRIPT, include_str!("page/view.js")),
     ("server.js", SCRIPT, include_str!("page/server.js")),

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use http_body_util::{BodyExt, Limited};
 use hyper::body::{Bytes, Incoming};
-use hyper::header::{HeaderValue, LOCATION};
+use hyper::header::{CONNECTION, HeaderValue, LOCATION};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper::{Method, Request, StatusCode};
@@ -222,7 +222,10 @@ async fn answer(request: Request<Incoming>, shared: Arc<Shared>) -> Answer {
     let answered = match (request.method(), path.as_str()) {
         (&Method::GET, "about") => Ok(about(&shared)),
         (&Method::GET, "events") if shared.status.receiver_count() >= LISTENERS => {
-            Err(Failure::new(StatusCode::SERVICE_UNAVAILABLE, "too many pages are open"))
+            let mut answer = Failure::new(StatusCode::SERVICE_UNAVAILABLE, "too many pages are open").answer();
+            // Who only listens asks for nothing else.
+            answer.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
+            Ok(answer)
         }
         (&Method::GET, "events") => Ok(events::stream(shared.status.subscribe())),
         (&Method::GET, "picture") => {

@@ -58,6 +58,8 @@ function asChanges(url, controls) {
 async function everyControl(page, errors) {
   const about = await page.evaluate(async () => (await fetch("about")).json());
   let asked = null, exposed = 0, refused = 0;
+  const bad = { picture: 0, pixel: 0 };
+  page.on("response", answer => { if (answer.status() >= 400) bad[/\/([^/?]*)(\?|$)/.exec(answer.url())[1]]++; });
   page.on("request", request => { if (request.url().includes("/picture?")) asked = request.url(); });
   for (const group of await page.locator("#controls details").all()) await group.evaluate(details => { details.open = true; });
 
@@ -118,7 +120,9 @@ async function everyControl(page, errors) {
   check(!differs, `after all controls are reset: ${differs}`);
   // Browsers tell of each answer that is an error.
   const told = errors.filter(text => /^Failed to load resource: .* status of 4\d\d/.test(text));
-  check(told.length === refused, `${told.length} answers are errors, of ${refused} that were refused`);
+  check(bad.picture === refused, `${bad.picture} pictures are refused, and ${refused} settings`);
+  // A pixel of settings that are refused is refused, too.
+  check(told.length === bad.picture + bad.pixel, `${told.length} answers are errors, of ${JSON.stringify(bad)}`);
   errors.splice(0, errors.length, ...errors.filter(text => !told.includes(text)));
   console.log(`${about.controls.length} controls: ${exposed} settings have the bytes of the commands, ${refused} are refused by both`);
 }

@@ -13,6 +13,7 @@ mod page;
 pub mod plot;
 mod points;
 
+pub use html::LOOK;
 pub use noise_page::{NoiseReport, PlaneNoise};
 pub use page::{ChannelReport, Comparison, Report};
 pub use points::{SpectralPoint, ThermalPoint};
