@@ -186,12 +186,18 @@ fn of_chief_ray(lens: &Lens, angle_deg: f64, efl_mm: f64) -> Option<ChiefFigures
     let image_height_mm = height(lines::D)?;
     let lateral = |nm: f64| height(nm).map(|height| (height - image_height_mm) * 1e3);
     let foci = foci(&lens.at(lines::D), field);
-    // Beyond 90° there is no picture on a plane to compare with.
-    let is_flat = field == 0.0 || field >= FRAC_PI_2;
+    // On the axis the ratio is that of rays close by, which a sensor off the paraxial focus changes. Beyond 90° there is no
+    // picture on a plane to compare with.
+    const CLOSE_RAD: f64 = 1e-4;
+    let distortion_percent = if field >= FRAC_PI_2 {
+        0.0
+    } else {
+        lens.at(lines::D).chief_ray(field.max(CLOSE_RAD))?.distortion_percent(efl_mm)
+    };
     Some(ChiefFigures {
         field_deg: angle_deg,
         image_height_mm,
-        distortion_percent: if is_flat { 0.0 } else { 100.0 * (image_height_mm / (efl_mm * field.tan()) - 1.0) },
+        distortion_percent,
         tangential_focus_mm: foci.map(|[tangential, _]| tangential),
         sagittal_focus_mm: foci.map(|[_, sagittal]| sagittal),
         lateral_colour_f_um: lateral(lines::F),
