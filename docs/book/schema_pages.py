@@ -23,9 +23,7 @@ def unit(key: str) -> str:
 
 
 def one_line(text: str) -> str:
-    text = " ".join(text.split()).replace("|", "\\|")
-    # Of links into the documentation of the crates, the words stay.
-    return re.sub(r"\[([^\]]+)\]\((?:crate|\w+)::[\w:]+\)", r"\1", text)
+    return " ".join(text.split()).replace("|", "\\|")
 
 
 def value(default: object) -> str:
@@ -177,4 +175,6 @@ class Page:
 
 def page(title: str, beginning: str, schema_text: str) -> str:
     schema = json.loads(schema_text)
-    return f"# {title}\n\n{beginning}\n\n{Page(schema).of(schema)}\n"
+    text = f"# {title}\n\n{beginning}\n\n{Page(schema).of(schema)}\n"
+    # Of links into the documentation of the crates, the words stay.
+    return re.sub(r"\[([^\[\]]+)\]\(\w+::[\w:#]+\)", r"\1", text)
