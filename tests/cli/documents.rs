@@ -127,7 +127,9 @@ fn the_capture_of_the_guide_is_one() {
     let capture = block.expect("an example");
     assert_eq!(complaint(capture), None);
     // It shows every table but [[lights]].
-    for table in ["scene", "[targets", "materials.", "camera", "lens", "sensor", "exposure", "output", "develop", "render"] {
+    for table in
+        ["scene", "[targets", "materials.", "camera", "lens", "sensor", "exposure", "output", "develop", "render"]
+    {
         assert!(capture.contains(&format!("[{table}")), "{table}");
     }
     // Each key behind a comment's "or" is one, too: `# or autofocus_px = [320, 240]`.
