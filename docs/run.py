@@ -51,9 +51,10 @@ FENCE = re.compile(r"^( *)```(\w+)?(?: title=\"([^\"]+)\")?\n(.*?)^\1```$", re.D
 NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d+)?")
 BOLD = re.compile(r"\*\*([-+−]?\d+(?: \d{3})*(?:\.\d+)?)(?![\d.])[^*]*\*\*")
 PICTURE = re.compile(r'!\[[^\]]*\]\((images/[^ )]+) "([^"]+)"\)')
-# Mean difference of 8-bit codes between a figure and the picture that a run makes, past which they are not the same. JPEG
-# at the quality used here stays under 2; another seed of the same noise is beyond 3.
-SAME_PICTURE = 2.5
+# Mean difference of 8-bit codes between a figure and the picture that its page makes, past which they are not the same. The
+# same picture may differ in the last digit on another processor; other noise differs by more.
+SAME_PICTURE = 0.5
+HOW_TO_SAVE = {".jpg": {"quality": 92, "subsampling": 0, "optimize": True}, ".png": {"optimize": True}}
 
 
 class Wrong(Exception):
@@ -253,11 +254,14 @@ def figures(page: Path, folder: Path, take_over: bool) -> "str | None":
     for shown, made in PICTURE.findall(page.read_text(encoding="utf-8")):
         if not (folder / made).exists():
             return f"{page.relative_to(ROOT)}: no command has made {made}, which {shown} shows"
-        picture = Image.open(folder / made).convert("RGB")
         kept = page.parent / shown
+        # As it is when it was saved as the figure.
+        saved = folder / f"figure{kept.suffix}"
+        Image.open(folder / made).convert("RGB").save(saved, **HOW_TO_SAVE[kept.suffix])
+        picture = Image.open(saved).convert("RGB")
         if take_over:
             kept.parent.mkdir(exist_ok=True)
-            picture.save(kept, quality=90, optimize=True)
+            shutil.copyfile(saved, kept)
         elif not kept.exists():
             return f"{page.relative_to(ROOT)}: {shown} is missing: docs/run.py --figures makes it"
         else:
