@@ -23,6 +23,7 @@ impl Monitor for Counter {
             }
             Event::TraceBegins { .. }
             | Event::PassEnds { .. }
+            | Event::PictureGrows(_)
             | Event::TraceEnds
             | Event::SetBegins { .. }
             | Event::PictureFails { .. }

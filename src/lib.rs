@@ -63,12 +63,15 @@ pub mod cli;
 pub mod dataset;
 pub mod emva1288;
 pub mod io;
+pub mod lens_figures;
 mod locked;
 mod picture;
 pub mod pipeline;
 pub mod report;
 pub mod schedulers;
 pub mod sight;
+#[cfg(feature = "view")]
+pub mod view;
 
 pub use capture::Capture;
 pub use photosite_calibration as calibration;

@@ -6,6 +6,7 @@ use super::colour::Finder;
 use super::focus::ON_SCENE;
 use super::framing::{Framing, LensSize, Sphere, bounding_sphere};
 use super::lens::{DEFAULT_FOCAL_LENGTH_M, describe_lens, image_distance_of_field};
+use super::prescription::Prescribed;
 use super::tables::{CameraTable, CaptureFile, FocusDistance, LensTable};
 use crate::Invalid;
 use crate::geometry::Trajectory;
@@ -30,7 +31,8 @@ pub(super) fn place_camera(
         }
         Some(_) | None => pose(camera, &scene.cameras).map_err(|invalid| invalid.within("camera"))?,
     };
-    let size = lens_size(lens, sensor).map_err(|invalid| invalid.within("lens"))?;
+    let prescribed = Prescribed::of(finder, lens, warnings).map_err(|invalid| invalid.within("lens"))?;
+    let size = lens_size(lens, sensor, prescribed.as_ref()).map_err(|invalid| invalid.within("lens"))?;
     let sphere = bounding_sphere(scene);
     let focus_on_scene = matches!(&lens.focus_distance_m, Some(FocusDistance::Name(name)) if name == ON_SCENE);
     let (pose, is_framed) = match (pose, sphere) {
@@ -50,16 +52,23 @@ pub(super) fn place_camera(
     let (LensSize::FocalLength(focal_length_m) | LensSize::ImageDistance(focal_length_m)) = size;
     // What lies behind the camera or within its focal length cannot be focused on.
     let default_focus = focus_distance.filter(|u| *u > 1.05 * focal_length_m).map(Focus::Distance);
-    let lens = describe_lens(finder, lens, sensor, pose.vertical_fov_rad, default_focus, warnings);
+    let lens = describe_lens(finder, lens, prescribed, sensor, pose.vertical_fov_rad, default_focus, warnings);
     Ok((pose.to_world, lens.map_err(|invalid| invalid.within("lens"))?))
 }
 
 /// What the table says of the size of a lens.
-pub(super) fn lens_size(lens: &LensTable, sensor: &SensorModel) -> Result<LensSize, Invalid> {
+pub(super) fn lens_size(
+    lens: &LensTable,
+    sensor: &SensorModel,
+    prescribed: Option<&Prescribed>,
+) -> Result<LensSize, Invalid> {
     if let Some(distance_m) = image_distance_of_field(lens, sensor)? {
         return Ok(LensSize::ImageDistance(distance_m));
     }
-    let stated_mm = lens.image_distance_mm.or(lens.focal_length_mm);
+    let stated_mm = match prescribed {
+        Some(prescribed) => lens.focal_length_mm.or(Some(prescribed.first_order().efl_mm)),
+        None => lens.image_distance_mm.or(lens.focal_length_mm),
+    };
     Ok(LensSize::FocalLength(stated_mm.map_or(DEFAULT_FOCAL_LENGTH_M, |mm| mm.abs() / 1e3)))
 }
 

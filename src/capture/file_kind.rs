@@ -33,7 +33,7 @@ pub(crate) enum FileKind {
 
 impl FileKind {
     /// The kind that the name of a file tells; TOML files may be several.
-    pub(super) fn of_name(path: &Path) -> Option<Self> {
+    pub(crate) fn of_name(path: &Path) -> Option<Self> {
         let extension = path.extension()?.to_string_lossy().to_ascii_lowercase();
         if GeometryKind::of(path).is_some() {
             return Some(Self::Model);

@@ -29,7 +29,11 @@ pub(super) fn focus(
     ];
     let mut keys = given.iter().filter(|(_, is_given)| *is_given).map(|(key, _)| *key);
     let (first, second) = (keys.next(), keys.next());
-    if kind != LensKind::Thin {
+    let has_focus = match kind {
+        LensKind::Thin | LensKind::Prescription => true,
+        LensKind::Pinhole | LensKind::Hole | LensKind::Bare => false,
+    };
+    if !has_focus {
         let has_effect = |key: &str| kind == LensKind::Hole && key == "image_distance_mm";
         let is_infinite = matches!(&table.focus_distance_m, Some(FocusDistance::Name(name)) if name == "infinity");
         let says_so = |key: &str| is_infinite && key == "focus_distance_m";
@@ -39,7 +43,7 @@ pub(super) fn focus(
             let why = match kind {
                 LensKind::Pinhole => "a pinhole has no focus, and its picture lies one focal length behind it",
                 LensKind::Hole => "a hole has no focus; image_distance_mm is where the sensor stands",
-                LensKind::Bare | LensKind::Thin => "there is no lens",
+                LensKind::Bare | LensKind::Thin | LensKind::Prescription => "there is no lens",
             };
             warnings.once(format!("lens.{key} has no effect: {why}; remove the key, or write type = \"thin\""));
         }
@@ -49,6 +53,10 @@ pub(super) fn focus(
         return Err(Invalid::new(second, format!("cannot go with {first}")).help("keep one of them"));
     }
     let method = method(table.autofocus.as_ref()).map_err(|invalid| invalid.within("autofocus"))?;
+    if kind == LensKind::Prescription && method != AutofocusMethod::Exact {
+        let message = "the search for contrast does not move the glass of lens.prescription yet";
+        return Err(Invalid::new("autofocus.method", message).help("remove it: autofocus is exact then"));
+    }
     let centre = size_px.map(|n| n / 2.0);
     let focus = match (&table.focus_distance_m, &table.autofocus_px, table.image_distance_mm) {
         (Some(FocusDistance::Name(name)), ..) if name != ON_SCENE => focus_distance(name)?,

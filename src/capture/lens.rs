@@ -8,6 +8,7 @@ use super::aberrations::{lateral_colour, point_spread, stops};
 use super::colour::Finder;
 use super::focus::focus;
 use super::lens_elements::{ground_lens, supplementary_lens};
+use super::prescription::Prescribed;
 use super::projection::projection;
 use super::settings::positive_number;
 use super::tables::{FalloffName, IntrinsicsTable, LensTable, LensType};
@@ -22,23 +23,30 @@ pub(super) const DEFAULT_FOCAL_LENGTH_M: f64 = 0.016;
 /// f-number where nothing asks for another.
 pub(super) const DEFAULT_F_NUMBER: f64 = 8.0;
 
-/// Describes a lens. `vertical_fov_rad` is that of a glTF camera, if one is used: without a focal length of the table's
+/// Describes a lens, of which `prescribed` is what its prescription names. `vertical_fov_rad` is that of a glTF camera, if one is used: without a focal length of the table's
 /// own, it decides. `default_focus` holds where the table says nothing of focus, or to focus on the scene.
 pub(super) fn describe_lens(
     finder: &Finder<'_>,
     table: &LensTable,
+    prescribed: Option<Prescribed>,
     sensor: &SensorModel,
     vertical_fov_rad: Option<f64>,
     default_focus: Option<Focus>,
     warnings: &mut Warnings,
 ) -> Result<LensDescription, Invalid> {
     let kind = match table.kind {
+        _ if prescribed.is_some() => LensKind::Prescription,
         None | Some(LensType::Thin) => LensKind::Thin,
         Some(LensType::Pinhole) => LensKind::Pinhole,
         Some(LensType::Hole) => LensKind::Hole,
         Some(LensType::None) => LensKind::Bare,
     };
     let size_px = sensor.pixel_array().map(|n| n as f64);
+    // The middle of a scene is as far from the entrance pupil, and the focus of a prescription counts from the sensor.
+    let default_focus = default_focus.map(|focus| match (focus, &prescribed) {
+        (Focus::Distance(u), Some(prescribed)) => Focus::Distance(u + prescribed.pupil_to_sensor_m()),
+        (Focus::Distance(_) | Focus::Infinity | Focus::Autofocus { .. } | Focus::ImageDistance(_), _) => focus,
+    });
     let focus = focus(table, kind, size_px, default_focus, warnings)?;
     if table.blade_rotation_deg.is_some_and(|turn| turn != 0.0) && table.blades.unwrap_or(0) == 0 {
         warnings.once("lens.blade_rotation_deg has no effect: the aperture is round; write blades, too");
@@ -65,7 +73,16 @@ pub(super) fn describe_lens(
         let message = "cannot go with focal_length_mm, which is the same of a hole";
         return Err(Invalid::new("image_distance_mm", message).help("keep one of them"));
     }
-    let focal_length_m = match (table.focal_length_mm.or(hole_distance_mm), &ground, intrinsics, vertical_fov_rad) {
+    let first_order = prescribed.as_ref().map(Prescribed::first_order);
+    if prescribed.is_some() && image_distance_m.is_some() {
+        let message = "cannot go with lens.prescription: what it sees follows from its glass and the sensor";
+        return Err(
+            Invalid::new("horizontal_fov_deg", message).help("write focal_length_mm of a zoom, or another sensor")
+        );
+    }
+    let own_mm = first_order.map(|first_order| first_order.efl_mm);
+    let stated_mm = table.focal_length_mm.or(hole_distance_mm).or(own_mm);
+    let focal_length_m = match (stated_mm, &ground, intrinsics, vertical_fov_rad) {
         (Some(mm), ..) => mm / 1e3,
         (None, Some(ground), ..) => 1.0 / ground.power(D),
         (None, None, None, _) if image_distance_m.is_some() => {
@@ -86,10 +103,13 @@ pub(super) fn describe_lens(
     }
     let lens = LensDescription {
         kind,
+        prescription: prescribed.map(|prescribed| prescribed.prescription),
         focal_length_m,
-        f_number: f_number(table, kind, focal_length_m)?,
+        f_number: f_number(table, kind, focal_length_m, first_order.map(|first_order| first_order.f_number))?,
         focus,
-        min_focus_distance_m: table.min_focus_distance_m.filter(|_| kind == LensKind::Thin),
+        min_focus_distance_m: table
+            .min_focus_distance_m
+            .filter(|_| matches!(kind, LensKind::Thin | LensKind::Prescription)),
         circle_of_confusion_m: table.circle_of_confusion_um.map(|um| um * 1e-6),
         ground,
         supplementary: supplementary.collect::<Result<_, _>>()?,
@@ -169,8 +189,13 @@ fn focal_length(v: f64, focus: Focus) -> f64 {
 }
 
 /// The f-number, stated or of a diameter. A hole that is not told either has the diameter that makes its spots smallest:
-/// that whose first dark ring is as large as itself.
-fn f_number(table: &LensTable, kind: LensKind, focal_length_m: f64) -> Result<f64, Invalid> {
+/// that whose first dark ring is as large as itself; a prescription that of the open lens.
+fn f_number(
+    table: &LensTable,
+    kind: LensKind,
+    focal_length_m: f64,
+    of_prescription: Option<f64>,
+) -> Result<f64, Invalid> {
     /// Where the eye sees best, m.
     const LAMBDA_M: f64 = 550e-9;
     match (table.f_number, table.diameter_mm, kind) {
@@ -178,7 +203,9 @@ fn f_number(table: &LensTable, kind: LensKind, focal_length_m: f64) -> Result<f6
         (Some(f_number), None, _) => Ok(f_number),
         (None, Some(mm), _) => Ok(focal_length_m.abs() * 1e3 / positive_number("diameter_mm", mm, "0.3")?),
         (None, None, LensKind::Hole) if focal_length_m > 0.0 => Ok((focal_length_m / (2.44 * LAMBDA_M)).sqrt()),
-        (None, None, LensKind::Hole | LensKind::Thin | LensKind::Pinhole | LensKind::Bare) => Ok(DEFAULT_F_NUMBER),
+        (None, None, LensKind::Hole | LensKind::Thin | LensKind::Pinhole | LensKind::Bare | LensKind::Prescription) => {
+            Ok(of_prescription.unwrap_or(DEFAULT_F_NUMBER))
+        }
     }
 }
 

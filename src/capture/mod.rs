@@ -52,6 +52,7 @@ mod object_pose;
 mod object_track;
 mod objects;
 mod overrides;
+mod prescription;
 mod projection;
 mod quadrics;
 mod reader;
@@ -426,6 +427,11 @@ impl Capture {
                 let message = "cannot go with lens.type = \"none\": each pixel of a bare sensor sees everything";
                 return Err(Invalid::new(key, message).help("remove it, or take a lens").within(table));
             }
+        }
+        if lens.kind == LensKind::Prescription && render.light_paths > 0.0 {
+            let message =
+                "cannot go with lens.prescription: paths from lights do not find their way through its glass yet";
+            return Err(Invalid::new("light_paths", message).help("remove it").within("render"));
         }
         if sensor.shutter.scans() && render.light_paths > 0.0 {
             let invalid = Invalid::new("light_paths", "cannot go with a sensor that scans line by line");

@@ -19,6 +19,10 @@ pub(super) fn relocate(value: &mut Value, from: &Path, to: &Path) {
             for (key, value) in map {
                 match value {
                     Value::String(path) if PATHS.contains(&key.as_str()) => *path = relocated(path, from, to),
+                    // A lens that ships goes by its name.
+                    Value::String(path) if key == "prescription" && path.contains('.') => {
+                        *path = relocated(path, from, to);
+                    }
                     Value::Array(items) if key == "geometry" => {
                         for item in items {
                             if let Value::String(path) = item {
@@ -101,6 +105,8 @@ mod tests {
             "materials": { "file": { "type": "diffuse", "reflectance": { "file": "../red.csv" } } },
             "lights": [{ "spectrum": { "file": "lamp.csv" } }],
             "sensor": { "preset": "file" },
+            "lens": { "prescription": "../50mm.zmx" },
+            "other": { "prescription": "double-gauss" },
         });
         relocate(&mut value, Path::new("scenes/room"), Path::new("out/first"));
         assert_eq!(value["scene"]["geometry"][0], "../../scenes/room/room.obj");
@@ -109,5 +115,7 @@ mod tests {
         assert_eq!(value["materials"]["file"]["reflectance"]["file"], "../../scenes/red.csv");
         assert_eq!(value["lights"][0]["spectrum"]["file"], "../../scenes/room/lamp.csv");
         assert_eq!(value["sensor"]["preset"], "file");
+        assert_eq!(value["lens"]["prescription"], "../../scenes/50mm.zmx");
+        assert_eq!(value["other"]["prescription"], "double-gauss");
     }
 }

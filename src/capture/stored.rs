@@ -12,6 +12,7 @@ use serde_json::{Value, json};
 use super::colour::Finder;
 use super::file::refuse_unknown_sections;
 use super::lens::describe_lens;
+use super::prescription::Prescribed;
 use super::relocate::keys_of;
 use super::sensor::{anchor_files, read_sensor, sensor_model};
 use super::settings::{ExposureSettings, OutputSettings};
@@ -67,6 +68,28 @@ impl StoredCapture {
         Self::assemble(source)
     }
 
+    /// The same with more changes, `key=value`.
+    ///
+    /// # Errors
+    ///
+    /// A key that light transport has used; a value that cannot be used.
+    pub fn with(&self, changes: &[String]) -> Result<Self> {
+        Self::changed(&self.source, &self.sensor.name, changes)
+    }
+
+    /// Lays changes over keys whose sensor is whole.
+    fn changed(source: &CaptureSource, sensor_name: &str, changes: &[String]) -> Result<Self> {
+        check(source.path(), changes)?;
+        let mut source = source.clone();
+        if let Some(mut sensor) = source.take_sensor() {
+            // Its paths are relative to the current folder already, those of a report to its own.
+            anchor_files(&mut sensor, &std::env::current_dir().unwrap_or_default());
+            source.keep_sensor(sensor, sensor_name);
+        }
+        lay_over(&mut source, changes)?;
+        Self::assemble(source)
+    }
+
     fn assemble(mut source: CaptureSource) -> Result<Self> {
         refuse_unknown_sections(&source)?;
         let merged = read_sensor(&mut source, Path::new(""))?;
@@ -81,7 +104,9 @@ impl StoredCapture {
         };
         let sensor = sensor_model(&merged, source.sandbox()).map_err(at("sensor"))?;
         // Warnings about the lens were given when light was traced.
-        let lens = describe_lens(&finder, &lens, &sensor, None, Some(Focus::Infinity), &mut Warnings::default());
+        let mut given = Warnings::default();
+        let prescribed = Prescribed::of(&finder, &lens, &mut given).map_err(at("lens"))?;
+        let lens = describe_lens(&finder, &lens, prescribed, &sensor, None, Some(Focus::Infinity), &mut given);
         let lens = lens.map_err(at("lens"))?;
         let exposure = settings::exposure(&exposure, &sensor).map_err(at("exposure"))?;
         let of_settings = sensor.warnings().into_iter().chain(exposure.warning());
@@ -112,16 +137,8 @@ impl Capture {
     ///
     /// A key that light transport has used; a value that cannot be used.
     pub fn for_traced_light(&self, changes: &[String]) -> Result<Self> {
-        check(self.source.path(), changes)?;
-        let mut source = self.source.clone();
-        if let Some(mut sensor) = source.take_sensor() {
-            // Its paths are relative to the current folder already, those of a report to its own.
-            anchor_files(&mut sensor, &std::env::current_dir().unwrap_or_default());
-            source.keep_sensor(sensor, &self.sensor.name);
-        }
-        lay_over(&mut source, changes)?;
         let StoredCapture { sensor, exposure, output, develop, seed, warnings, source, lens: _ } =
-            StoredCapture::assemble(source)?;
+            StoredCapture::changed(&self.source, &self.sensor.name, changes)?;
         let origin = self.origin.clone().map(|mut origin| {
             origin.overrides.extend_from_slice(changes);
             origin

@@ -71,6 +71,11 @@ pub(super) fn run(args: &CameraArgs, sandbox: &Sandbox) -> Result<()> {
         let message = "a bare sensor has no camera matrix: each of its pixels sees everything";
         return Err(capture.source.error(Invalid::new("lens.type", message).help("take a lens")));
     }
+    if capture.lens.kind == LensKind::Prescription {
+        let message = "formats of cameras have no model for a lens that is traced, and none is fitted to it yet";
+        let help = "photosite project tells where points appear, and what pixels look at";
+        return Err(capture.source.error(Invalid::new("lens.prescription", message).help(help)));
+    }
     let placed = standalone_recording_camera(&capture)?.halfway();
     let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.region);
     if let Some(done) = seen.resampled(&capture.develop) {

@@ -232,6 +232,7 @@ impl Monitor for PictureLines<'_> {
             | Event::TraceBegins { .. }
             | Event::Traced(_)
             | Event::PassEnds { .. }
+            | Event::PictureGrows(_)
             | Event::TraceEnds
             | Event::PictureEnds(None)
             | Event::Waiting { .. }

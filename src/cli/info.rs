@@ -132,7 +132,7 @@ fn of_capture(capture: &Capture) -> Result<Map<String, Value>> {
             let degrees = |angle: f64| round(angle.to_degrees());
             if camera.makes_picture() {
                 facts.extend(map(json!({
-                    "projection": lens.projection.name(),
+                    "projection": lens.projection_name(),
                     "distortion_coefficients": lens.projection.coefficients(),
                     "field_of_view_deg": field.across_rad.map(|angle| angle.map(degrees)),
                     "lens_reach_deg": degrees(field.reach_rad),
@@ -178,6 +178,10 @@ fn lens_in_words(lens: &LensDescription) -> String {
     let [f_mm, n] = [lens.focal_length_m * 1e3, lens.f_number].map(round);
     match lens.kind {
         LensKind::Thin => format!("{f_mm} mm f/{n}"),
+        LensKind::Prescription => {
+            let name = lens.prescription.as_ref().map_or("", |prescription| &prescription.name);
+            format!("{name}, {f_mm} mm f/{n}")
+        }
         LensKind::Pinhole => format!("pinhole, {f_mm} mm f/{n}"),
         LensKind::Hole => format!("hole of {} mm at {f_mm} mm", round(f_mm / n)),
         LensKind::Bare => "none".to_owned(),
@@ -196,8 +200,12 @@ fn focus_in_words(lens: &LensDescription, camera: &Camera) -> String {
     match (lens.kind, lens.focus) {
         (LensKind::Pinhole, _) => "none, as everything is sharp".to_owned(),
         (LensKind::Hole | LensKind::Bare, _) => "none".to_owned(),
-        (LensKind::Thin, Focus::Autofocus { pixel: [x, y], .. }) => format!("{place}, on what pixel {x}, {y} sees"),
-        (LensKind::Thin, Focus::Distance(_) | Focus::Infinity | Focus::ImageDistance(_)) => place,
+        (LensKind::Thin | LensKind::Prescription, Focus::Autofocus { pixel: [x, y], .. }) => {
+            format!("{place}, on what pixel {x}, {y} sees")
+        }
+        (LensKind::Thin | LensKind::Prescription, Focus::Distance(_) | Focus::Infinity | Focus::ImageDistance(_)) => {
+            place
+        }
     }
 }
 

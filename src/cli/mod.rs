@@ -19,6 +19,7 @@ mod figures_text;
 mod info;
 mod init;
 mod layout;
+mod lens;
 mod listing;
 mod log;
 mod measure;
@@ -42,6 +43,9 @@ mod signals;
 mod status;
 mod submit;
 mod target;
+mod tev;
+#[cfg(feature = "view")]
+mod view;
 
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
@@ -94,6 +98,7 @@ enum Command {
     Status(status::StatusArgs),
     Submit(submit::SubmitArgs),
     Layout(layout::LayoutArgs),
+    Lens(lens::LensArgs),
     Rectify(rectify::RectifyArgs),
     Depth(depth::DepthArgs),
     ExportMitsuba(export_mitsuba::ExportMitsubaArgs),
@@ -109,6 +114,8 @@ enum Command {
     Sensors(sensors::SensorsArgs),
     Schema(schema::SchemaArgs),
     Target(target::TargetArgs),
+    #[cfg(feature = "view")]
+    View(view::ViewArgs),
 }
 
 impl Cli {
@@ -189,6 +196,7 @@ fn run_command(cli: &Cli) -> Result<u8> {
         Command::Status(args) => return status::run(args),
         Command::Submit(args) => submit::run(args, sandbox, &cli.of_hosts()?),
         Command::Layout(args) => layout::run(args, sandbox),
+        Command::Lens(args) => lens::run(args),
         Command::Rectify(args) => rectify::run(args, sandbox),
         Command::Depth(args) => depth::run(args),
         Command::ExportMitsuba(args) => export_mitsuba::run(args, sandbox),
@@ -202,6 +210,8 @@ fn run_command(cli: &Cli) -> Result<u8> {
         Command::Sensors(args) => sensors::run(args),
         Command::Schema(args) => schema::run(args),
         Command::Target(args) => target::run(args),
+        #[cfg(feature = "view")]
+        Command::View(args) => view::run(args, sandbox),
     };
     done.map(|()| DONE)
 }

@@ -154,7 +154,7 @@ impl Monitor for TerminalMonitor {
                 }
             }
             Event::Traced(paths) if !is_of_set => self.advance(paths),
-            Event::PassEnds { samples_per_pixel, expected } if !is_of_set => {
+            Event::PassEnds { samples_per_pixel, expected, .. } if !is_of_set => {
                 if let Some(progress) = &mut *locked(&self.progress) {
                     progress.update(expected, |seconds, paths| {
                         format!("{samples_per_pixel:.0} samples a pixel, {:.2} M paths/s", paths as f64 / seconds / 1e6)
@@ -197,7 +197,11 @@ impl Monitor for TerminalMonitor {
                 *locked(&self.progress) = None;
                 self.log("set_ends", json!({}));
             }
-            Event::Warning(_) | Event::Waiting { .. } | Event::Traced(_) | Event::PassEnds { .. } => {}
+            Event::Warning(_)
+            | Event::Waiting { .. }
+            | Event::Traced(_)
+            | Event::PassEnds { .. }
+            | Event::PictureGrows(_) => {}
         }
     }
 

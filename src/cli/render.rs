@@ -12,8 +12,9 @@ use super::print::{print_json, rounded};
 use super::run_args::RunArgs;
 use super::scene_args::SceneArgs;
 use super::shorthands::Shorthands;
+use super::tev::{TevAddress, TevMonitor};
 use crate::capture::{Capture, relative_path};
-use crate::pipeline::{FilmMemory, LightSource, Place, Rendered, Request, render_into};
+use crate::pipeline::{FilmMemory, LightSource, Monitor, Place, Rendered, Request, render_into};
 use crate::report::{REPORT, RenderReport, Report, Timings};
 use crate::{Result, Sandbox};
 
@@ -33,6 +34,9 @@ pub(super) struct RenderArgs {
     /// Most memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
+    /// Show the picture as it grows in the image viewer tev, which listens at 127.0.0.1:14158 by itself.
+    #[arg(long, value_name = "HOST:PORT", value_parser = TevAddress::parse)]
+    tev: Option<TevAddress>,
     #[command(flatten)]
     scene: SceneArgs,
     #[command(flatten)]
@@ -49,11 +53,17 @@ pub(super) fn run(args: &RenderArgs, sandbox: &Sandbox) -> Result<()> {
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let path = output.clone().unwrap_or_else(|| default_folder(&args.input));
     let light = args.samples.clone().map_or(LightSource::Traced, LightSource::Part);
-    let monitor = &args.common.monitor();
-    let mut folder = match Place::claim(&path, *force, &capture, &light, monitor)? {
+    let terminal = &args.common.monitor();
+    let mut folder = match Place::claim(&path, *force, &capture, &light, terminal)? {
         Place::Free(folder) => folder,
         Place::Done(rendered) => return finish_again(&rendered, &path, *quiet, *json),
     };
+    let tev = args.tev.as_ref().map(|address| {
+        let whole = std::path::absolute(folder.path()).unwrap_or_default();
+        let name = whole.file_name().map_or_else(|| "photosite".into(), |name| name.to_string_lossy());
+        TevMonitor::new(terminal, (address, *quiet), &name, &capture.develop)
+    });
+    let monitor: &dyn Monitor = tev.as_ref().map_or(terminal, |tev| tev);
     let request = Request {
         input: &args.input,
         named: relative_path(&args.input, folder.path()),
@@ -63,6 +73,7 @@ pub(super) fn run(args: &RenderArgs, sandbox: &Sandbox) -> Result<()> {
         is_timed: true,
     };
     let rendered = render_into(capture, &request, &mut folder, timings)?;
+    tev.iter().for_each(TevMonitor::finish);
     finish(&rendered, folder.path(), *quiet, *json)
 }
 

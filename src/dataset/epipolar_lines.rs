@@ -45,28 +45,17 @@ impl EpipolarLines {
     pub(super) fn new(pair: &StereoPair<'_>, count: u32) -> Self {
         let mut lines = Self { original: Default::default(), rectified: Default::default() };
         let [columns, rows] = pair.resolution().map(f64::from);
-        let (across, along) = if pair.is_vertical { (columns, rows) } else { (rows, columns) };
-        let largest = |n: [u32; 2]| n[0].max(n[1]);
+        let along = if pair.is_vertical { rows } else { columns };
         for number in 0..count {
-            let (line, colour) = ((f64::from(number) + 0.5) * across / f64::from(count), colour(number, count));
+            let (line, colour) = (line(pair, number, count), colour(number, count));
             let points = steps(0.0, along, STEP_PX)
                 .map(|place| Some(if pair.is_vertical { DVec2::new(line, place) } else { DVec2::new(place, line) }));
             let points: Vec<_> = points.collect();
             for overlay in &mut lines.rectified {
                 overlay.stroke(pair.resolution(), points.iter().copied(), colour);
             }
-            for (i, view) in pair.views().iter().enumerate() {
-                let camera = pair.cameras[i];
-                // An angle of 1/f is a pixel in the middle, and less than some pixels at the edge.
-                let f = camera
-                    .intrinsics
-                    .fx
-                    .abs()
-                    .max(camera.intrinsics.fy.abs())
-                    .max(f64::from(largest(camera.resolution)));
-                let angles = steps(-FRAC_PI_2, FRAC_PI_2, STEP_PX / f);
-                let curve = angles.map(|angle| view.source_of(pair.in_epipolar_plane(line, angle)));
-                lines.original[i].stroke(camera.resolution, curve, colour);
+            for (i, overlay) in lines.original.iter_mut().enumerate() {
+                overlay.stroke(pair.cameras[i].resolution, original_curve(pair, i, line, STEP_PX), colour);
             }
         }
         lines
@@ -81,6 +70,35 @@ impl EpipolarLines {
     pub(super) fn write_rectified(&self, pictures: [Shown<'_>; 2], to: &mut dyn Sink) -> io::Result<()> {
         write_side_by_side(pictures, &self.rectified, to)
     }
+}
+
+/// The row of the rectified pictures, or the column, that stands for a plane.
+fn line(pair: &StereoPair<'_>, number: u32, count: u32) -> f64 {
+    let [columns, rows] = pair.resolution().map(f64::from);
+    let across = if pair.is_vertical { columns } else { rows };
+    (f64::from(number) + 0.5) * across / f64::from(count)
+}
+
+/// Points of a plane in the picture of the camera of that number of a pair, about `step_px` apart; `None` where it does
+/// not see them.
+fn original_curve<'a>(
+    pair: &'a StereoPair<'_>,
+    number: usize,
+    line: f64,
+    step_px: f64,
+) -> impl Iterator<Item = Option<DVec2>> + use<'a> {
+    let (camera, view) = (pair.cameras[number], pair.views()[number]);
+    let [columns, rows] = camera.resolution.map(f64::from);
+    // An angle of 1/f is a pixel in the middle, and less than some pixels at the edge.
+    let f = [camera.intrinsics.fy.abs(), columns, rows].into_iter().fold(camera.intrinsics.fx.abs(), f64::max);
+    let angles = steps(-FRAC_PI_2, FRAC_PI_2, step_px / f);
+    angles.map(move |angle| view.source_of(pair.in_epipolar_plane(line, angle)))
+}
+
+/// So many planes, evenly over the rows of the rectified pictures, as curves of points a pixel apart in the picture of the
+/// camera of that number of a pair.
+pub(super) fn original_curves(pair: &StereoPair<'_>, number: usize, count: u32) -> Vec<Vec<Option<DVec2>>> {
+    (0..count).map(|plane| original_curve(pair, number, line(pair, plane, count), 1.0).collect()).collect()
 }
 
 impl Overlay {

@@ -87,6 +87,7 @@ impl Monitor for OfOnePicture<'_> {
             Event::Warning(_)
             | Event::Traced(_)
             | Event::PassEnds { .. }
+            | Event::PictureGrows(_)
             | Event::SetBegins { .. }
             | Event::PictureEnds(_)
             | Event::PictureFails { .. }

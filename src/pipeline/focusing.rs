@@ -9,7 +9,7 @@ use super::camera::camera_of;
 use super::responses::{importance, responses};
 use crate::Result;
 use crate::capture::Capture;
-use crate::optics::{AutofocusMethod, Camera, Focus, LensDescription};
+use crate::optics::{AutofocusMethod, Camera, Focus, LensDescription, LensKind};
 use crate::report::FocusStepReport;
 use crate::scene::description::SceneDescription;
 use crate::scene::{self, Scene};
@@ -43,7 +43,13 @@ pub(super) fn focus_camera<'a>(
     let camera = match capture.lens.focus {
         Focus::Autofocus { pixel, method: AutofocusMethod::Exact } => {
             // Focusing moves the sensor and with it the direction of the chief ray; a few rounds settle it.
-            let mut camera = place(&with_sensor_at(capture.lens.focal_length_m.abs()), f64::NAN)?;
+            let unfocused = match capture.lens.kind {
+                LensKind::Prescription => LensDescription { focus: Focus::Infinity, ..capture.lens.clone() },
+                LensKind::Thin | LensKind::Pinhole | LensKind::Hole | LensKind::Bare => {
+                    with_sensor_at(capture.lens.focal_length_m.abs())
+                }
+            };
+            let mut camera = place(&unfocused, f64::NAN)?;
             for _ in 0..4 {
                 let hit = camera.chief_ray(pixel.into()).and_then(|ray| scene().closest(&ray));
                 camera = place(&capture.lens, hit.map_or(f64::INFINITY, |hit| f64::from(hit.t)))?;

@@ -4,20 +4,23 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::camera::pixels;
 use super::chain::{SensorColours, Settings};
 use super::checkpoint::{self, Checkpoints};
 use super::completed_rows::CompletedRows;
+use super::ideal;
 use super::options::Options;
 use super::output_folder::OutputFolder;
 use super::prepare::Prepared;
 use super::provenance::provenance;
 use super::same_light::{same_cells, same_times};
-
 use super::trace::{Trace, Traced, trace};
 use crate::capture::{Capture, ExposureSettings, SpectralBands};
+use crate::film::Film;
 use crate::image::{Estimate, Planes};
+use crate::integrator::COARSE_STEP;
 use crate::io::light_rows::LightRows;
-use crate::sensor::{SensorModel, electron_rates};
+use crate::sensor::{Exposure, SensorModel, electron_rates};
 use crate::{Error, Invalid, Result};
 
 /// Light that was traced: the rates at which it frees electrons in each pixel.
@@ -46,9 +49,21 @@ impl Light {
     /// Irradiance on the sensor in the bands that `output.irradiance` asked for, W·m⁻²·nm⁻¹, a plane for each, named
     /// after its centre in nm; `None` where the capture asked for none.
     pub fn irradiance(&self) -> Option<Planes> {
-        let bands = self.bands.as_ref()?;
-        let names: Vec<_> = (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect();
+        self.bands.as_ref()?;
+        let names = self.bands();
         self.rows.means(names.iter().map(String::as_str)).to_planes().ok()
+    }
+
+    /// The names of these planes.
+    pub fn bands(&self) -> Vec<String> {
+        self.bands
+            .as_ref()
+            .map_or_else(Vec::new, |bands| (0..bands.count).map(|band| bands.centre_nm(band).to_string()).collect())
+    }
+
+    /// Whether the picture of an ideal observer is kept.
+    pub fn has_ideal(&self) -> bool {
+        self.has_ideal
     }
 
     pub(super) fn pilot_paths(&self) -> u64 {
@@ -66,6 +81,11 @@ impl Light {
     }
 }
 
+/// Memory takes what it is given, and gives it back.
+fn in_memory(reason: std::io::Error) -> Error {
+    Error::io("memory".as_ref(), "read", reason)
+}
+
 impl Prepared {
     /// Traces the light of the first picture, in memory.
     ///
@@ -76,7 +96,8 @@ impl Prepared {
         let start = Instant::now();
         let camera = self.camera();
         let chain = self.chain();
-        let strips = options.film_memory.strips(&self.capture, self.responses.len(), [true, false])?;
+        let is_watched = options.monitor.picture_interval().is_some();
+        let strips = options.film_memory.strips(&self.capture, self.responses.len(), [true, false, is_watched])?;
         let traced = Trace {
             capture: &self.capture,
             settings: &self.capture.render,
@@ -87,6 +108,7 @@ impl Prepared {
             importance: Some(&self.importance_for_all),
             strips: &strips,
             is_part: false,
+            is_coarse_first: options.is_coarse_first,
             chain: &chain,
             folder: None,
             monitor: options.monitor,
@@ -97,8 +119,56 @@ impl Prepared {
         };
         let Traced { rows, paths, pilot_paths, .. } = traced;
         let CompletedRows::Light(rows, _) = rows else { unreachable!("sums are kept of parts alone") };
-        let in_memory = |reason| Error::io("memory".as_ref(), "read", reason);
-        let rates = rows.estimate(chain.channels()).map_err(in_memory)?;
+        self.light(rows, [paths, pilot_paths], start.elapsed().as_secs_f64())
+    }
+
+    /// The light of a film under way, of which [`Event::PassEnds`](super::Event::PassEnds) tells; `None` where it holds
+    /// a strip of the picture alone. `trace_s` is the time that it has taken.
+    ///
+    /// # Errors
+    ///
+    /// None that the film causes.
+    pub fn light_so_far(&self, film: &Film, trace_s: f64) -> Result<Option<Light>> {
+        let [_, height] = pixels(&self.capture).map(|n| n as usize);
+        if film.picture_rows() != (0..height) {
+            return Ok(None);
+        }
+        let rows = CompletedRows::light(&self.capture, &self.responses, None);
+        rows.write(film).map_err(in_memory)?;
+        let mut light = self.light(rows, [film.total(), 0], trace_s)?;
+        if light.samples.contains(&0) {
+            let Estimate { mean, variance } = &mut light.rates;
+            [mean, variance].into_iter().for_each(|planes| fill_gaps(planes, &light.samples));
+        }
+        Ok(Some(light))
+    }
+
+    /// The picture of an ideal observer at that exposure, linear in the colour space that the capture develops to;
+    /// `None` where the light was traced without it.
+    ///
+    /// # Errors
+    ///
+    /// A sensor whose white is none.
+    pub fn ideal(&self, light: &Light, exposure: &Exposure) -> Result<Option<Planes>> {
+        if !light.has_ideal {
+            return Ok(None);
+        }
+        let seen = light.rows.means(ideal::NAMES).to_planes().map_err(in_memory)?;
+        let picture = ideal::picture(seen, &self.capture, &self.light, exposure)?;
+        Ok(Some(match self.chain().ideal_resampling() {
+            Some(resampling) => resampling.apply(picture),
+            None => picture,
+        }))
+    }
+
+    /// Ratio of the noise of that light to that of the sensor, over the picture. `None` where there is not enough light
+    /// for an exposure, and after a single sample.
+    pub fn noise_ratio(&self, light: &Light) -> Option<f64> {
+        self.chain().noise_ratio(&light.rates, light.samples.iter().copied().min().unwrap_or(0))
+    }
+
+    fn light(&self, rows: Arc<LightRows>, [paths, pilot_paths]: [u64; 2], trace_s: f64) -> Result<Light> {
+        let rates = rows.estimate(self.chain().channels()).map_err(in_memory)?;
         let samples = rows.counts().map_err(in_memory)?;
         let Capture { sensor, exposure, output, .. } = &self.capture;
         Ok(Light {
@@ -106,7 +176,7 @@ impl Prepared {
             rates,
             samples,
             paths: paths + pilot_paths,
-            trace_s: start.elapsed().as_secs_f64(),
+            trace_s,
             pilot_paths,
             sensor: sensor.clone(),
             exposure: exposure.clone(),
@@ -175,7 +245,23 @@ impl Prepared {
     }
 }
 
+/// Gives pixels without a sample what the pixel of a coarse picture shows that is next to them, to the left and above.
+fn fill_gaps(planes: &mut Planes, samples: &[u32]) {
+    let width = planes.width();
+    for channel in planes.channels_mut() {
+        for pixel in (0..samples.len()).filter(|&pixel| samples[pixel] == 0) {
+            let [column, row] = [pixel % width, pixel / width].map(|at| at / COARSE_STEP * COARSE_STEP);
+            channel.data[pixel] = channel.data[row * width + column];
+        }
+    }
+}
+
 impl Light {
+    /// Whether it tells what a sensor sees: as the one that it was traced for, or by its irradiance.
+    pub fn tells_of(&self, sensor: &SensorModel) -> bool {
+        self.bands.is_some() || self.serves(sensor)
+    }
+
     /// Whether a sensor sees light as the one does that it was traced for.
     fn serves(&self, sensor: &SensorModel) -> bool {
         self.sensor.cfa.channels() == sensor.cfa.channels() && self.sensor.responses() == sensor.responses()

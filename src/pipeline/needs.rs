@@ -59,11 +59,16 @@ impl<'a> Needs<'a> {
     }
 
     /// What tracing takes beside film and rows: pictures of the state so far, and how many samples pixels are to have.
-    pub(super) fn beside_film(&self) -> u64 {
+    /// Where it `is_watched`, the monitor keeps a picture, and develops another.
+    pub(super) fn beside_film(&self, is_watched: bool) -> u64 {
         let shown = self.channels() * FLOAT;
-        let preview = match self.settings.output.preview_interval {
-            Some(_) => shown + (shown + self.reading_out()).max(self.samples() * NUMBER + self.developing()),
-            None => 0,
+        let raw = self.samples() * NUMBER + self.developing();
+        let preview = if is_watched {
+            2 * (2 * shown + raw)
+        } else if self.settings.output.preview_interval.is_some() {
+            shown + (shown + self.reading_out()).max(raw)
+        } else {
+            0
         };
         let wanted = if self.has_pilot { FLOAT } else { 0 };
         let resized = if preview > 0 { self.resized() } else { 0 };

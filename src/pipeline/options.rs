@@ -15,11 +15,14 @@ pub struct Options<'a> {
     /// A folder for the checkpoint of light that is traced in memory: work that is stopped goes on from there. It is
     /// gone when the work is done.
     pub checkpoint: Option<&'a Path>,
+    /// Whether some pixels shall have a sample before all others, so that there is a coarse picture at once. The picture
+    /// does not depend on it. Not with `render.reuse`, `light_paths` or a time limit.
+    pub is_coarse_first: bool,
 }
 
 impl Default for Options<'_> {
-    /// Silent, with 4 GiB for the film and no checkpoint.
+    /// Silent, with 4 GiB for the film, no checkpoint, and all pixels alike.
     fn default() -> Self {
-        Self { monitor: &Silent, film_memory: FilmMemory::default(), checkpoint: None }
+        Self { monitor: &Silent, film_memory: FilmMemory::default(), checkpoint: None, is_coarse_first: false }
     }
 }

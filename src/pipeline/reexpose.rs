@@ -1,6 +1,7 @@
 //! New exposures, sensors and noise from stored light.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
 use super::exposed_render::ExposedRender;
@@ -8,20 +9,23 @@ use super::monitor::Monitor;
 use super::output_folder::OutputFolder;
 use super::stored::{PictureScale, Stored};
 use super::stored_light::StoredLight;
+use crate::capture::ExposureSettings;
+use crate::develop::DevelopSettings;
 use crate::image::Planes;
 use crate::io::linear_picture::{PictureLight, read_picture_light};
 use crate::report::{LightReport, Report};
-use crate::sensor::without_negative;
+use crate::sensor::{SensorModel, without_negative};
 use crate::spectrum::Spectrum;
-use crate::{Invalid, Result};
+use crate::{Error, Invalid, Result};
 use photosite_core::Sandbox;
 
 /// Light that was traced before, with what is known of it, to be exposed again.
+#[derive(Clone)]
 pub struct StoredRender {
     input: PathBuf,
     overrides: Vec<String>,
     stored: Stored,
-    light: StoredLight,
+    light: Arc<StoredLight>,
     load_s: f64,
 }
 
@@ -33,7 +37,7 @@ impl StoredRender {
         let start = Instant::now();
         let (stored, light) = Stored::read(sandbox, input, overrides)?;
         let load_s = start.elapsed().as_secs_f64();
-        Ok(Self { input: input.to_owned(), overrides: overrides.to_vec(), stored, light, load_s })
+        Ok(Self { input: input.to_owned(), overrides: overrides.to_vec(), stored, light: Arc::new(light), load_s })
     }
 
     /// Reads a picture of another program, whose numbers are light on the sensor as `scale` says. `overrides` change keys
@@ -47,7 +51,7 @@ impl StoredRender {
         let PictureLight { planes, assumed } = read_picture_light(input, scale.is_linear)?;
         let (stored, light) = Stored::of_planes(sandbox, input, &planes, scale, &[assumed], overrides)?;
         let load_s = start.elapsed().as_secs_f64();
-        Ok(Self { input: input.to_owned(), overrides: overrides.to_vec(), stored, light, load_s })
+        Ok(Self { input: input.to_owned(), overrides: overrides.to_vec(), stored, light: Arc::new(light), load_s })
     }
 
     /// Takes planes of numbers that are light on the sensor as `scale` says, as [`of_picture`](Self::of_picture) takes
@@ -63,7 +67,7 @@ impl StoredRender {
         if let Some(illuminant) = illuminant {
             stored.traced.scene_light = Some(LightReport::new(illuminant));
         }
-        Ok(Self { input: name.to_owned(), overrides: overrides.to_vec(), stored, light, load_s: 0.0 })
+        Ok(Self { input: name.to_owned(), overrides: overrides.to_vec(), stored, light: Arc::new(light), load_s: 0.0 })
     }
 
     /// Takes irradiance on the sensor, W·m⁻²·nm⁻¹, in planes that are named by the central wavelengths of their bands in
@@ -81,7 +85,60 @@ impl StoredRender {
         let mut stored = Stored::of_light(&Sandbox::default(), name, &light, overrides)?;
         stored.capture.warnings.extend(warnings);
         stored.traced.scene_light = illuminant.map(LightReport::new);
-        Ok(Self { input: name.to_owned(), overrides: overrides.to_vec(), stored, light, load_s: 0.0 })
+        Ok(Self { input: name.to_owned(), overrides: overrides.to_vec(), stored, light: Arc::new(light), load_s: 0.0 })
+    }
+
+    /// The same light with more changes to keys of its capture, `key=value`. A sensor that sees light in another way
+    /// needs the irradiance, which is read where the folder holds it.
+    ///
+    /// # Errors
+    ///
+    /// A key that light transport has used, a value that cannot be used, a sensor or a time that this light does not
+    /// serve.
+    pub fn with(&self, changes: &[String]) -> Result<Self> {
+        let overrides = [&self.overrides[..], changes].concat();
+        match self.stored.with(&self.light, changes)? {
+            Some(stored) => Ok(Self { stored, overrides, ..self.clone() }),
+            None => Self::read(self.stored.capture.source.sandbox(), &self.input, &overrides),
+        }
+    }
+
+    /// Whether its light tells what a sensor sees: as the one that it was traced for, or by irradiance that is stored, too.
+    pub fn tells_of(&self, sensor: &SensorModel) -> bool {
+        let own = &self.stored.capture.sensor;
+        let has_irradiance =
+            || self.input.is_dir() && light_names("irradiance").iter().any(|n| self.input.join(n).exists());
+        match *self.light {
+            StoredLight::Irradiance { .. } => true,
+            StoredLight::Electrons { .. } => {
+                own.cfa.channels() == sensor.cfa.channels() && own.responses() == sensor.responses() || has_irradiance()
+            }
+        }
+    }
+
+    /// The sensor that its light falls on, as it is now.
+    pub fn sensor(&self) -> &SensorModel {
+        &self.stored.capture.sensor
+    }
+
+    /// How it is exposed.
+    pub fn exposure(&self) -> &ExposureSettings {
+        &self.stored.capture.exposure
+    }
+
+    /// Seed of the sensor's noise.
+    pub fn seed(&self) -> u64 {
+        self.stored.capture.seed
+    }
+
+    /// How it is developed.
+    pub fn develop_settings(&self) -> &DevelopSettings {
+        &self.stored.capture.develop
+    }
+
+    /// A problem with a key of its capture.
+    pub fn error(&self, invalid: Invalid) -> Error {
+        self.stored.capture.source.error(invalid)
     }
 
     /// Exposes the sensor to it once, so that it can be read out as often as one likes.
@@ -92,11 +149,16 @@ impl StoredRender {
     /// there is.
     pub fn expose(self) -> Result<ExposedRender> {
         let Self { input, overrides, stored, light, load_s } = self;
-        ExposedRender::new(stored, light, (input, overrides), load_s)
+        ExposedRender::new(stored, Arc::unwrap_or_clone(light), (input, overrides), load_s)
     }
 
     /// Exposes and develops it into a folder, the report last, which is returned.
     pub fn expose_into(self, folder: &mut OutputFolder, monitor: &dyn Monitor) -> Result<Report> {
         self.expose()?.write_into(folder, monitor)
     }
+}
+
+/// Names of a file of light: alone, and of the first picture of a series.
+fn light_names(kind: &str) -> [String; 2] {
+    [format!("{kind}.exr"), format!("{kind}-0000.exr")]
 }

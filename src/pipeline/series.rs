@@ -234,6 +234,7 @@ impl Series<'_> {
                         .then_some(&*prepared.importance_for_all),
                     strips: self.strips,
                     is_part,
+                    is_coarse_first: false,
                     chain,
                     folder: Some(folder),
                     monitor,

@@ -68,10 +68,8 @@ impl Stored {
         let recorded = StoredCapture::of_report(sandbox, &path, &stored, &[])?;
         let capture = StoredCapture::of_report(sandbox, &path, &stored, overrides)?;
         let report = stored.report;
-        let moves = report.traced.camera.as_ref().is_some_and(|camera| camera.motion.is_some());
-        same_times([&recorded, &capture].map(|c| (&c.sensor, &c.exposure)), moves)
-            .map_err(|invalid| capture.source.error(invalid))?;
-        same_cells(&recorded.sensor, &capture.sensor).map_err(|invalid| capture.source.error(invalid))?;
+        let moves = moves(&report.traced);
+        check_light_of(&recorded, &capture, moves)?;
         let numbered = moves && recorded.exposure.frames > 1;
         let same_response = recorded.sensor.responses() == capture.sensor.responses();
         let file = match file {
@@ -96,6 +94,21 @@ impl Stored {
             traced: report.traced,
         };
         Ok((stored, light))
+    }
+
+    /// The same with changes, `key=value`, that this light still serves; `None` where other light of the render has to be
+    /// read for them.
+    pub(super) fn with(&self, light: &StoredLight, changes: &[String]) -> Result<Option<Self>> {
+        let capture = self.capture.with(changes)?;
+        let sees_the_same = capture.sensor.responses() == self.capture.sensor.responses();
+        if matches!(light, StoredLight::Electrons { .. }) && !sees_the_same {
+            return Ok(None);
+        }
+        if let Some(recorded) = &self.recorded {
+            check_light_of(recorded, &capture, moves(&self.traced))?;
+        }
+        light.check(&capture)?;
+        Ok(Some(Self { capture, ..self.clone() }))
     }
 
     /// Light of which nothing else is known.
@@ -149,6 +162,18 @@ impl Stored {
         let later = Vec::new();
         Ok((Self { capture, later, recorded: None, gains: None, calibration: None, traced }, light))
     }
+}
+
+/// Whether the camera has moved while light was traced.
+fn moves(traced: &TracedReport) -> bool {
+    traced.camera.as_ref().is_some_and(|camera| camera.motion.is_some())
+}
+
+/// Refuses a capture that sees other light than what was recorded.
+fn check_light_of(recorded: &StoredCapture, capture: &StoredCapture, moves: bool) -> Result<()> {
+    let at = |invalid: Invalid| capture.source.error(invalid);
+    same_times([recorded, capture].map(|c| (&c.sensor, &c.exposure)), moves).map_err(at)?;
+    same_cells(&recorded.sensor, &capture.sensor).map_err(at)
 }
 
 /// What a number of 1 is.

@@ -12,6 +12,7 @@ use crate::units::Seconds;
 use crate::{Error, Invalid, Result};
 use photosite_core::{Help, Remedy, input};
 
+#[derive(Clone)]
 pub(super) enum StoredLight {
     /// Mean electrons of the sensor's channels, collected within a time.
     Electrons { electrons: Estimate, collected: Seconds },

@@ -8,7 +8,9 @@ use std::time::{Duration, Instant};
 use crate::capture::Capture;
 use crate::film::{Film, FilmResponses, Response};
 use crate::image::{Estimate, Planes};
-use crate::integrator::{FilterTile, Listener, Pilot, RenderJob, RenderSettings, Step, render_on, render_with_pilot};
+use crate::integrator::{
+    FilterTile, Listener, Pilot, RenderJob, RenderSettings, Step, render_coarse, render_on, render_with_pilot,
+};
 use crate::io::film_file::film_bytes;
 use crate::io::light_rows::{LightRows, Store};
 use crate::optics::Camera;
@@ -22,7 +24,7 @@ use super::camera::pixels;
 use super::chain::Chain;
 use super::checkpoint::{Checkpoints, Resumed};
 use super::completed_rows::CompletedRows;
-use super::monitor::{Event, Monitor, UntilTraceEnds, cancelled};
+use super::monitor::{Event, GrowingPicture, Monitor, UntilTraceEnds, cancelled};
 use super::output_folder::OutputFolder;
 use super::strips::Strips;
 use super::throttle::Throttle;
@@ -37,10 +39,12 @@ pub(super) struct Trace<'a> {
     pub(super) responses: &'a [Response],
     pub(super) filters: Option<&'a FilterTile>,
     pub(super) strips: &'a Strips,
-    /// Whether it is a part of a render, of which the sums are kept.
     /// What matters to all pictures of the scene by this sensor, once it is known.
     pub(super) importance: Option<&'a OnceLock<Spectrum>>,
+    /// Whether it is a part of a render, of which the sums are kept.
     pub(super) is_part: bool,
+    /// Whether a coarse picture comes first.
+    pub(super) is_coarse_first: bool,
     pub(super) chain: &'a Chain<'a>,
     /// Where previews go, and whose rows lie in a file. Without, everything stays in memory.
     pub(super) folder: Option<&'a OutputFolder>,
@@ -139,7 +143,7 @@ pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> 
                 let done = traced + pilot.map_or(0, |pilot| pilot.film.total());
                 let samples = traced as f64 / (width * height) as f64;
                 let expected = expected_paths(settings, done, elapsed, planned);
-                t.monitor.report(Event::PassEnds { samples_per_pixel: samples, expected });
+                t.monitor.report(Event::PassEnds { samples_per_pixel: samples, expected, film });
                 if settings.time_limit.is_some_and(|limit| elapsed >= limit) {
                     return ControlFlow::Break(());
                 }
@@ -175,6 +179,10 @@ pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> 
 
 /// Gives a film its samples; one that has a pilot has all rows.
 fn fill(t: &Trace<'_>, job: &RenderJob<'_>, film: &mut Film, pilot: Option<&mut Pilot>, step: &Listener<'_>) {
+    // A limit of time may end after any pass, and this one leaves pixels without light.
+    if t.is_coarse_first && t.settings.time_limit.is_none() {
+        render_coarse(job, film, step);
+    }
     match (t.settings.noise_target, pilot) {
         (Some(target), Some(pilot)) => {
             let chain = t.chain;
@@ -231,6 +239,8 @@ struct Interim<'a> {
     /// Whether rows that are done lie in a file.
     is_filed: bool,
     preview: Throttle,
+    /// When the monitor is shown the picture again.
+    watched: Throttle,
     /// Electron rates as far as they are known, if they are shown.
     seen: Option<Planes>,
     /// Whether it was said that something could not be written.
@@ -240,10 +250,12 @@ struct Interim<'a> {
 
 impl<'a> Interim<'a> {
     fn new(t: &'a Trace<'a>, checkpoints: Option<Checkpoints<'a>>, is_filed: bool) -> Self {
-        let interval = t.folder.and(t.capture.output.preview_interval);
+        let preview = Throttle::every(t.folder.and(t.capture.output.preview_interval));
+        let watched = Throttle::every(t.monitor.picture_interval());
         let [width, height] = pixels(t.capture).map(|n| n as usize);
-        let seen = interval.map(|_| Planes::zeros(width, height, t.chain.channels()));
-        Self { t, checkpoints, is_filed, preview: Throttle::every(interval), seen, is_said: false, failure: None }
+        let is_shown = !(preview.is_never() && watched.is_never());
+        let seen = is_shown.then(|| Planes::zeros(width, height, t.chain.channels()));
+        Self { t, checkpoints, is_filed, preview, watched, seen, is_said: false, failure: None }
     }
 
     /// Writes what it is time for. What cannot be written is said once, as the render needs none of it; where its
@@ -287,6 +299,9 @@ impl<'a> Interim<'a> {
     /// The rows of a film are kept.
     fn finish(&mut self, film: &Film, elapsed: Duration) -> Result<()> {
         self.see(film);
+        if film.picture_rows().end == pixels(self.t.capture)[1] as usize && self.is_watched() {
+            self.show_seen(false, true)?;
+        }
         match self.checkpoints.as_mut().filter(|_| self.is_filed) {
             Some(checkpoints) => checkpoints.keep_rows(film.picture_rows().end, elapsed),
             None => Ok(()),
@@ -303,11 +318,24 @@ impl<'a> Interim<'a> {
         }
     }
 
-    /// Writes a picture if it is time for one.
+    /// Whether the monitor wants to see the picture.
+    fn is_watched(&self) -> bool {
+        !self.watched.is_never() && self.t.monitor.picture_interval().is_some()
+    }
+
+    /// Shows the picture where it is time for that.
     fn show(&mut self, film: &Film) -> Result<()> {
-        let Some(folder) = self.t.folder.filter(|_| self.preview.is_now()) else { return Ok(()) };
+        let [is_due, is_watched] = [self.preview.is_now(), self.watched.is_now() && self.is_watched()];
+        if is_due || is_watched {
+            self.see(film);
+            self.show_seen(is_due, is_watched)?;
+        }
+        Ok(())
+    }
+
+    /// Shows what is seen of the picture: in a file, to the monitor.
+    fn show_seen(&mut self, in_file: bool, to_monitor: bool) -> Result<()> {
         let start = Instant::now();
-        self.see(film);
         let Some(mean) = self.seen.clone() else { return Ok(()) };
         let chain = self.t.chain;
         // No picture needs the variance.
@@ -315,9 +343,19 @@ impl<'a> Interim<'a> {
         // Too little light for an exposure yet is no failure: there is nothing to show.
         let Ok(exposed) = chain.expose(Estimate { mean, variance }, Seconds(1.0), None) else { return Ok(()) };
         let raw = chain.read_out(&exposed, 0)?;
+        if to_monitor {
+            let picture = GrowingPicture { electrons: &exposed.electrons.mean, raw: &raw };
+            self.t.monitor.report(Event::PictureGrows(&picture));
+            self.watched.done_since(start);
+        }
         drop(exposed);
-        let written = folder.write_preview(&chain.develop(&raw)?);
-        self.preview.done_since(start);
-        written
+        match self.t.folder.filter(|_| in_file) {
+            Some(folder) => {
+                let written = folder.write_preview(&chain.develop(&raw)?);
+                self.preview.done_since(start);
+                written
+            }
+            None => Ok(()),
+        }
     }
 }

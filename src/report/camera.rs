@@ -19,7 +19,8 @@ pub struct CameraReport {
     /// fx, 0, cx; 0, fy, cy; 0, 0, 1 row by row, with the skew in the first row. Of a bare sensor, whose pixels look in
     /// no direction, fx and fy are 0.
     pub camera_matrix: [[f64; 3]; 3],
-    /// The model of the lens, as `[lens]` names it; `none` of a bare sensor.
+    /// The model of the lens, as `[lens]` names it; `prescription` of one that is traced, whose matrix holds near the axis
+    /// alone; `none` of a bare sensor.
     pub projection: String,
     /// Its coefficients in OpenCV's order: k₁ k₂ p₁ p₂ k₃ (then k₄ k₅ k₆, then s₁ … s₄) of a rectilinear lens, k₁ … k₄
     /// of a fisheye, k₁ k₂ p₁ p₂ of an omnidirectional lens.
@@ -87,7 +88,7 @@ impl CameraReport {
         Self {
             resolution_px,
             camera_matrix: camera_matrix(&camera.intrinsics()),
-            projection: if camera.makes_picture() { lens.projection.name() } else { "none" }.to_owned(),
+            projection: lens.projection_name().to_owned(),
             distortion: lens.projection.coefficients(),
             xi: lens.projection.xi(),
             field_of_view: FieldOfViewReport::new(&camera.field_of_view()),

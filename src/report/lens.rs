@@ -8,8 +8,11 @@ use crate::optics::{Camera, LensDescription, LensFigures, LensKind};
 /// The lens.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 pub struct LensReport {
-    /// `thin`, `pinhole`, `hole`, or `none` of a bare sensor, of which nothing else is said.
+    /// `thin`, `pinhole`, `hole`, `prescription`, or `none` of a bare sensor, of which nothing else is said.
     pub kind: String,
+    /// What the lens of a prescription is called.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub prescription: Option<String>,
     /// f; below 0 of a diverging lens. Of a hole, its distance from the sensor.
     pub focal_length_mm: Option<f64>,
     /// N.
@@ -17,7 +20,7 @@ pub struct LensReport {
     /// Distance from the entrance pupil to what is sharp. `null`: focused at infinity, or a lens without focus. Below 0
     /// where light of one point of the sensor diverges, and nothing is sharp.
     pub focus_distance_m: Option<f64>,
-    /// Distance lens → sensor v.
+    /// Distance lens → sensor v; of a prescription, from its last surface.
     pub image_distance_mm: Option<f64>,
     /// Depth of field, angles, scale. None in reports of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -71,9 +74,11 @@ impl LensReport {
         let of_lens = |value: f64| camera.makes_picture().then_some(value);
         Self {
             kind: lens.kind.name().to_owned(),
+            prescription: lens.prescription.as_ref().map(|prescription| prescription.name.clone()),
             focal_length_mm: of_lens(lens.focal_length_m * 1e3),
             f_number: of_lens(lens.f_number),
-            focus_distance_m: (focus.is_finite() && lens.kind == LensKind::Thin).then_some(focus),
+            focus_distance_m: (focus.is_finite() && matches!(lens.kind, LensKind::Thin | LensKind::Prescription))
+                .then_some(focus),
             image_distance_mm: of_lens(camera.image_distance_m() * 1e3),
             figures: LensFiguresReport::of(lens, camera, pixel_pitch_m),
             autofocus_steps: steps.to_vec(),

@@ -94,7 +94,9 @@ fn one_f_number_has_one_exposure_on_the_axis() {
             let lens = LensDescription { kind, falloff, blades, ..LensDescription::thin(0.05, f_number, focus) };
             let v = match (kind, focus) {
                 (LensKind::Thin, Focus::Distance(u)) => 0.05 * u / (u - 0.05),
-                (LensKind::Thin | LensKind::Pinhole | LensKind::Hole | LensKind::Bare, _) => 0.05,
+                (LensKind::Thin | LensKind::Pinhole | LensKind::Hole | LensKind::Bare | LensKind::Prescription, _) => {
+                    0.05
+                }
             };
             // Wide pixels where all see the same, and one that is small on the axis.
             let (side, pitch_m) = if falloff == Falloff::None { (3, 0.02) } else { (1, 1e-4) };

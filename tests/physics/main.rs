@@ -24,6 +24,7 @@ mod light_sampling;
 mod light_tree;
 mod motion;
 mod point_spread;
+mod prescription;
 mod quadrature;
 mod reuse;
 mod sampling;

@@ -7,6 +7,16 @@
 //! ## Pbrt4
 //! M. Pharr, W. Jakob, G. Humphreys, *Physically Based Rendering: From Theory to Implementation*, 4th edition (2023).
 //!
+//! ## Conrady60
+//! A. E. Conrady, *Applied Optics and Optical Design*, part 2, Dover (1960), chapter 12.
+//!
+//! ## Kolb95
+//! C. Kolb, D. Mitchell, P. Hanrahan, "A Realistic Camera Model for Computer Graphics", Computer Graphics (SIGGRAPH)
+//! (1995).
+//!
+//! ## Welford86
+//! W. T. Welford, *Aberrations of Optical Systems*, Adam Hilger (1986).
+//!
 //! ## Veach97
 //! E. Veach, *Robust Monte Carlo Methods for Light Transport Simulation*, PhD thesis, Stanford (1997).
 //!
@@ -372,11 +382,22 @@
 //! ## Catmull74
 //! E. Catmull, R. Rom, "A Class of Local Interpolating Splines", in *Computer Aided Geometric Design* (1974).
 //!
+//! ## FritschCarlson80
+//! F. N. Fritsch, R. E. Carlson, "Monotone Piecewise Cubic Interpolation", SIAM Journal on Numerical Analysis 17(2),
+//! 238–246 (1980).
+//!
+//! ## FritschButland84
+//! F. N. Fritsch, J. Butland, "A Method for Constructing Local Monotone Piecewise Cubic Interpolants", SIAM Journal on
+//! Scientific and Statistical Computing 5(2), 300–304 (1984).
+//!
 //! ## NelderMead65
 //! J. A. Nelder, R. Mead, "A Simplex Method for Function Minimization", The Computer Journal 7(4), 308–313 (1965).
 //!
 //! ## Born99
 //! M. Born, E. Wolf, *Principles of Optics*, 7th edition, Cambridge University Press (1999).
+//!
+//! ## Macleod10
+//! H. A. Macleod, *Thin-Film Optical Filters*, 4th edition, CRC Press (2010).
 //!
 //! ## OpenCv
 //! OpenCV 4, *Camera Calibration and 3D Reconstruction* (calib3d),

@@ -40,7 +40,12 @@ pub(crate) fn trace(
         let film_memory = film_memory(film_memory_gib)?;
         let prepared = Prepared::new(LoadedCapture::clone(capture))?;
         prepared.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
-        let light = prepared.trace(Options { monitor, film_memory, checkpoint: checkpoint.as_deref() })?;
+        let light = prepared.trace(Options {
+            monitor,
+            film_memory,
+            checkpoint: checkpoint.as_deref(),
+            ..Options::default()
+        })?;
         Ok(Light { prepared: Arc::new(prepared), light: Arc::new(light) })
     })
 }

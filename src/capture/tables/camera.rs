@@ -30,7 +30,14 @@ pub(crate) struct LensTable {
     /// Left out: "thin".
     #[serde(rename = "type")]
     pub(crate) kind: Option<LensType>,
-    /// Focal length, mm; below 0 for a diverging lens. Left out: what the lensmaker's equation, the field of view of a
+    /// The surfaces and glasses of a lens, which all rays are traced through exactly: the name of one that ships with
+    /// photosite, such as "double-gauss", or a file: photosite's own .toml or .json, .zmx, .seq, Optical Bench .txt, pbrt
+    /// .dat, Optiland .json, .roa. Its distortion, colour errors, vignetting, falloff and breathing are in the picture.
+    /// focus_distance_m counts from the sensor then, and image_distance_mm from the last surface. Paths carry one
+    /// wavelength each.
+    pub(crate) prescription: Option<String>,
+    /// Focal length, mm; below 0 for a diverging lens; of a prescription, what a zoom is set to. Left out: that of the
+    /// prescription's first position, what the lensmaker's equation, the field of view of a
     /// glTF camera or the intrinsics ask for, else 16.
     pub(crate) focal_length_mm: Option<f64>,
     /// In place of focal_length_mm: the angle between what the left and the right edge of the picture see, degrees,
@@ -44,7 +51,7 @@ pub(crate) struct LensTable {
     #[serde(default)]
     pub(crate) supplementary: Vec<SupplementaryTable>,
     /// Focal length over the diameter of the aperture, or of the circle through the corners of one with blades. Left
-    /// out: 8; of a hole, as is its diameter, what makes it sharpest at 550 nm, √(distance/2.44·λ).
+    /// out: 8; of a prescription, that of the open lens; of a hole, as is its diameter, what makes it sharpest at 550 nm, √(distance/2.44·λ).
     pub(crate) f_number: Option<f64>,
     /// In place of f_number: diameter of the aperture, or of a hole, mm.
     pub(crate) diameter_mm: Option<f64>,
@@ -63,7 +70,7 @@ pub(crate) struct LensTable {
     /// The circle of confusion that counts as sharp, µm on the sensor, which depth of field is stated for. Left out: the
     /// diagonal of the sensor over 1440, 30 µm of 36 × 24 mm.
     pub(crate) circle_of_confusion_um: Option<f64>,
-    /// Aperture blades; 0 is a round aperture. Left out: 0.
+    /// Aperture blades; 0 is a round aperture. Left out: 0, or those of the prescription.
     pub(crate) blades: Option<u32>,
     /// Turns the blades, degrees.
     pub(crate) blade_rotation_deg: Option<f64>,

@@ -2,6 +2,7 @@
 
 mod errors;
 mod objects;
+mod prescription;
 mod values;
 
 use std::fs;

@@ -33,7 +33,7 @@ use photosite_core::{Help, Remedy};
 
 use crate::Invalid;
 use crate::capture::Capture;
-use crate::optics::Camera;
+use crate::optics::{Camera, LensKind};
 
 use element::Element;
 use output::Output;
@@ -56,6 +56,11 @@ pub fn export(capture: &Capture, camera: &Camera, approximate: bool) -> Result<M
     if !camera.makes_picture() {
         let message = "Mitsuba has no camera without a lens, all of whose pixels see a half-space";
         return Err(Invalid::new("lens.type", message).help("write type = \"thin\", \"pinhole\" or \"hole\""));
+    }
+    if capture.lens.kind == LensKind::Prescription {
+        let message = "Mitsuba has no camera whose rays go through the glass of a lens";
+        let help = "write f_number and focal_length_mm of a thin lens in its place";
+        return Err(Invalid::new("lens.prescription", message).help(help));
     }
     let mut out = Output::default();
     let responses = sensor::responses(capture, camera, &mut out);

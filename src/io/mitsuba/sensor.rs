@@ -86,7 +86,7 @@ pub(super) fn sensor(
     }
     let kind = match lens.kind {
         LensKind::Pinhole => Element::object("sensor", "perspective"),
-        LensKind::Hole | LensKind::Bare => {
+        LensKind::Hole | LensKind::Bare | LensKind::Prescription => {
             out.approximate("the hole of [lens]: it becomes a pinhole, whose pictures are sharp");
             Element::object("sensor", "perspective")
         }

@@ -12,6 +12,7 @@ pub mod frame;
 pub mod hash;
 pub mod linear;
 pub mod minimise;
+pub mod monotone_cubic;
 pub mod normal;
 pub mod pdf;
 pub mod philox;

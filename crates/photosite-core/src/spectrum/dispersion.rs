@@ -36,6 +36,20 @@ pub enum Dispersion {
         /// µm⁴.
         c_um4: f64,
     },
+    /// n² = Σ aₖ·λ^eₖ, λ in µm: Schott's older formula, and those of other makers.
+    Polynomial {
+        /// Pairs aₖ, eₖ.
+        terms: Vec<[f64; 2]>,
+    },
+    /// n = A + B/λ + C/λ^3.5, λ in µm ([Conrady60](crate::references#conrady60)).
+    Conrady {
+        /// Index at infinite wavelength.
+        a: f64,
+        /// µm.
+        b_um: f64,
+        /// µm^3.5.
+        c_um35: f64,
+    },
     /// Tabulated, or constant.
     Table(Spectrum),
 }
@@ -75,6 +89,14 @@ impl Dispersion {
                 let inverse = (lambda_nm * 1e-3).powi(-2);
                 a + inverse * (b_um2 + inverse * c_um4)
             }
+            Self::Polynomial { terms } => {
+                let um = lambda_nm * 1e-3;
+                terms.iter().map(|&[a, e]| a * um.powf(e)).sum::<f64>().sqrt()
+            }
+            Self::Conrady { a, b_um, c_um35 } => {
+                let um = lambda_nm * 1e-3;
+                a + b_um / um + c_um35 * um.powf(-3.5)
+            }
             Self::Table(spectrum) => f64::from(spectrum.eval((lambda_nm as f32).clamp(LAMBDA_MIN_NM, LAMBDA_MAX_NM))),
         }
     }
@@ -95,6 +117,8 @@ impl Dispersion {
         match self {
             Self::Sellmeier { b, c_um2 } => b.iter().zip(c_um2).all(|(&b, &c)| b == 0.0 || c == 0.0),
             Self::Cauchy { b_um2, c_um4, .. } => *b_um2 == 0.0 && *c_um4 == 0.0,
+            Self::Polynomial { terms } => terms.iter().all(|&[a, e]| a == 0.0 || e == 0.0),
+            Self::Conrady { b_um, c_um35, .. } => *b_um == 0.0 && *c_um35 == 0.0,
             Self::Table(spectrum) => spectrum.min() == spectrum.max(),
         }
     }
@@ -147,6 +171,28 @@ mod tests {
         }
         // V_d = 64.17, two decimals.
         assert!((bk7().abbe_number() - 64.17).abs() <= 0.005, "{}", bk7().abbe_number());
+    }
+
+    #[test]
+    fn polynomials_and_conradys_formula_give_the_published_indices() {
+        // Schott's catalogue of the 1980s, BK7: n² from λ² to λ⁻⁸.
+        let terms = vec![
+            [2.2718929, 0.0],
+            [-0.010108077, 2.0],
+            [0.010592509, -2.0],
+            [0.00020816965, -4.0],
+            [-7.6472538e-6, -6.0],
+            [4.9240991e-7, -8.0],
+        ];
+        let bk7_of_1980 = Dispersion::Polynomial { terms };
+        for (line, published) in [(lines::D, 1.51680), (lines::F, 1.52238), (lines::C, 1.51432)] {
+            assert!((bk7_of_1980.index(line) - published).abs() <= 1e-5, "{line}: {}", bk7_of_1980.index(line));
+        }
+        assert!(!bk7_of_1980.is_constant());
+        // The glass 1.6280/57.0 by NumPy, from n_d, n_F − n_C and the normal line.
+        let patent = Dispersion::Conrady { a: 1.6028636120142, b_um: 0.012823735981701, c_um35: 0.00051481705470054 };
+        assert!((patent.index(lines::D) - 1.628).abs() < 1e-12, "{}", patent.index(lines::D));
+        assert!((patent.abbe_number() - 57.0).abs() < 1e-9, "{}", patent.abbe_number());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 
-use super::trajectory::TimedPose;
+use super::timed_pose::TimedPose;
 
 /// A smooth way through poses at times: position and rotation have velocities that do not jump at any pose between the
 /// first and the last. It stands still before the first and after the last.

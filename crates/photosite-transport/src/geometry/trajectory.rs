@@ -1,8 +1,9 @@
 //! How a camera or an object moves.
 
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 use super::spline::Spline;
+use super::timed_pose::TimedPose;
 use photosite_core::Invalid;
 
 /// The way of a camera or an object through the world.
@@ -30,17 +31,6 @@ pub enum Trajectory {
     Spline(Spline),
 }
 
-/// Where something is at a time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TimedPose {
-    /// s, from the start of the first picture.
-    pub time_s: f64,
-    /// Its origin in the world, m.
-    pub position_m: DVec3,
-    /// Its own axes → world.
-    pub rotation: DQuat,
-}
-
 /// How a trajectory goes from one pose to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Interpolation {
@@ -50,18 +40,6 @@ pub enum Interpolation {
     Linear,
     /// On a [`Spline`].
     Spline,
-}
-
-impl TimedPose {
-    /// Where something of that pose, its own axes → world, is at that time, s.
-    pub fn new(time_s: f64, to_world: &DAffine3) -> Self {
-        Self { time_s, position_m: to_world.translation, rotation: DQuat::from_mat3(&to_world.matrix3) }
-    }
-
-    /// Its own axes → world.
-    pub fn to_world(&self) -> DAffine3 {
-        DAffine3::from_rotation_translation(self.rotation, self.position_m)
-    }
 }
 
 impl Trajectory {
@@ -141,6 +119,8 @@ impl Trajectory {
 #[cfg(test)]
 mod tests {
     use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+    use glam::DQuat;
 
     use super::*;
 

@@ -36,6 +36,24 @@ pub fn render_on(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
     let _ = tracer.fill(film, samples, |film| tracer.tell(film, None, planned));
 }
 
+/// Columns, and rows, from one pixel of a coarse picture to the next.
+pub const COARSE_STEP: usize = 8;
+
+/// Gives a film without samples the first one of every eighth pixel in every eighth row, so that there is something to
+/// see at once; what follows gives the same picture as without. Nothing where pixels share what their paths find.
+pub fn render_coarse(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
+    let settings = job.settings;
+    if settings.reuse > 1 || settings.light_paths > 0.0 || film.total() > 0 || settings.samples().is_empty() {
+        return;
+    }
+    let (width, first_row) = (film.width(), film.picture_rows().start);
+    let is_seen = |pixel: usize| [pixel % width, first_row + pixel / width].iter().all(|at| at % COARSE_STEP == 0);
+    let tracer = Tracer::new(job, settings.seed, step);
+    // One that is broken off is one of fewer samples.
+    let _ = tracer.pass(film, &|pixel| u32::from(is_seen(pixel)));
+    let _ = tracer.tell(film, None, None);
+}
+
 /// Renders until each pixel has the samples that it needs, at most those of the settings, or `step` breaks off. Film
 /// and pilot are empty, or those that `step` was told of when another such render was broken off: the picture becomes
 /// what that would have given. `needed` says how many samples each pixel needs, row by row, as far as a film of the

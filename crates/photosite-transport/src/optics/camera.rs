@@ -6,12 +6,16 @@
 mod connection;
 mod figures;
 mod illumination;
+mod prescription;
 mod ray;
+
+use std::sync::Arc;
 
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 use super::aperture::Aperture;
 use super::focusing::{ChromaticFocus, Focusing};
+use super::prescribed::PrescribedLens;
 use super::{
     Falloff, Intrinsics, LateralColour, LensDescription, LensKind, PointSpread, Projection, Reach, Recording, Seen,
     Stop,
@@ -33,11 +37,21 @@ pub struct PixelGrid {
     pub pitch_m: [f64; 2],
 }
 
+impl PixelGrid {
+    /// Distance of its corners from its centre, m.
+    fn corner_m(&self) -> f64 {
+        let [width, height] = [0, 1].map(|i| f64::from(self.resolution[i]) * self.pitch_m[i]);
+        width.hypot(height) / 2.0
+    }
+}
+
 /// A lens in front of a pixel grid, placed in the world.
 #[derive(Clone, Debug)]
 pub struct Camera {
     to_world: DAffine3,
     kind: LensKind,
+    /// What [`LensKind::Prescription`] is made of; `None` of others. It decides in place of most of what follows.
+    prescribed: Option<Arc<PrescribedLens>>,
     aperture: Aperture,
     /// Distance lens → plane of focus along the axis, m; infinite where focused at infinity, below 0 where what leaves
     /// the lens diverges.
@@ -95,13 +109,17 @@ impl Camera {
         autofocus_distance_m: f64,
     ) -> Result<Self, Invalid> {
         lens.validate()?;
+        if let (LensKind::Prescription, Some(prescription)) = (lens.kind, &lens.prescription) {
+            let prescribed = PrescribedLens::new(prescription, lens, grid.corner_m() * 1e3, autofocus_distance_m)?;
+            return Self::of_prescription(prescribed, grid, to_world);
+        }
         let f = lens.focal_length_m;
         let focusing = Focusing::new(lens, autofocus_distance_m)?;
         let Focusing { image_distance_m: v, focus_distance_m, chief_slope, .. } = focusing;
         let perspective_distance_m = v / chief_slope;
         let [width, height] = grid.resolution.map(f64::from);
         let [fx, fy] = match lens.kind {
-            LensKind::Pinhole | LensKind::Thin | LensKind::Hole => {
+            LensKind::Pinhole | LensKind::Thin | LensKind::Hole | LensKind::Prescription => {
                 grid.pitch_m.map(|pitch| perspective_distance_m / pitch)
             }
             // There is no direction that a pixel looks in.
@@ -114,6 +132,7 @@ impl Camera {
         Ok(Self {
             to_world,
             kind: lens.kind,
+            prescribed: None,
             aperture,
             focus_distance_m,
             chromatic: focusing.chromatic,
@@ -128,14 +147,16 @@ impl Camera {
             reach,
             falloff: lens.falloff,
             on_axis_sr: match lens.kind {
-                LensKind::Pinhole | LensKind::Thin | LensKind::Hole => aperture.projected_solid_angle(v) * middle,
+                LensKind::Pinhole | LensKind::Thin | LensKind::Hole | LensKind::Prescription => {
+                    aperture.projected_solid_angle(v) * middle
+                }
                 LensKind::Bare => std::f64::consts::PI,
             },
             sample_sr: match (lens.kind, lens.falloff) {
                 (LensKind::Thin | LensKind::Hole, Falloff::Cos4) => aperture.area() / (v * v),
                 // One ray stands for all of the aperture, as seen from the axis.
-                (LensKind::Pinhole, Falloff::Cos4) => aperture.projected_solid_angle(v),
-                (LensKind::Thin | LensKind::Pinhole | LensKind::Hole, Falloff::None) => {
+                (LensKind::Pinhole | LensKind::Prescription, Falloff::Cos4) => aperture.projected_solid_angle(v),
+                (LensKind::Thin | LensKind::Pinhole | LensKind::Hole | LensKind::Prescription, Falloff::None) => {
                     aperture.projected_solid_angle(v) * middle
                 }
                 // Directions are drawn in proportion to their cosine.
@@ -239,9 +260,9 @@ impl Camera {
     ///
     /// Ω = π·sin²θ' for a round aperture, tan θ' = D/2v, whatever the kind of lens; for one with blades, the same
     /// integral over the polygon. A projection that does not show the axis at the scale of v has its own dΩ/dA_s there
-    /// as a factor.
+    /// as a factor. Of a prescription, all that passes its apertures, without the losses of its surfaces.
     pub fn on_axis_sr(&self) -> f64 {
-        self.on_axis_sr
+        self.prescribed.as_ref().map_or(self.on_axis_sr, |lens| lens.illumination_sr(0.0))
     }
 
     /// Distance lens → plane of focus, m; infinite for a pinhole and a bare sensor, below 0 where what leaves the lens
@@ -250,7 +271,7 @@ impl Camera {
         self.focus_distance_m
     }
 
-    /// Distance lens → sensor, m.
+    /// Distance lens → sensor, m; of a prescription, from its last surface.
     pub fn image_distance_m(&self) -> f64 {
         self.image_distance_m
     }
@@ -275,7 +296,7 @@ impl Camera {
     /// Whether some distances are sharper than others.
     fn has_focus(&self) -> bool {
         match self.kind {
-            LensKind::Thin | LensKind::Hole => true,
+            LensKind::Thin | LensKind::Hole | LensKind::Prescription => true,
             LensKind::Pinhole | LensKind::Bare => false,
         }
     }
@@ -309,11 +330,23 @@ impl Camera {
         DVec2::new((pixel.x - i.cx - i.skew * y) / i.fx, y)
     }
 
+    /// Where a pixel position is on the sensor, m from the axis, in camera space of glTF: the picture lies upside down.
+    #[inline]
+    fn on_sensor_m(&self, pixel: DVec2) -> DVec2 {
+        let row = if self.scans { pixel.y - pixel.y.floor() } else { pixel.y };
+        let [width, height] = self.pitch_m;
+        DVec2::new((self.intrinsics.cx - pixel.x) * width, (row - self.intrinsics.cy) * height)
+    }
+
     /// What a pixel position sees, in camera space of glTF (x right, y up, z backward); `None` out of the lens's reach
     /// and without a lens.
     #[inline]
     pub fn seen(&self, pixel: DVec2) -> Option<Seen> {
-        if self.makes_picture() { self.seen_at(self.place(pixel)) } else { None }
+        match &self.prescribed {
+            Some(lens) => lens.seen(self.sensor_mm(pixel)).map(|(_, seen)| seen),
+            None if self.makes_picture() => self.seen_at(self.place(pixel)),
+            None => None,
+        }
     }
 
     #[inline]
@@ -321,15 +354,19 @@ impl Camera {
         self.projection.unproject(place, &self.reach).map(turned)
     }
 
-    /// The ray through the centre of the lens, in world space. Its parameter t is the distance in metres that focusing
+    /// The ray through the centre of the lens, or of its stop, in world space. Its parameter t is the distance in metres that focusing
     /// counts: along the axis, or along the ray where the lens can see more than a half-space. `None` of a place that
     /// sees nothing, or whose pixel sees no light.
     pub fn chief_ray(&self, pixel: DVec2) -> Option<Ray> {
         if !self.cells.sees_light(pixel) {
             return None;
         }
-        let direction = self.to_world.transform_vector3(self.seen(pixel)?.chief);
-        Some(Ray::new(self.to_world.translation.as_vec3(), direction.as_vec3()).at_time(self.time))
+        let (origin, seen) = match &self.prescribed {
+            Some(lens) => lens.seen(self.sensor_mm(pixel))?,
+            None => (DVec3::ZERO, self.seen(pixel)?),
+        };
+        let direction = self.to_world.transform_vector3(seen.chief);
+        Some(Ray::new(self.to_world.transform_point3(origin).as_vec3(), direction.as_vec3()).at_time(self.time))
     }
 
     /// Pixels per solid angle in the middle of the picture, px²·sr⁻¹.
@@ -345,6 +382,9 @@ impl Camera {
 
     /// The same for a point in camera space of glTF (x right, y up, z backward).
     pub fn project_camera(&self, point: DVec3) -> Option<DVec2> {
+        if let Some(lens) = &self.prescribed {
+            return lens.place(point).map(|sensor_mm| self.pixel_of(sensor_mm));
+        }
         if !self.makes_picture() {
             return None;
         }

@@ -15,7 +15,7 @@ impl LensDescription {
         };
         match self.kind {
             LensKind::Thin if self.focal_length_m < 0.0 && self.focal_length_m.is_finite() => {}
-            LensKind::Thin | LensKind::Pinhole | LensKind::Hole | LensKind::Bare => {
+            LensKind::Thin | LensKind::Pinhole | LensKind::Hole | LensKind::Bare | LensKind::Prescription => {
                 positive("focal_length_mm", self.focal_length_m * 1e3, " mm", "16.0")?;
             }
         }
@@ -23,6 +23,7 @@ impl LensDescription {
         if let Some(c) = self.circle_of_confusion_m {
             positive("circle_of_confusion_um", c * 1e6, " µm", "30")?;
         }
+        self.validate_prescription()?;
         self.validate_focus()?;
         self.validate_elements()?;
         if self.blades == 1 || self.blades == 2 {
@@ -42,6 +43,36 @@ impl LensDescription {
         if let Some(i) = self.intrinsics {
             positive("intrinsics.fx", i.fx, " px", "1200.0")?;
             positive("intrinsics.fy", i.fy, " px", "1200.0")?;
+        }
+        Ok(())
+    }
+
+    /// Refuses what the glass of a prescription decides itself.
+    fn validate_prescription(&self) -> Result<(), Invalid> {
+        if self.kind != LensKind::Prescription {
+            return Ok(());
+        }
+        if self.prescription.is_none() {
+            return Err(Invalid::new("prescription", "is missing").help("for example prescription = \"double-gauss\""));
+        }
+        let is_distorted = self.projection != Projection::Perspective;
+        for (key, is_there, why) in [
+            ("intrinsics", self.intrinsics.is_some(), "follow from its glass and the sensor"),
+            ("distortion", is_distorted && self.projection.is_flat(), "is that of its glass"),
+            ("projection", is_distorted, "is that of its glass"),
+            ("falloff", self.falloff == Falloff::None, "follows from what its apertures let through"),
+            ("stops", !self.stops.is_empty(), "are its semi-apertures"),
+            ("lateral_colour", self.lateral_colour.is_some(), "is that of its glass"),
+            ("lensmaker", self.ground.is_some(), "describes another lens"),
+            ("supplementary", !self.supplementary.is_empty(), "cannot stand before it yet"),
+            ("max_angle_deg", self.max_angle_rad.is_some(), "follows from what its apertures let through"),
+            ("min_focus_distance_m", self.min_focus_distance_m.is_some(), "follows from its positions"),
+            ("psf", self.point_spread.is_some(), "cannot go with its traced aberrations yet"),
+        ] {
+            if is_there {
+                let message = format!("cannot go with lens.prescription: this {why}");
+                return Err(Invalid::new(key, message).help(format!("remove {key}")));
+            }
         }
         Ok(())
     }

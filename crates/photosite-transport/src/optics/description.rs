@@ -1,19 +1,25 @@
 //! A lens as a user describes it.
 
+use std::sync::Arc;
+
 use super::{GroundLens, Intrinsics, LateralColour, PointSpread, Projection, Stop, SupplementaryLens};
 use photosite_core::spectrum::Spectrum;
+use photosite_lens::Prescription;
 
 /// A lens in SI units. Distances are measured from the lens along the axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LensDescription {
     /// What makes the picture.
     pub kind: LensKind,
+    /// The surfaces of [`LensKind::Prescription`]; nothing to others.
+    pub prescription: Option<Arc<Prescription>>,
     /// Focal length f of the main lens, m, not 0; below 0 for a diverging lens. Of a pinhole and a hole, the distance
-    /// from there to the sensor, above 0; nothing to a bare sensor.
+    /// from there to the sensor, above 0; of a prescription, what it is zoomed to; nothing to a bare sensor.
     pub focal_length_m: f64,
     /// f-number N = |f|/D, above 0. For a pinhole it sets the exposure only, to that of a thin lens on its axis.
     pub f_number: f64,
-    /// What is sharp. Looked at of a thin lens alone.
+    /// What is sharp. Looked at of a thin lens and a prescription alone. Distances of the latter count from the sensor, as
+    /// on the barrel of a lens, and its image distance from the vertex of the last surface.
     pub focus: Focus,
     /// The nearest that it can be focused on, m from the main lens; `None` for no such limit.
     pub min_focus_distance_m: Option<f64>,
@@ -55,6 +61,8 @@ pub enum LensKind {
     Thin,
     /// A hole of the diameter D = f/N at the distance f before the sensor: light goes straight on.
     Hole,
+    /// Surfaces and glasses, which all rays are traced through exactly.
+    Prescription,
     /// No lens: each place of the sensor sees all that is in front of it.
     Bare,
 }
@@ -66,6 +74,7 @@ impl LensKind {
             Self::Pinhole => "pinhole",
             Self::Thin => "thin",
             Self::Hole => "hole",
+            Self::Prescription => "prescription",
             Self::Bare => "none",
         }
     }
@@ -132,10 +141,19 @@ pub enum Falloff {
 }
 
 impl LensDescription {
+    /// What makes places of directions, as reports name it: the projection, `prescription`, or `none` of a bare sensor.
+    pub fn projection_name(&self) -> &'static str {
+        match self.kind {
+            LensKind::Thin | LensKind::Pinhole | LensKind::Hole => self.projection.name(),
+            LensKind::Prescription | LensKind::Bare => self.kind.name(),
+        }
+    }
+
     /// A thin lens with a round aperture, clear glass and natural falloff.
     pub fn thin(focal_length_m: f64, f_number: f64, focus: Focus) -> Self {
         Self {
             kind: LensKind::Thin,
+            prescription: None,
             focal_length_m,
             f_number,
             focus,

@@ -94,7 +94,8 @@ impl Focusing {
             chromatic: None,
         };
         match lens.kind {
-            LensKind::Pinhole | LensKind::Bare => return Ok(alone(f, f64::INFINITY)),
+            // A prescription has a focus of its own.
+            LensKind::Pinhole | LensKind::Bare | LensKind::Prescription => return Ok(alone(f, f64::INFINITY)),
             // A hole bends nothing: 1/u = 0 − 1/v.
             LensKind::Hole => return Ok(alone(f, -f)),
             LensKind::Thin => {}

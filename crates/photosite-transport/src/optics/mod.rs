@@ -14,6 +14,9 @@ mod field_of_view;
 mod focusing;
 mod lateral_colour;
 mod point_spread;
+mod prescribed;
+#[cfg(test)]
+mod prescribed_tests;
 mod recording;
 mod stop;
 

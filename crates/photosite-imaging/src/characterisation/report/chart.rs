@@ -4,21 +4,22 @@ use std::sync::Once;
 
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+pub use plotters::prelude::{RGBColor, SeriesLabelPosition};
+
 use plotters::prelude::{
     BitMapBackend, ChartBuilder, Circle, DashedLineSeries, DrawingArea, DrawingAreaErrorKind, DrawingBackend,
-    FontStyle, IntoDrawingArea, IntoFont, IntoLogRange, LineSeries, PathElement, RGBColor, Ranged, SVGBackend,
-    SeriesLabelPosition, ShapeStyle, WHITE,
+    FontStyle, IntoDrawingArea, IntoFont, IntoLogRange, LineSeries, PathElement, Ranged, SVGBackend, ShapeStyle, WHITE,
 };
 use plotters::style::register_font;
 
 /// Measured points and the first of the lines.
-pub(super) const BLUE: RGBColor = RGBColor(31, 95, 168);
+pub const BLUE: RGBColor = RGBColor(31, 95, 168);
 /// Fits and expectations.
-pub(super) const ORANGE: RGBColor = RGBColor(213, 94, 0);
+pub const ORANGE: RGBColor = RGBColor(213, 94, 0);
 /// Limits.
-pub(super) const GREY: RGBColor = RGBColor(120, 120, 120);
+pub const GREY: RGBColor = RGBColor(120, 120, 120);
 /// A third line.
-pub(super) const GREEN: RGBColor = RGBColor(0, 130, 100);
+pub const GREEN: RGBColor = RGBColor(0, 130, 100);
 const INK: RGBColor = RGBColor(40, 44, 52);
 const GRID: RGBColor = RGBColor(222, 225, 230);
 const FINE_GRID: RGBColor = RGBColor(241, 243, 246);
@@ -34,23 +35,29 @@ const FINER: usize = 2;
 
 /// An axis.
 #[derive(Clone, Debug)]
-pub(super) struct Axis {
-    pub(super) label: String,
-    pub(super) logarithmic: bool,
+pub struct Axis {
+    /// What it is of, with its unit.
+    pub label: String,
+    /// Whether its steps are powers of ten.
+    pub logarithmic: bool,
     /// From and to; left to choose, it holds all points.
-    pub(super) range: Option<[f64; 2]>,
+    pub range: Option<[f64; 2]>,
 }
 
 impl Axis {
-    pub(super) fn linear(label: impl Into<String>) -> Self {
+    /// One with even steps.
+    pub fn linear(label: impl Into<String>) -> Self {
         Self { label: label.into(), logarithmic: false, range: None }
     }
 
-    pub(super) fn logarithmic(label: impl Into<String>) -> Self {
+    /// One whose steps are powers of ten.
+    pub fn logarithmic(label: impl Into<String>) -> Self {
         Self { label: label.into(), logarithmic: true, range: None }
     }
 
-    pub(super) fn within(mut self, from: f64, to: f64) -> Self {
+    /// The same from and to.
+    #[must_use]
+    pub fn within(mut self, from: f64, to: f64) -> Self {
         self.range = Some([from, to]);
         self
     }
@@ -58,42 +65,53 @@ impl Axis {
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Mark {
+pub enum Mark {
+    /// Dots.
     Points,
+    /// A line.
     Line,
+    /// A broken line.
     Dashes,
 }
 
 /// Points that belong together.
 #[derive(Clone, Debug)]
-pub(super) struct Curve {
+pub struct Curve {
     /// For the legend; empty for none.
-    pub(super) label: String,
-    pub(super) mark: Mark,
-    pub(super) colour: RGBColor,
-    pub(super) points: Vec<(f64, f64)>,
+    pub label: String,
+    /// How it is drawn.
+    pub mark: Mark,
+    /// Its colour.
+    pub colour: RGBColor,
+    /// Its points.
+    pub points: Vec<(f64, f64)>,
 }
 
 impl Curve {
-    pub(super) fn new(label: impl Into<String>, mark: Mark, colour: RGBColor, points: Vec<(f64, f64)>) -> Self {
+    /// A series.
+    pub fn new(label: impl Into<String>, mark: Mark, colour: RGBColor, points: Vec<(f64, f64)>) -> Self {
         Self { label: label.into(), mark, colour, points }
     }
 }
 
 /// A plot.
 #[derive(Clone, Debug)]
-pub(super) struct Chart {
-    pub(super) x: Axis,
-    pub(super) y: Axis,
-    pub(super) curves: Vec<Curve>,
-    pub(super) legend: SeriesLabelPosition,
+pub struct Chart {
+    /// The axis to the right.
+    pub x: Axis,
+    /// The axis upwards.
+    pub y: Axis,
+    /// What is drawn.
+    pub curves: Vec<Curve>,
+    /// Where the legend stands.
+    pub legend: SeriesLabelPosition,
 }
 
 type DrawResult<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
 impl Chart {
     /// The plot as an `svg` element. Points that an axis cannot show are left out.
-    pub(super) fn svg(&self) -> String {
+    pub fn svg(&self) -> String {
         let mut svg = String::new();
         let drawn = self.draw_on(&SVGBackend::with_string(&mut svg, SIZE).into_drawing_area());
         // Drawing into memory cannot run out of anything.
@@ -102,7 +120,7 @@ impl Chart {
     }
 
     /// The plot as a PNG file of half the size.
-    pub(super) fn png(&self) -> Vec<u8> {
+    pub fn png(&self) -> Vec<u8> {
         let [width, height] = [SIZE.0, SIZE.1].map(|side| side as usize);
         let mut fine = vec![0; 3 * width * height];
         let drawn = self.draw_on(&BitMapBackend::with_buffer(&mut fine, SIZE).into_drawing_area());
@@ -255,7 +273,11 @@ fn bounds(axis: &Axis, values: impl Iterator<Item = f64>) -> [f64; 2] {
 /// A number at an axis: powers of ten where they are shorter.
 fn tick(value: &f64) -> String {
     let magnitude = value.abs();
-    if magnitude == 0.0 || (1e-3..1e5).contains(&magnitude) {
+    // Next to nothing is what rounding errors left of nothing.
+    if magnitude < 1e-14 {
+        return "0".to_owned();
+    }
+    if (1e-3..1e5).contains(&magnitude) {
         // Ticks lie at round numbers, which rounding errors must not show.
         let digits = (5.0 - magnitude.max(1e-3).log10().floor()).clamp(0.0, 9.0) as usize;
         let text = format!("{value:.digits$}");
@@ -291,6 +313,7 @@ mod tests {
     fn ticks_are_round_and_short() {
         for (value, text) in [
             (0.0, "0"),
+            (-2.2e-16, "0"),
             (0.1 + 0.2, "0.3"),
             (-0.02, "-0.02"),
             (12_000.0, "12000"),

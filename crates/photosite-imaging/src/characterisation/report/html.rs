@@ -4,36 +4,41 @@ use std::fmt::Write;
 
 use super::plot::Plot;
 
+/// Colours and letters of all pages of photosite, dark or light as the reader has set it.
+pub const LOOK: &str = include_str!("look.css");
+
 const STYLE: &str = "
-body { margin: 0 auto; max-width: 1180px; padding: 2rem 1.5rem 4rem; color: #282c34; background: #fff;
-  font: 15px/1.5 Helvetica, Arial, sans-serif; }
-h1 { font-size: 1.7rem; margin: 0; } h2 { font-size: 1.25rem; margin: 2.6rem 0 .8rem; border-bottom: 2px solid #1f5fa8; }
-.subtitle { margin: .2rem 0 1rem; color: #5a606b; }
+body { margin: 0 auto; max-width: 1180px; padding: 2rem 1.5rem 4rem; }
+h1 { font-size: 1.7rem; margin: 0; } h2 { font-size: 1.25rem; margin: 2.6rem 0 .8rem; border-bottom: 2px solid var(--accent); }
+.subtitle { margin: .2rem 0 1rem; color: var(--faint); }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .1rem 1.2rem; margin: 0; }
-dt { color: #5a606b; } dd { margin: 0; }
+dt { color: var(--faint); } dd { margin: 0; overflow-wrap: anywhere; }
+.table { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
-th, td { padding: .22rem .7rem; border-bottom: 1px solid #e4e7ec; text-align: left; font-weight: normal; }
-thead th { color: #5a606b; border-bottom: 2px solid #c9ced6; } td.n, th.n { text-align: right; }
-tr.part th { padding-left: 2rem; color: #5a606b; }
-.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(420px, 1fr)); gap: 1.4rem; margin-top: 1.6rem; }
-figure { margin: 0; border: 1px solid #e4e7ec; border-radius: 6px; padding: .7rem .8rem; break-inside: avoid; }
-figure svg { width: 100%; height: auto; display: block; } figcaption { color: #5a606b; font-size: .87rem; }
-figcaption strong { color: #282c34; font-size: .98rem; }
-footer { margin-top: 3rem; color: #5a606b; font-size: .85rem; }
+th, td { padding: .22rem .7rem; border-bottom: 1px solid var(--line); text-align: left; font-weight: normal; }
+thead th { color: var(--faint); border-bottom-width: 2px; } td.n, th.n { text-align: right; }
+tr.part th { padding-left: 2rem; color: var(--faint); }
+.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(420px, 100%), 1fr)); gap: 1.4rem; margin-top: 1.6rem; }
+figure { margin: 0; background: var(--panel); border: 1px solid var(--line); border-radius: 6px; padding: .7rem .8rem; break-inside: avoid; }
+figure svg { width: 100%; height: auto; display: block; border-radius: 4px; } figcaption { color: var(--faint); font-size: .87rem; }
+figcaption strong { color: var(--text); font-size: .98rem; }
+footer { margin-top: 3rem; color: var(--faint); font-size: .85rem; }
+/* Plots are drawn on white: turned over, hues stay. */
+@media screen and (prefers-color-scheme: dark) { figure svg { filter: invert(.88) hue-rotate(180deg); } }
 ";
 
 /// A page of this title, whose body is HTML.
-pub(super) fn page(title: &str, body: &str) -> String {
+pub fn page(title: &str, body: &str) -> String {
     let (title, version) = (escaped(title), env!("CARGO_PKG_VERSION"));
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
-         content=\"width=device-width\">\n<title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n{body}\
+         content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n<style>{LOOK}{STYLE}</style>\n</head>\n<body>\n{body}\
          <footer>photosite {version}</footer>\n</body>\n</html>\n"
     )
 }
 
 /// Names and values.
-pub(super) fn conditions(conditions: &[(String, String)]) -> String {
+pub fn conditions(conditions: &[(String, String)]) -> String {
     let mut html = "<dl>\n".to_owned();
     for (name, value) in conditions {
         let _ = writeln!(html, "<dt>{}</dt><dd>{}</dd>", escaped(name), escaped(value));
@@ -42,7 +47,7 @@ pub(super) fn conditions(conditions: &[(String, String)]) -> String {
 }
 
 /// Plots with what is said about them.
-pub(super) fn figures(plots: &[Plot]) -> String {
+pub fn figures(plots: &[Plot]) -> String {
     let mut html = "<div class=\"plots\">\n".to_owned();
     for Plot { title, caption, chart } in plots {
         let _ = writeln!(
@@ -56,6 +61,6 @@ pub(super) fn figures(plots: &[Plot]) -> String {
 }
 
 /// Text as HTML has it.
-pub(super) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

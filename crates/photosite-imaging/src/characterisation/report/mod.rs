@@ -4,15 +4,16 @@
 //!
 //! In: what was measured. Out: the text of the page, the bytes of the plots. Files are left to the caller.
 
-mod chart;
+pub mod chart;
 mod curves;
-mod html;
+pub mod html;
 mod noise_curves;
 mod noise_page;
 mod page;
-mod plot;
+pub mod plot;
 mod points;
 
+pub use html::LOOK;
 pub use noise_page::{NoiseReport, PlaneNoise};
 pub use page::{ChannelReport, Comparison, Report};
 pub use points::{SpectralPoint, ThermalPoint};

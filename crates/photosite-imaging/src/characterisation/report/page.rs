@@ -78,7 +78,7 @@ impl ChannelReport {
 
     /// Expected and measured figures side by side.
     fn table(&self) -> String {
-        let mut html = "<table>\n<thead><tr><th>figure</th><th>symbol</th><th>unit</th><th class=\"n\">measured</th>\
+        let mut html = "<div class=\"table\">\n<table>\n<thead><tr><th>figure</th><th>symbol</th><th>unit</th><th class=\"n\">measured</th>\
                         <th class=\"n\">expected</th><th class=\"n\">deviation</th></tr></thead>\n<tbody>\n"
             .to_owned();
         for line in self.lines() {
@@ -95,7 +95,7 @@ impl ChannelReport {
                 line.deviation()
             );
         }
-        html + "</tbody>\n</table>\n"
+        html + "</tbody>\n</table>\n</div>\n"
     }
 
     /// The lines of the table.

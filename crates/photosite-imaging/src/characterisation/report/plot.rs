@@ -3,14 +3,17 @@
 use super::chart::Chart;
 
 /// A plot with what is said about it.
-pub(super) struct Plot {
-    pub(super) title: &'static str,
-    pub(super) caption: String,
-    pub(super) chart: Chart,
+pub struct Plot {
+    /// What it shows.
+    pub title: &'static str,
+    /// What is said about it.
+    pub caption: String,
+    /// The plot.
+    pub chart: Chart,
 }
 
 /// So many significant digits.
-pub(super) fn digits(x: f64, digits: i32) -> String {
+pub fn digits(x: f64, digits: i32) -> String {
     if x == 0.0 || !x.is_finite() {
         return x.to_string();
     }

@@ -23,7 +23,8 @@ pub struct Connection {
 impl Camera {
     /// The pixel position whose ray goes by a point in world space, of the same samples as [`Self::generate_spectral`]
     /// takes: its inverse, found by Newton's method, since neither distortion nor an entrance pupil that turns has one
-    /// in closed form. `None` where the lens does not see the point. Of a camera that stands still.
+    /// in closed form. `None` where the lens does not see the point. Of a camera that stands still, with another lens than
+    /// a prescription, whose rays it does not find.
     pub fn connect(
         &self,
         point: Vec3,
@@ -36,6 +37,9 @@ impl Camera {
         const STEP_PX: f64 = 0.01;
         const NEAR_PX: f64 = 1e-4;
         const MOST_STEPS: u32 = 8;
+        if self.prescribed.is_some() {
+            return None;
+        }
         if self.parts_wavelengths() {
             wavelengths.terminate_secondary();
         }

@@ -9,6 +9,10 @@ use crate::optics::Seen;
 impl Camera {
     /// Irradiance at a pixel position over that on the axis, under even light. `None` where the position sees nothing.
     pub fn relative_illumination(&self, pixel: DVec2) -> Option<f64> {
+        if let Some(lens) = &self.prescribed {
+            let middle = lens.illumination_sr(0.0);
+            return Some(lens.illumination_sr(self.sensor_mm(pixel).length()) / middle);
+        }
         if !self.makes_picture() {
             return Some(1.0);
         }

@@ -4,6 +4,7 @@ use glam::{DAffine3, DQuat, DVec2, DVec3};
 
 use super::Camera;
 use crate::geometry::Ray;
+use crate::optics::prescribed::REFERENCE_NM;
 use crate::optics::{Falloff, Intrinsics, LensKind, PointSpread, Seen};
 use photosite_core::math::warp;
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
@@ -66,8 +67,13 @@ impl Camera {
     ///
     /// A hole of some size is a lens of no power, whose rays diverge from the sensor point. Without a lens, E = ∫ L·cosθ
     /// dΩ over all that is in front of the sensor, drawn in proportion to cosθ: each ray weighs π.
+    ///
+    /// Of a prescription it is the ray at 555 nm, and `None` also where an aperture blocks it.
     #[inline]
     pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
+        if let Some(lens) = &self.prescribed {
+            return self.prescribed_ray(lens, pixel, aperture_sample, 0.0, REFERENCE_NM);
+        }
         if !self.makes_picture() {
             return self.bare_ray(pixel, aperture_sample, 0.0);
         }
@@ -78,13 +84,13 @@ impl Camera {
     pub fn has_aperture(&self) -> bool {
         match self.kind {
             LensKind::Pinhole => false,
-            LensKind::Thin | LensKind::Hole | LensKind::Bare => true,
+            LensKind::Thin | LensKind::Hole | LensKind::Bare | LensKind::Prescription => true,
         }
     }
 
     /// Whether light of each wavelength takes a way of its own, so that a path carries its hero alone.
     pub(super) fn parts_wavelengths(&self) -> bool {
-        self.lateral_colour.is_some() || self.chromatic.is_some()
+        self.lateral_colour.is_some() || self.chromatic.is_some() || self.prescribed.is_some()
     }
 
     /// The focus distance of the hero's wavelength, m.
@@ -120,6 +126,10 @@ impl Camera {
         }
         if self.parts_wavelengths() {
             wavelengths.terminate_secondary();
+        }
+        if let Some(lens) = &self.prescribed {
+            let hero_nm = f64::from(wavelengths.lambda_nm(0));
+            return Some((self.prescribed_ray(lens, pixel, aperture, time, hero_nm)?, SampledSpectrum::ONE));
         }
         let (place, weights) = self.spread_place(pixel, spread, wavelengths);
         Some((self.ray(pixel, place, aperture, time, self.focus_of(wavelengths))?, weights))
@@ -199,10 +209,7 @@ impl Camera {
             return None;
         }
         let (to_world, time) = self.pose(self.cells.cell_at(pixel).y, u_time);
-        let row = if self.scans { pixel.y - pixel.y.floor() } else { pixel.y };
-        let Intrinsics { cx, cy, .. } = self.intrinsics;
-        let [width, height] = self.pitch_m;
-        let origin = to_world.transform_point3(DVec3::new((cx - pixel.x) * width, (row - cy) * height, 0.0));
+        let origin = to_world.transform_point3(self.on_sensor_m(pixel).extend(0.0));
         let up = warp::cosine_hemisphere(direction_sample);
         let direction = DVec3::new(up.x.into(), up.y.into(), -f64::from(up.z));
         let direction = to_world.transform_vector3(direction).normalize();
@@ -214,7 +221,7 @@ impl Camera {
     #[inline]
     pub(super) fn opening(&self, aperture_sample: [f32; 2]) -> DVec2 {
         match self.kind {
-            LensKind::Pinhole | LensKind::Bare => DVec2::ZERO,
+            LensKind::Pinhole | LensKind::Bare | LensKind::Prescription => DVec2::ZERO,
             LensKind::Thin | LensKind::Hole => self.aperture.sample(aperture_sample),
         }
     }

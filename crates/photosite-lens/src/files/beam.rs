@@ -1,0 +1,89 @@
+//! How wide surfaces must be for the beams of a file's fields.
+
+use std::f64::consts::TAU;
+
+use glam::{DMat2, DVec2, DVec3};
+use photosite_core::spectrum::dispersion::lines;
+
+use super::draft::Field;
+use crate::profile::Travel;
+use crate::trace::{Apertures, Step};
+use crate::{Lens, LensAt, Ray};
+
+/// Points of the stop's rim.
+const AZIMUTHS: u32 = 16;
+/// Steps of Newton's method; four or five are needed.
+const STEPS: u32 = 20;
+/// How near to its point of the rim a ray must come, of the stop's radius.
+const TOLERANCE: f64 = 1e-9;
+
+/// The largest distance from the axis, at each surface, of rays through the rim of the stop, from parallel light on the
+/// axis and at the fields, at the lines F, d, C. `None` where no such ray reaches the surface.
+pub(super) fn radii(lens: &Lens, fields: &[Field]) -> Vec<Option<f64>> {
+    let mut radii = vec![None; lens.surfaces().len()];
+    let axis = Field { angle_deg: 0.0, vignetting: [0.0; 2] };
+    for line in [lines::D, lines::F, lines::C] {
+        let at = lens.at(line);
+        for field in std::iter::once(&axis).chain(fields) {
+            for point in beam(&at, field).into_iter().flatten() {
+                for (radius, point) in radii.iter_mut().zip(point) {
+                    let reached = point.truncate().length();
+                    *radius = Some(radius.unwrap_or(0.0_f64).max(reached)).filter(|radius| *radius > 0.0);
+                }
+            }
+        }
+    }
+    radii
+}
+
+/// The points at all surfaces of rays through the rim of the stop. `None` where the field has no chief ray.
+fn beam(at: &LensAt, field: &Field) -> Option<Vec<Vec<DVec3>>> {
+    let angle = field.angle_deg.to_radians();
+    let chief = if angle == 0.0 { at.chief_ray_of_stop_angle(0.0).ok()? } else { at.chief_ray(angle)? };
+    let direction = DVec3::new(0.0, angle.sin(), angle.cos());
+    let across = DVec3::new(0.0, angle.cos(), -angle.sin());
+    let ray = |offset: DVec2| Ray { origin: chief.before.origin + DVec3::X * offset.x + across * offset.y, direction };
+    let radius = at.lens.stop_radius_mm();
+    let scale = 0.5 * at.first_order().entrance_pupil_diameter_mm / radius;
+    let rays = (0..AZIMUTHS).filter_map(|i| {
+        let on_rim = DVec2::from_angle(f64::from(i) * TAU / f64::from(AZIMUTHS));
+        let [upper, lower] = field.vignetting;
+        let cut = if on_rim.y > 0.0 { upper } else { lower };
+        let target = radius * DVec2::new(on_rim.x, on_rim.y * (1.0 - cut));
+        let miss = |offset: DVec2| Some(at_stop(at, ray(offset))? - target);
+        let offset = solved(miss, scale * target, 1e-4 * scale * radius, TOLERANCE * radius)?;
+        points(at, ray(offset), at.lens.surfaces().len())
+    });
+    Some(rays.collect())
+}
+
+/// Where a ray meets the surfaces from the first to before `end`.
+fn points(at: &LensAt, ray: Ray, end: usize) -> Option<Vec<DVec3>> {
+    let mut points = Vec::new();
+    at.trace(ray, Travel::ToSensor, (0..end).map(Step::refract), Apertures::Ignore, |hit| points.push(hit.point))
+        .ok()?;
+    Some(points)
+}
+
+fn at_stop(at: &LensAt, ray: Ray) -> Option<DVec2> {
+    points(at, ray, at.lens.stop() + 1)?.last().map(|point| point.truncate())
+}
+
+/// The zero of a function of the plane, by Newton's method with differences.
+fn solved(f: impl Fn(DVec2) -> Option<DVec2>, start: DVec2, step: f64, tolerance: f64) -> Option<DVec2> {
+    let mut x = start;
+    for _ in 0..STEPS {
+        let y = f(x)?;
+        if y.length() < tolerance {
+            return Some(x);
+        }
+        let column = |by: DVec2| Some((f(x + by)? - y) / step);
+        let jacobian = DMat2::from_cols(column(DVec2::X * step)?, column(DVec2::Y * step)?);
+        let next = x - jacobian.inverse() * y;
+        if !next.is_finite() {
+            return None;
+        }
+        x = next;
+    }
+    None
+}

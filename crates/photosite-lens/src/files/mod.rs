@@ -1,0 +1,31 @@
+//! Files of lenses: our own form, and those of six optical programs, read into the neutral
+//! [`Prescription`](crate::Prescription), with a report of what was read, assumed and ignored.
+//!
+//! Nothing here touches a disk: readers get bytes, and the path only for messages and for what its ending says of the
+//! format.
+
+mod beam;
+mod draft;
+mod finish;
+mod format;
+mod json_value;
+mod neutral;
+mod optical_bench;
+mod optiland;
+mod patent;
+mod pbrt;
+mod rayoptics;
+mod read;
+mod report;
+mod sanity;
+mod seq;
+mod shipped;
+mod text;
+mod write;
+mod zmx;
+
+pub use self::format::Format;
+pub use self::read::read;
+pub use self::report::{GlassOf, Reading, Report};
+pub use self::shipped::{names, shipped};
+pub use self::write::to_toml;

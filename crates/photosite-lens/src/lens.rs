@@ -1,0 +1,153 @@
+//! A lens that can be traced: the checked surfaces of a prescription in one position of zoom and focus.
+
+use glam::DVec2;
+
+use photosite_core::spectrum::Dispersion;
+
+use crate::prescription::{Blades, Coating, Position, Prescription};
+use crate::profile::Profile;
+
+/// A lens in one position of zoom and focus, with its stop opened to some radius. Lengths are mm.
+#[derive(Clone, Debug)]
+pub struct Lens {
+    surfaces: Vec<LensSurface>,
+    stop: usize,
+    blades: Option<BladesOf>,
+    sensor_z_mm: f64,
+}
+
+/// A surface of a [`Lens`].
+#[derive(Clone, Debug)]
+pub struct LensSurface {
+    /// Its shape.
+    pub profile: Profile,
+    /// Its vertex.
+    pub z_mm: f64,
+    /// Along the axis to the next surface, or from the last to the sensor.
+    pub(crate) gap_mm: f64,
+    /// The radius in which light passes.
+    pub semi_aperture_mm: f64,
+    /// What fills the gap behind it; `None` is air.
+    pub glass: Option<Dispersion>,
+    /// Its coating.
+    pub coating: Coating,
+}
+
+impl LensSurface {
+    /// Index of the gap behind it.
+    pub(crate) fn index_behind(&self, wavelength_nm: f64) -> f64 {
+        self.glass.as_ref().map_or(1.0, |glass| glass.index(wavelength_nm))
+    }
+}
+
+/// A regular polygon in the unit circle.
+#[derive(Clone, Debug)]
+struct BladesOf {
+    /// Unit normals of its edges.
+    normals: Vec<DVec2>,
+    /// Distance of the edges from the axis.
+    apothem: f64,
+}
+
+impl BladesOf {
+    fn new(blades: Blades) -> Self {
+        let count = f64::from(blades.count);
+        let middle_of_edge = |i: u32| (f64::from(i) + 0.5) * std::f64::consts::TAU / count;
+        let normal = |i| DVec2::from_angle(blades.rotation_deg.to_radians() + middle_of_edge(i));
+        Self { normals: (0..blades.count).map(normal).collect(), apothem: (std::f64::consts::PI / count).cos() }
+    }
+}
+
+impl Lens {
+    /// The lens of a prescription whose values are checked, with its surfaces' own thicknesses.
+    pub(crate) fn unchecked(prescription: &Prescription) -> Self {
+        let surfaces = prescription.surfaces.iter().map(|surface| LensSurface {
+            profile: Profile::new(surface),
+            z_mm: 0.0,
+            gap_mm: surface.thickness_mm,
+            semi_aperture_mm: surface.semi_aperture_mm.expect("checked"),
+            glass: surface.glass.as_ref().map(|glass| glass.dispersion.clone()),
+            coating: surface.coating.clone(),
+        });
+        let stop = prescription.surfaces.iter().position(|surface| surface.is_stop).expect("checked");
+        let blades = prescription.blades.map(BladesOf::new);
+        let mut lens = Self { surfaces: surfaces.collect(), stop, blades, sensor_z_mm: 0.0 };
+        lens.place();
+        lens
+    }
+
+    /// Puts surfaces and sensor where the gaps leave them.
+    fn place(&mut self) {
+        self.sensor_z_mm = self.surfaces.iter_mut().fold(0.0, |z, surface| {
+            surface.z_mm = z;
+            z + surface.gap_mm
+        });
+    }
+
+    /// The surfaces, the first one nearest to the scene.
+    pub fn surfaces(&self) -> &[LensSurface] {
+        &self.surfaces
+    }
+
+    /// The number of the surface that is the stop.
+    pub fn stop(&self) -> usize {
+        self.stop
+    }
+
+    /// The radius of the stop, mm.
+    pub fn stop_radius_mm(&self) -> f64 {
+        self.surfaces[self.stop].semi_aperture_mm
+    }
+
+    /// Where the sensor is, mm.
+    pub fn sensor_z_mm(&self) -> f64 {
+        self.sensor_z_mm
+    }
+
+    /// The distance along the axis from a surface to the next, or from the last to the sensor, mm.
+    pub fn gap_mm(&self, surface: usize) -> f64 {
+        self.surfaces[surface].gap_mm
+    }
+
+    /// The lens with the stop opened to this radius, mm.
+    #[must_use]
+    pub fn with_stop_radius(&self, radius_mm: f64) -> Self {
+        let mut lens = self.clone();
+        lens.surfaces[self.stop].semi_aperture_mm = radius_mm;
+        lens
+    }
+
+    /// The lens with a round stop, whatever its blades.
+    #[must_use]
+    pub fn with_round_stop(&self) -> Self {
+        Self { blades: None, ..self.clone() }
+    }
+
+    /// The lens with other gaps: pairs of the surface before the gap and its thickness, mm.
+    #[must_use]
+    pub fn with_gaps(&self, gaps: &[(usize, f64)]) -> Self {
+        let mut lens = self.clone();
+        gaps.iter().for_each(|&(surface, thickness_mm)| lens.surfaces[surface].gap_mm = thickness_mm);
+        lens.place();
+        lens
+    }
+
+    /// The lens in a position of its prescription.
+    #[must_use]
+    pub fn in_position(&self, position: &Position) -> Self {
+        let lens = self.with_gaps(&position.gaps);
+        position.stop_semi_aperture_mm.map_or(lens.clone(), |radius_mm| lens.with_stop_radius(radius_mm))
+    }
+
+    /// Whether light passes a surface at a point, mm from the axis.
+    pub(crate) fn passes(&self, surface: usize, point: DVec2) -> bool {
+        let radius = self.surfaces[surface].semi_aperture_mm;
+        point.length_squared() <= radius * radius
+            && match &self.blades {
+                Some(blades) if surface == self.stop => {
+                    blades.normals.iter().all(|normal| normal.dot(point) <= radius * blades.apothem)
+                }
+                Some(_) | None => true,
+            }
+    }
+}

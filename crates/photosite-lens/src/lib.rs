@@ -1,0 +1,32 @@
+//! Lenses as optical engineers write them down: a [`Prescription`] of surfaces and glasses.
+//!
+//! Lengths are mm, the unit of prescriptions. The axis is z, z = 0 is the vertex of the first surface that light from
+//! the scene meets, and +z points to the sensor. Wavelengths are nm in the medium that catalogues measure in, air, whose
+//! index counts as 1. [`files`] reads prescriptions of six programs' formats from bytes; no file of a disk is touched.
+
+#![forbid(unsafe_code)]
+
+pub mod checks;
+pub mod chief;
+pub mod chief_map;
+pub mod coating;
+pub mod files;
+pub mod focus;
+mod full_beam;
+pub mod glass;
+pub mod illumination;
+pub mod lens;
+pub mod paraxial;
+pub mod positions;
+pub mod prescription;
+pub mod profile;
+pub mod pupil_table;
+pub mod region;
+pub mod spots;
+pub mod tables;
+pub mod trace;
+pub mod wavefront;
+
+pub use lens::Lens;
+pub use prescription::Prescription;
+pub use trace::{LensAt, Ray};

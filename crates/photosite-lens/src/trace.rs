@@ -1,0 +1,223 @@
+//! Exact rays through a lens at one wavelength.
+
+use std::borrow::Cow;
+use std::fmt;
+
+use glam::DVec3;
+
+use crate::lens::Lens;
+use crate::profile::Travel;
+
+/// A ray, mm, z = 0 at the first vertex and +z towards the sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// A point on it.
+    pub origin: DVec3,
+    /// Unit vector.
+    pub direction: DVec3,
+}
+
+impl Ray {
+    /// The point at which it crosses the plane of `z`.
+    pub fn at_z(&self, z: f64) -> DVec3 {
+        let distance = (z - self.origin.z) / self.direction.z;
+        let DVec3 { x, y, .. } = self.origin + self.direction * distance;
+        DVec3::new(x, y, z)
+    }
+
+    /// The same line run the other way.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        Self { origin: self.origin, direction: -self.direction }
+    }
+}
+
+/// Whether the semi-apertures and the stop cut rays off.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Apertures {
+    /// As in the lens.
+    Clip,
+    /// Not: for chief rays, which stand for a bundle even where they are cut off themselves.
+    Ignore,
+}
+
+/// What a surface does to a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// It goes on, refracted.
+    Refract,
+    /// It turns back.
+    Reflect,
+}
+
+/// One surface of a sequence that a ray is led through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// The surface, counted from 0.
+    pub surface: usize,
+    /// What happens there.
+    pub event: Event,
+}
+
+impl Step {
+    /// Refraction at a surface.
+    pub fn refract(surface: usize) -> Self {
+        Self { surface, event: Event::Refract }
+    }
+}
+
+/// A ray at a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit {
+    /// The surface, counted from 0.
+    pub surface: usize,
+    /// The way of the ray before it.
+    pub travel: Travel,
+    /// Where, mm.
+    pub point: DVec3,
+    /// Unit direction before.
+    pub direction: DVec3,
+    /// Unit direction after.
+    pub turned: DVec3,
+    /// Unit normal of the surface, along the ray.
+    pub normal: DVec3,
+    /// Cosine of the angle of incidence.
+    pub cos_incidence: f64,
+    /// From the point before, mm, in the medium of index `index`.
+    pub distance: f64,
+    /// Index before the surface.
+    pub index: f64,
+    /// Index behind the surface, also where the ray turns back.
+    pub index_behind: f64,
+}
+
+/// Where and why a ray ends inside a lens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stopped {
+    /// The surface, counted from 0.
+    pub surface: usize,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// Why a ray ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// It does not meet the surface.
+    Missed,
+    /// It is outside the semi-aperture, or on a blade.
+    Blocked,
+    /// It is totally reflected.
+    TotalReflection,
+}
+
+impl fmt::Display for Reason {
+    /// A verb, to be followed by the surface.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Missed => "misses",
+            Self::Blocked => "is blocked at",
+            Self::TotalReflection => "is totally reflected at",
+        })
+    }
+}
+
+/// A lens at one wavelength: its indices are worked out once for many rays.
+#[derive(Clone, Debug)]
+pub struct LensAt<'a> {
+    /// The lens.
+    pub lens: &'a Lens,
+    /// The wavelength, nm.
+    pub wavelength_nm: f64,
+    /// Index before each surface, and behind the last.
+    pub(crate) index: Cow<'a, [f64]>,
+}
+
+impl Lens {
+    /// The lens at a wavelength in nm.
+    pub fn at(&self, wavelength_nm: f64) -> LensAt<'_> {
+        let behind = self.surfaces().iter().map(|surface| surface.index_behind(wavelength_nm));
+        LensAt { lens: self, wavelength_nm, index: std::iter::once(1.0).chain(behind).collect() }
+    }
+}
+
+impl LensAt<'_> {
+    /// Index before a surface, counted from 0; of their number, behind the last.
+    pub fn index_before(&self, surface: usize) -> f64 {
+        self.index[surface]
+    }
+
+    /// The ray that leaves the last surface towards the sensor when `ray` comes from the scene.
+    pub fn trace_in(&self, ray: Ray, apertures: Apertures) -> Result<Ray, Stopped> {
+        let steps = (0..self.lens.surfaces().len()).map(Step::refract);
+        self.trace(ray, Travel::ToSensor, steps, apertures, |_| {})
+    }
+
+    /// The ray that leaves the first surface towards the scene when `ray` comes from the sensor.
+    pub fn trace_out(&self, ray: Ray, apertures: Apertures) -> Result<Ray, Stopped> {
+        let steps = (0..self.lens.surfaces().len()).rev().map(Step::refract);
+        self.trace(ray, Travel::ToScene, steps, apertures, |_| {})
+    }
+
+    /// Leads a ray through a sequence of surfaces and shows each meeting to `visit`. `travel` is its way at first, which
+    /// reflections turn. The surfaces of the sequence must follow each other as a ray meets them.
+    ///
+    /// Refraction is D′ = µ·D + (√(1 − µ²·(1 − cos²i)) − µ·cos i)·N with µ = n/n′ and the normal N along the ray
+    /// ([Welford86](photosite_core::references#welford86) §4.3); reflection is D′ = D − 2·cos i·N.
+    pub fn trace(
+        &self,
+        ray: Ray,
+        travel: Travel,
+        steps: impl IntoIterator<Item = Step>,
+        apertures: Apertures,
+        mut visit: impl FnMut(&Hit),
+    ) -> Result<Ray, Stopped> {
+        let (mut ray, mut travel) = (ray, travel);
+        for Step { surface: number, event } in steps {
+            let stopped = |reason| Stopped { surface: number, reason };
+            let surface = &self.lens.surfaces()[number];
+            let vertex = DVec3::new(0.0, 0.0, surface.z_mm);
+            let Some(met) = surface.profile.meet(ray.origin - vertex, ray.direction, travel) else {
+                return Err(stopped(Reason::Missed));
+            };
+            if apertures == Apertures::Clip && !self.lens.passes(number, met.point.truncate()) {
+                return Err(stopped(Reason::Blocked));
+            }
+            let (index, index_behind) = match travel {
+                Travel::ToSensor => (self.index[number], self.index[number + 1]),
+                Travel::ToScene => (self.index[number + 1], self.index[number]),
+            };
+            let normal = met.normal * travel.sign();
+            let cos_incidence = normal.dot(ray.direction);
+            let turned = match event {
+                Event::Reflect => ray.direction - normal * (2.0 * cos_incidence),
+                Event::Refract => {
+                    let ratio = index / index_behind;
+                    let cos2 = 1.0 - ratio * ratio * (1.0 - cos_incidence * cos_incidence);
+                    if cos2 < 0.0 {
+                        return Err(stopped(Reason::TotalReflection));
+                    }
+                    ray.direction * ratio + normal * (cos2.sqrt() - ratio * cos_incidence)
+                }
+            };
+            let point = met.point + vertex;
+            visit(&Hit {
+                surface: number,
+                travel,
+                point,
+                direction: ray.direction,
+                turned,
+                normal,
+                cos_incidence,
+                distance: met.distance,
+                index,
+                index_behind,
+            });
+            ray = Ray { origin: point, direction: turned };
+            if event == Event::Reflect {
+                travel = travel.reversed();
+            }
+        }
+        Ok(ray)
+    }
+}

@@ -1,0 +1,143 @@
+//! Focus by the least spot, zoom between positions.
+
+use glam::{DVec2, DVec3};
+use photosite_core::spectrum::dispersion::lines;
+use photosite_lens::focus::{Distance, FocusBy};
+use photosite_lens::positions::GapCurves;
+use photosite_lens::prescription::Position;
+use photosite_lens::trace::Apertures;
+use photosite_lens::{Lens, Ray};
+use rstest::rstest;
+
+use crate::neutral::{LENSES, close, prescription, read};
+
+const SPECTRUM: [(f64, f64); 3] = [(lines::F, 1.0), (lines::D, 2.0), (lines::C, 1.0)];
+
+/// Mean square of the heights on the sensor, mm², of rays of a point on the axis that fill a ring of the pupil each.
+fn spot(lens: &Lens, distance_mm: f64) -> f64 {
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for (nm, weight) in SPECTRUM {
+        let at = lens.at(nm);
+        let first_order = at.first_order();
+        for i in 0..400 {
+            let height = 0.55 * first_order.entrance_pupil_diameter_mm * (f64::from(i) / 400.0).sqrt();
+            let origin = DVec3::new(0.0, 0.0, -distance_mm);
+            let aim = DVec3::new(0.0, height, first_order.entrance_pupil_mm);
+            let ray = Ray { origin, direction: (aim - origin).normalize() };
+            if let Some(landed) = at.landing(ray, Apertures::Clip) {
+                sum += weight * landed.length_squared();
+                weights += weight;
+            }
+        }
+    }
+    sum / weights
+}
+
+/// With the gap a little longer or shorter the spot is larger, and the distance counts from the sensor.
+#[test]
+fn the_spot_is_least_at_the_distance_from_the_sensor() {
+    for name in LENSES {
+        let lens = Lens::new(&prescription(&read(name))).expect("a lens");
+        let distance = 60.0 * lens.at(lines::D).first_order().efl_mm + lens.sensor_z_mm();
+        let focused =
+            lens.focused_by_spot(FocusBy::WholeLens, Distance::FromSensor(distance), &SPECTRUM).expect("in reach");
+        let last = lens.surfaces().len() - 1;
+        let spot_at = |by: f64| {
+            let moved = focused.with_gaps(&[(last, focused.gap_mm(last) + by)]);
+            spot(&moved, distance - moved.sensor_z_mm())
+        };
+        // Of the parabola through three places the least one is where the lens stands: 400 rings are like 256.
+        let step = 0.02 * focused.at(lines::D).first_order().f_number;
+        let [before, there, behind] = [-step, 0.0, step].map(spot_at);
+        let least = 0.5 * step * (before - behind) / (before - 2.0 * there + behind);
+        assert!(there < before && there < behind, "{name}: {before} {there} {behind}");
+        close(name, least, 0.0, 0.02 * step);
+        // The paraxial focus is another one.
+        let paraxial =
+            lens.focused_paraxially(FocusBy::WholeLens, Distance::FromSensor(distance), lines::D).expect("in reach");
+        assert!((paraxial.gap_mm(last) - focused.gap_mm(last)).abs() > 1e-4, "{name}");
+    }
+}
+
+#[test]
+fn a_lens_without_aberrations_focuses_by_the_lensmakers_equation() {
+    let lens = Lens::new(&prescription(&read("cooke-triplet"))).expect("a lens");
+    // A stop of nearly nothing leaves a paraxial lens.
+    let lens = lens.with_stop_radius(1e-3);
+    let at = Distance::FromFirstVertex(2000.0);
+    let by_spot = lens.focused_by_spot(FocusBy::WholeLens, at, &[(550.0, 1.0)]).expect("in reach");
+    let paraxial = lens.focused_paraxially(FocusBy::WholeLens, at, 550.0).expect("in reach");
+    close("last gap", by_spot.gap_mm(5), paraxial.gap_mm(5), 1e-6);
+}
+
+#[rstest]
+#[case(Distance::FromSensor(40.0))]
+#[case(Distance::FromSensor(f64::NAN))]
+#[case(Distance::FromFirstVertex(-1.0))]
+#[case(Distance::FromFirstVertex(30.0))]
+fn what_is_nearer_than_the_focal_length_is_refused(#[case] distance: Distance) {
+    let lens = Lens::new(&prescription(&read("cooke-triplet"))).expect("a lens");
+    let error = lens.focused_by_spot(FocusBy::WholeLens, distance, &SPECTRUM).expect_err("too near");
+    assert!(error.key == "focus_distance_m" && error.message.contains("cannot be focused at"), "{error}");
+}
+
+/// Positions of focus are met where they are, and between them the image stays on the sensor.
+#[test]
+fn focus_follows_the_positions_of_a_prescription() {
+    let file = read("zoom-laikin");
+    let zoom = Lens::new(&prescription(&file)).expect("a lens");
+    let infinity = zoom.focused_paraxially(FocusBy::WholeLens, Distance::Infinity, lines::D).expect("in reach");
+    let position = |distance: Distance, object_distance_mm| {
+        let lens = infinity.focused_paraxially(FocusBy::FrontGroup(4), distance, lines::D).expect("in reach");
+        Position { gaps: vec![(4, lens.gap_mm(4))], object_distance_mm, ..Position::default() }
+    };
+    let positions = [
+        position(Distance::Infinity, None),
+        position(Distance::FromFirstVertex(8000.0), Some(8000.0)),
+        position(Distance::FromFirstVertex(2000.0), Some(2000.0)),
+    ];
+    let curves = GapCurves::of_focus(&infinity, &positions).expect("three positions of focus");
+    let focused = |distance| infinity.focused_paraxially(FocusBy::Positions(&curves), distance, lines::D);
+    for position in &positions {
+        let distance = position.object_distance_mm.map_or(Distance::Infinity, Distance::FromFirstVertex);
+        let lens = focused(distance).expect("in reach");
+        close("at a position", lens.gap_mm(4), position.gaps[0].1, 1e-6);
+    }
+    let between = focused(Distance::FromFirstVertex(4000.0)).expect("in reach");
+    let image = between.at(lines::D).image(4000.0).distance_mm;
+    close("between positions", image, between.gap_mm(between.surfaces().len() - 1), 1e-9);
+    assert!(focused(Distance::FromFirstVertex(1500.0)).is_err(), "nearer than the last position");
+    assert!(GapCurves::of_focus(&zoom, &prescription(&file).positions).is_none(), "positions of a zoom");
+}
+
+#[test]
+fn a_zoom_goes_through_its_positions_and_keeps_its_focus_between_them() {
+    let prescription = prescription(&read("zoom-laikin"));
+    let lens = Lens::new(&prescription).expect("a lens");
+    let efl = |lens: &Lens| lens.at(lines::D).first_order().efl_mm;
+    let defocus = |lens: &Lens| lens.at(lines::D).image(f64::INFINITY).distance_mm - lens.gap_mm(23);
+    let mut ends = Vec::new();
+    for position in &prescription.positions {
+        let there = lens.in_position(position);
+        let zoomed = lens.zoomed(&prescription.positions, efl(&there)).expect("in range");
+        for &(surface, gap) in &position.gaps {
+            close(&position.label, zoomed.gap_mm(surface), gap, 1e-5);
+        }
+        ends.push(defocus(&there));
+    }
+    let [low, high] = [f64::min, f64::max].map(|f| ends.iter().copied().reduce(f).expect("four"));
+    for focal_length in [15.013, 18.0, 24.0, 50.0, 100.0, 149.0] {
+        let zoomed = lens.zoomed(&prescription.positions, focal_length).expect("in range");
+        close("focal length", efl(&zoomed) / focal_length, 1.0, 1e-3);
+        assert!((low - 1e-9..=high + 1e-9).contains(&defocus(&zoomed)), "{focal_length} mm: {}", defocus(&zoomed));
+        let picture = zoomed.at(lines::D).landing(Ray { origin: DVec3::ZERO, direction: DVec3::Z }, Apertures::Clip);
+        assert_eq!(picture, Some(DVec2::ZERO));
+    }
+    for beyond in [14.0, 160.0, f64::NAN] {
+        let error = lens.zoomed(&prescription.positions, beyond).expect_err("out of range");
+        assert!(error.key == "focal_length_mm" && error.message.contains("zooms from 15.0"), "{error}");
+    }
+    let prime = Lens::new(&crate::neutral::prescription(&read("tessar"))).expect("a lens");
+    let error = prime.zoomed(&[], 50.0).expect_err("no zoom");
+    assert!(error.message.contains("has one focal length"), "{error}");
+}

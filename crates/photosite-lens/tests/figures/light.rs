@@ -1,0 +1,153 @@
+//! What passes, and where it lands.
+
+use glam::{DVec2, DVec3};
+use photosite_core::math::philox::Philox;
+use photosite_lens::chief_map::ChiefMap;
+use photosite_lens::profile::Travel;
+use photosite_lens::pupil_table::PupilTable;
+use photosite_lens::spots::Spot;
+use photosite_lens::tables::TabulatedLens;
+use photosite_lens::trace::{Apertures, Hit, Step};
+use photosite_lens::{Lens, Ray};
+use rand::RngExt;
+
+use crate::neutral::{Case, cases, close, number, numbers, prescription, read};
+
+/// Wavelengths that a table is made of.
+const TABLE_NM: [f64; 5] = [400.0, 475.0, 550.0, 625.0, 700.0];
+/// Rays of each case.
+const RAYS: u32 = 39_000;
+
+/// Both programs agree to 2e-4 at equal azimuths, and their polygons of 360 corners are within 5e-5 of the region.
+#[test]
+fn projected_solid_angles_from_axis_to_corner() {
+    for Case { name, lens, wavelengths, figures } in cases() {
+        let heights = numbers(&figures["illumination"]["image_height_mm"]);
+        for (i, &nm) in wavelengths.iter().enumerate() {
+            for (j, &height) in heights.iter().enumerate() {
+                let what = format!("{name}, {nm} nm, {height} mm");
+                let expected = number(&figures["illumination"]["optiland"]["projected_solid_angle_sr"][i][j]);
+                let region = lens.at(nm).pupil_region(height, 360).unwrap_or_else(|| panic!("{what}: dark"));
+                close(&what, region.area() / expected, 1.0, 5e-4);
+            }
+        }
+    }
+}
+
+/// 41 × 41 rays on the plane of the first vertex, of which the same number pass.
+#[test]
+fn spots_of_the_same_rays() {
+    for Case { name, lens, wavelengths, figures } in cases() {
+        let Some(spots) = figures.get("spots") else { continue };
+        let (half, centre) = (numbers(&spots["e_mm"]), numbers(&spots["y0_mm"]));
+        for (j, field) in numbers(&spots["field_deg"]).into_iter().enumerate() {
+            let direction = DVec3::new(0.0, field.to_radians().sin(), field.to_radians().cos());
+            for (i, &nm) in wavelengths.iter().enumerate() {
+                let at = lens.at(nm);
+                let place = |k: u32| half[j] * (f64::from(k) / 20.0 - 1.0);
+                let rays = (0..41 * 41)
+                    .map(|k| Ray { origin: DVec3::new(place(k % 41), centre[j] + place(k / 41), 0.0), direction });
+                let landed: Vec<DVec2> = rays.filter_map(|ray| at.landing(ray, Apertures::Clip)).collect();
+                let what = format!("{name}, {nm} nm, {field}°");
+                let spot = Spot::of(&landed).unwrap_or_else(|| panic!("{what}: dark"));
+                assert_eq!(spot.rays as u64, spots["optiland"]["rays"][j][i].as_u64().expect("a count"), "{what}");
+                close(&what, spot.rms_mm * 1e3, number(&spots["optiland"]["rms_um"][j][i]), 1e-6);
+                close(&what, spot.centroid_mm.y, number(&spots["optiland"]["centroid_mm"][j][i]), 1e-9);
+            }
+        }
+    }
+}
+
+/// Rays drawn by the table pass for the most part, and none passes beyond it: of as many, half close to its edge, half up
+/// to four times as far out. Open and stopped to 0.35, from the axis to the corner, at any wavelength.
+#[test]
+fn the_pupil_table_draws_what_passes_and_misses_nothing() {
+    for Case { name, lens, figures, .. } in cases() {
+        // Of the zoom's positions the first and the last.
+        if figures.get("spots").is_none() {
+            continue;
+        }
+        let corner = number(&figures["image_half_diagonal_mm"]);
+        for opening in [1.0, 0.35] {
+            let lens = lens.with_stop_radius(opening * lens.stop_radius_mm());
+            let table = PupilTable::new(&lens, corner, &TABLE_NM);
+            let mut random = Philox::new(37, 0);
+            let mut unit = || random.random::<f64>();
+            let (mut drawn, mut passed) = (0_u32, 0_u32);
+            for i in 0..RAYS {
+                let point = DVec2::from_angle(unit() * std::f64::consts::TAU) * corner * unit();
+                let at = lens.at(TABLE_NM[0] + unit() * (TABLE_NM[4] - TABLE_NM[0]));
+                let Some(direction) = table.sample(point, [unit(), unit()]) else { continue };
+                drawn += 1;
+                passed += u32::from(at.passes(point, direction.cosines));
+                let middle = table.sample(point, [0.0, 0.0]).expect("drawn from above").cosines;
+                let edge = table.sample(point, [unit(), 1.0]).expect("drawn from above").cosines - middle;
+                let beyond = middle + edge * (1.0 + 1e-9 + unit() * if i % 2 == 0 { 0.1 } else { 3.0 });
+                let what = format!("{name} opened to {opening}: {beyond} from {point} at {} nm", at.wavelength_nm);
+                assert!(!at.passes(point, beyond), "{what}");
+                assert!(table.contains(point, direction.cosines) && !table.contains(point, beyond), "{what}");
+            }
+            let share = f64::from(passed) / f64::from(drawn);
+            println!("{name} {opening}: {share:.4}");
+            assert!(share >= 0.84, "{name} opened to {opening}: {share:.3} pass");
+        }
+    }
+}
+
+/// Curves through 512 chief rays against rays of their own: 1e-5 mm is 1/100 of a small pixel.
+#[test]
+fn the_chief_map_knows_what_a_place_looks_at_and_where_a_point_appears() {
+    for Case { name, lens, wavelengths, figures } in cases() {
+        let corner = number(&figures["image_half_diagonal_mm"]);
+        let at = lens.at(wavelengths[1]);
+        let map = ChiefMap::new(&at, corner).expect("chief rays");
+        for i in 1..=37 {
+            let height = corner * f64::from(i) / 37.0;
+            let what = format!("{name}, {height} mm");
+            let chief = at.chief_ray_at_height(height).expect("a chief ray");
+            let point = DVec2::from_angle(0.3 * f64::from(i)) * height;
+            let sighting = map.sighting(point).expect("known");
+            // A change of the field angle moves the picture by about the focal length times it.
+            let scale = at.first_order().efl_mm;
+            close(&what, map.field_rad(height).expect("known"), chief.field_rad, 1e-5 / scale);
+            close(&what, sighting.pupil_mm, chief.entrance_pupil_mm(), 1e-3);
+            for distance in [3.0 * lens.sensor_z_mm(), 1e5] {
+                let seen = DVec3::new(0.0, 0.0, sighting.pupil_mm) + sighting.direction * distance;
+                let place = map.place(seen).unwrap_or_else(|| panic!("{what}: {seen} has no place"));
+                assert!(place.distance(point) < 2e-5, "{what}: {place} in place of {point}");
+            }
+        }
+        let axis = map.sighting(DVec2::ZERO).expect("known");
+        assert_eq!(axis.direction, DVec3::NEG_Z, "{name}");
+        assert_eq!(map.sighting(DVec2::new(3.0 * corner, 0.0)), None, "{name}");
+        assert_eq!(map.place(DVec3::new(0.0, 0.0, axis.pupil_mm + 10.0)), None, "{name}");
+    }
+}
+
+/// Interpolated in wavelength and cosine against the transfer matrices themselves: the tables' steps of 10 nm and 1/64 of
+/// the cosine leave 1e-4 of a coated surface below 60°.
+#[test]
+fn tabulated_transmittances_are_those_of_the_coatings() {
+    for name in ["canon-ef50", "fisheye-170"] {
+        let lens = Lens::new(&prescription(&read(name))).expect("a lens");
+        let tabulated = TabulatedLens::new(lens.clone());
+        for nm in [433.0, 550.0, 677.0] {
+            let at = lens.at(nm);
+            let (mut compared, axis) = (0, DVec2::ZERO);
+            for i in 0..200 {
+                let cosines = DVec2::from_angle(f64::from(i)) * 0.3 * f64::from(i) / 200.0;
+                let ray = at.ray_from_sensor(axis, cosines);
+                let steps = (0..lens.surfaces().len()).rev().map(Step::refract);
+                let mut passed = 1.0;
+                let whole = |hit: &Hit| passed *= at.split_at(hit).mean_transmittance();
+                let Ok(out) = at.trace(ray, Travel::ToScene, steps, Apertures::Clip, whole) else { continue };
+                let (found, through) = tabulated.trace_out(ray, nm).expect("passes, too");
+                assert_eq!(found, out);
+                close(&format!("{name}, {nm} nm, {cosines}"), through, passed, 1e-4 * lens.surfaces().len() as f64);
+                assert!((0.7..0.98).contains(&passed), "{name}: {passed}");
+                compared += 1;
+            }
+            assert!(compared > 100, "{name}: {compared}");
+        }
+    }
+}

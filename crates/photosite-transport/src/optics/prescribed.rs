@@ -1,0 +1,236 @@
+//! A lens from a prescription before a sensor: focused, stopped down, and asked for its rays.
+//!
+//! Light takes the way of its wavelength through the glass, so that distortion, lateral and axial colour, vignetting,
+//! the falloff of light and breathing are those of the lens. The camera's origin is the paraxial entrance pupil at the d
+//! line of the lens as it is focused; its axes are those of the prescription.
+
+use std::f64::consts::FRAC_PI_2;
+use std::sync::OnceLock;
+
+use glam::{DVec2, DVec3};
+
+use super::{Focus, LensDescription, Seen};
+use photosite_core::Invalid;
+use photosite_core::math::monotone_cubic::MonotoneCubic;
+use photosite_core::spectrum::dispersion::lines;
+use photosite_lens::chief_map::ChiefMap;
+use photosite_lens::focus::{Distance, FocusBy};
+use photosite_lens::positions::GapCurves;
+use photosite_lens::prescription::{Blades, Prescription};
+use photosite_lens::pupil_table::PupilTable;
+use photosite_lens::tables::TabulatedLens;
+use photosite_lens::{Lens, paraxial::FirstOrder};
+
+/// Wavelengths, nm, that the table of the pupil holds for: beyond and between them apertures look the same to 2 %, which
+/// the table adds.
+const PUPIL_NM: [f64; 5] = [350.0, 450.0, 550.0, 750.0, 1000.0];
+/// Wavelengths, nm, and weights of the spot that is least in focus.
+const FOCUS_NM: [(f64, f64); 5] = [(440.0, 1.0), (490.0, 1.0), (540.0, 1.0), (590.0, 1.0), (640.0, 1.0)];
+/// Where chief rays, illumination and a ray without a wavelength are taken, nm: where the eye sees best.
+pub(super) const REFERENCE_NM: f64 = 555.0;
+/// An f-number may be this much smaller than the open lens has: engravings are rounded.
+const OPEN: f64 = 0.97;
+/// Heights at which the illumination is worked out, and directions of the boundary then.
+const HEIGHTS: usize = 33;
+const DIRECTIONS: usize = 128;
+
+/// A lens from a prescription, focused and stopped down.
+#[derive(Debug)]
+pub(super) struct PrescribedLens {
+    lens: TabulatedLens,
+    /// To first order at the d line.
+    first_order: FirstOrder,
+    chief: ChiefMap,
+    /// Where the picture ends, mm from the axis.
+    corner_mm: f64,
+    /// Distance of what is sharp from the entrance pupil, m.
+    focus_distance_m: f64,
+    /// Irradiance over radiance, sr, by image height in mm, at the reference wavelength. Worked out when it is asked for,
+    /// as is the table of the pupil: many cameras are made that take no picture.
+    illumination: OnceLock<MonotoneCubic>,
+    pupil: OnceLock<PupilTable>,
+}
+
+/// A ray into the scene and what its radiance counts.
+pub(super) struct PrescribedRay {
+    /// In the camera's space, m.
+    pub(super) origin: DVec3,
+    /// Unit vector.
+    pub(super) direction: DVec3,
+    /// E = weight · L, sr, surfaces' losses included.
+    pub(super) weight: f64,
+}
+
+impl PrescribedLens {
+    /// Zooms, stops down and focuses the lens of a prescription for a picture whose corners are at `corner_mm` from the
+    /// axis. `autofocus_distance_m` counts from the entrance pupil.
+    pub(super) fn new(
+        prescription: &Prescription,
+        description: &LensDescription,
+        corner_mm: f64,
+        autofocus_distance_m: f64,
+    ) -> Result<Self, Invalid> {
+        let lens = Lens::new(&with_blades(prescription, description)).map_err(|error| error.within("prescription"))?;
+        let lens = zoomed(&lens, prescription, description.focal_length_m * 1e3)?;
+        let lens = stopped(lens, description.f_number)?;
+        let curves = GapCurves::of_focus(&lens, &prescription.positions);
+        let by = curves.as_ref().map_or(FocusBy::WholeLens, FocusBy::Positions);
+        let focused = |distance: Distance, key: &str| {
+            let focused = lens.focused_by_spot(by, distance, &FOCUS_NM);
+            focused.map_err(|error| Invalid { key: key.to_owned(), ..error })
+        };
+        let to_autofocus = if autofocus_distance_m.is_finite() {
+            Distance::FromEntrancePupil(autofocus_distance_m * 1e3)
+        } else {
+            Distance::Infinity
+        };
+        let lens = match description.focus {
+            Focus::Infinity => focused(Distance::Infinity, "focus_distance_m")?,
+            Focus::Distance(u) => focused(Distance::FromSensor(u * 1e3), "focus_distance_m")?,
+            Focus::Autofocus { .. } => focused(to_autofocus, "autofocus_px")?,
+            Focus::ImageDistance(v) => lens.with_gaps(&[(lens.surfaces().len() - 1, v * 1e3)]),
+        };
+        let at = lens.at(REFERENCE_NM);
+        let first_order = lens.at(lines::D).first_order();
+        let no_chief = || Invalid::new("prescription", "no chief ray of this lens reaches the picture beside its axis");
+        let chief = ChiefMap::new(&at, corner_mm).ok_or_else(no_chief)?;
+        // What is sharp on the axis to first order, seen from the sensor.
+        let gap = lens.gap_mm(lens.surfaces().len() - 1);
+        let focus_distance_m = match description.focus {
+            Focus::Infinity => f64::INFINITY,
+            Focus::Distance(u) => u - (lens.sensor_z_mm() - first_order.entrance_pupil_mm) * 1e-3,
+            Focus::Autofocus { .. } => autofocus_distance_m,
+            Focus::ImageDistance(_) => {
+                (lens.at(lines::D).object_distance_mm(gap) + first_order.entrance_pupil_mm) * 1e-3
+            }
+        };
+        Ok(Self {
+            lens: TabulatedLens::new(lens),
+            first_order,
+            chief,
+            corner_mm,
+            focus_distance_m,
+            illumination: OnceLock::new(),
+            pupil: OnceLock::new(),
+        })
+    }
+
+    /// The ray of a sensor point, mm from the axis, and a sample of the pupil, at a wavelength; `None` where it is blocked
+    /// and brings nothing.
+    pub(super) fn ray(&self, sensor_mm: DVec2, sample: [f32; 2], wavelength_nm: f64) -> Option<PrescribedRay> {
+        let pupil = self.pupil.get_or_init(|| PupilTable::new(self.lens.lens(), self.corner_mm, &PUPIL_NM));
+        let direction = pupil.sample(sensor_mm, sample.map(f64::from))?;
+        let ray = self.lens.at(wavelength_nm).ray_from_sensor(sensor_mm, direction.cosines);
+        let (out, passed) = self.lens.trace_out(ray, wavelength_nm).ok()?;
+        Some(PrescribedRay {
+            origin: self.to_camera(out.origin),
+            direction: out.direction,
+            weight: direction.area * passed,
+        })
+    }
+
+    /// What a sensor point, mm from the axis, sees by its chief ray: from the point at which that crosses the plane of the
+    /// camera's origin, of a lens that sees less than a half-space, else from its own entrance pupil. The solid angle is
+    /// that over the area of the sensor in units of [`Self::scale_mm`].
+    pub(super) fn seen(&self, sensor_mm: DVec2) -> Option<(DVec3, Seen)> {
+        let sighting = self.chief.sighting(sensor_mm)?;
+        let direction = sighting.direction;
+        let pupil = self.to_camera(DVec3::new(0.0, 0.0, sighting.pupil_mm));
+        let (origin, chief) = if self.is_flat() {
+            let chief = direction / -direction.z;
+            (pupil + chief * pupil.z, chief)
+        } else {
+            (pupil, direction)
+        };
+        let height = sensor_mm.length();
+        let step = 1e-4 * self.corner_mm;
+        let field = |height: f64| self.chief.field_rad(height);
+        let slope = (field(height + step).or(field(height))? - field((height - step).max(0.0))?)
+            / (step.min(self.chief.highest_mm() - height).max(0.0) + step.min(height));
+        let scale = self.scale_mm();
+        // dΩ = sin θ dθ dφ over r dr dφ, r = h/scale.
+        let bend = if height > 0.0 { field(height)?.sin() * scale / height } else { 1.0 };
+        Some((origin, Seen { direction, chief, solid_angle: bend * slope * scale }))
+    }
+
+    /// The sensor point, mm from the axis, on which a point of the camera's space, m, is seen by its chief ray.
+    pub(super) fn place(&self, point: DVec3) -> Option<DVec2> {
+        self.chief.place(point * 1e3 + DVec3::new(0.0, 0.0, self.first_order.entrance_pupil_mm))
+    }
+
+    /// Irradiance over radiance of uniform light, sr, at an image height in mm, without the losses of surfaces.
+    pub(super) fn illumination_sr(&self, height_mm: f64) -> f64 {
+        let curve = self.illumination.get_or_init(|| {
+            let at = self.lens.at(REFERENCE_NM);
+            let heights: Vec<f64> = (0..HEIGHTS).map(|i| self.corner_mm * i as f64 / (HEIGHTS - 1) as f64).collect();
+            let areas = heights.iter().map(|height| at.pupil_region(*height, DIRECTIONS).map_or(0.0, |r| r.area()));
+            MonotoneCubic::new(heights.clone(), areas.collect()).expect("heights rise")
+        });
+        curve.eval(height_mm.min(self.corner_mm)).max(0.0)
+    }
+
+    /// The distance mm at which a pinhole has the scale of the picture on the axis: dh/dθ.
+    pub(super) fn scale_mm(&self) -> f64 {
+        let height = 1e-3 * self.corner_mm;
+        self.chief.field_rad(height).map_or(self.first_order.efl_mm, |field| height / field.tan())
+    }
+
+    /// Whether it is focused on a plane, and sees less than a half-space.
+    pub(super) fn is_flat(&self) -> bool {
+        self.chief.widest_rad() < FLAT * FRAC_PI_2
+    }
+
+    /// To first order at the d line.
+    pub(super) fn first_order(&self) -> &FirstOrder {
+        &self.first_order
+    }
+
+    /// Distance of what is sharp from the entrance pupil, m.
+    pub(super) fn focus_distance_m(&self) -> f64 {
+        self.focus_distance_m
+    }
+
+    /// From the last vertex to the sensor, m.
+    pub(super) fn last_gap_m(&self) -> f64 {
+        let lens = self.lens.lens();
+        lens.gap_mm(lens.surfaces().len() - 1) * 1e-3
+    }
+
+    /// The greatest field angle that it knows, rad.
+    pub(super) fn widest_rad(&self) -> f64 {
+        self.chief.widest_rad()
+    }
+
+    /// From mm of the prescription to m about the entrance pupil.
+    fn to_camera(&self, point: DVec3) -> DVec3 {
+        (point - DVec3::new(0.0, 0.0, self.first_order.entrance_pupil_mm)) * 1e-3
+    }
+}
+
+/// Up to this part of 90° a lens counts as one with a flat picture.
+const FLAT: f64 = 0.9;
+
+fn with_blades(prescription: &Prescription, description: &LensDescription) -> Prescription {
+    let blades = Blades { count: description.blades, rotation_deg: description.blade_rotation_deg };
+    let blades = if description.blades > 0 { Some(blades) } else { prescription.blades };
+    Prescription { blades, ..prescription.clone() }
+}
+
+fn zoomed(lens: &Lens, prescription: &Prescription, focal_length_mm: f64) -> Result<Lens, Invalid> {
+    let own = lens.at(lines::D).first_order().efl_mm;
+    if (focal_length_mm / own - 1.0).abs() < 1e-6 {
+        return Ok(lens.clone());
+    }
+    lens.zoomed(&prescription.positions, focal_length_mm)
+}
+
+fn stopped(lens: Lens, f_number: f64) -> Result<Lens, Invalid> {
+    let at = lens.at(lines::D);
+    let open = at.first_order().f_number;
+    if f_number < OPEN * open {
+        let message = format!("the lens opens to f/{open:.3}, not to f/{f_number}");
+        return Err(Invalid::new("f_number", message).help(format!("f_number = {open:.2} or more")));
+    }
+    let radius = at.stop_radius_of_f_number(f_number).min(lens.stop_radius_mm());
+    Ok(lens.with_stop_radius(radius))
+}

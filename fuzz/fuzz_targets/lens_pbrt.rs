@@ -1,0 +1,16 @@
+//! pbrt lens files.
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use photosite_lens::files;
+
+fuzz_target!(|data: &[u8]| {
+    if let Ok(reading) = files::read(data, Path::new("lens.dat")) {
+        // What was read is written, and read again.
+        let toml = files::to_toml(&reading.prescription);
+        let again = files::read(toml.as_bytes(), Path::new("again.toml"));
+        assert!(again.is_ok(), "{again:?}\n{toml}");
+    }
+});

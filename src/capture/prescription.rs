@@ -1,0 +1,71 @@
+//! `lens.prescription`: the surfaces of a lens, by the name of one that ships or from a file.
+
+use std::sync::Arc;
+
+use super::colour::Finder;
+use super::tables::LensTable;
+use crate::Invalid;
+use photosite_core::input;
+use photosite_core::spectrum::dispersion::lines;
+use photosite_core::suggest::{did_you_mean, list};
+use photosite_core::warnings::Warnings;
+use photosite_lens::files::{self, Reading};
+use photosite_lens::paraxial::FirstOrder;
+use photosite_lens::{Lens, Prescription};
+
+const KEY: &str = "prescription";
+/// A file of a lens is no larger than this.
+const MOST_BYTES: u64 = 1 << 20;
+
+/// The prescription of a lens, and the lens as it is in its first position.
+pub(super) struct Prescribed {
+    pub(super) prescription: Arc<Prescription>,
+    lens: Lens,
+}
+
+impl Prescribed {
+    /// What a table names; `None` where it names none. What reading a file assumed is said in warnings.
+    pub(super) fn of(finder: &Finder<'_>, table: &LensTable, warnings: &mut Warnings) -> Result<Option<Self>, Invalid> {
+        let Some(name) = &table.prescription else { return Ok(None) };
+        if table.kind.is_some() {
+            let message = "cannot go with prescription, which is a kind of lens of its own";
+            return Err(Invalid::new("type", message).help("remove type"));
+        }
+        if let Some(Reading { prescription, lens, .. }) = files::shipped(name) {
+            return Ok(Some(Self { prescription: Arc::new(prescription), lens }));
+        }
+        let Reading { prescription, lens, report } = read(finder, name)?;
+        for said in report.assumed.iter().chain(&report.warnings) {
+            warnings.once(format!("lens.prescription {name}: {said}"));
+        }
+        if !report.ignored.is_empty() {
+            warnings.once(format!("lens.prescription {name} has what is not used: {}", report.ignored.join("; ")));
+        }
+        Ok(Some(Self { prescription: Arc::new(prescription), lens }))
+    }
+
+    /// The lens to first order at the d line, in its first position, with the stop open.
+    pub(super) fn first_order(&self) -> FirstOrder {
+        self.lens.at(lines::D).first_order()
+    }
+
+    /// Distance from the entrance pupil to the sensor, m.
+    pub(super) fn pupil_to_sensor_m(&self) -> f64 {
+        (self.lens.sensor_z_mm() - self.first_order().entrance_pupil_mm) * 1e-3
+    }
+}
+
+fn read(finder: &Finder<'_>, name: &str) -> Result<Reading, Invalid> {
+    if !name.contains('.') {
+        let near = did_you_mean(name, files::names());
+        let message = format!("no lens {name:?} ships with photosite{near}");
+        let help = format!("write a file that ends in .toml, .zmx, .seq …, or one of {}", list(name, files::names()));
+        return Err(Invalid::new(KEY, message).help(help));
+    }
+    let path = finder.path(name).map_err(|invalid| invalid.within(KEY))?;
+    let bytes = input::read_at_most(&path, MOST_BYTES).map_err(|source| {
+        Invalid::new(KEY, format!("cannot read {}: {source}", path.display()))
+            .help("paths are relative to the file that they are written in")
+    })?;
+    files::read(&bytes, &path).map_err(|error| Invalid::new(KEY, error.to_string()))
+}

@@ -1,0 +1,57 @@
+//! Lenses from a prescription.
+
+use super::*;
+use crate::optics::{Focus, LensKind};
+
+#[test]
+fn a_lens_that_ships_goes_by_its_name() {
+    let capture = capture(&room("[lens]\nprescription = 'double-gauss'\nfocus_distance_m = 1.5\nblades = 7"));
+    let lens = &capture.lens;
+    // Optiland: 99.4 to 99.5 mm, f/2.
+    assert_eq!((lens.kind, lens.focus, lens.blades), (LensKind::Prescription, Focus::Distance(1.5), 7));
+    assert!((lens.focal_length_m - 0.0995).abs() < 1e-3, "{}", lens.focal_length_m);
+    assert!((lens.f_number - 2.0).abs() < 0.05, "{}", lens.f_number);
+    let stopped = super::capture(&room("[lens]\nprescription = 'double-gauss'\nf_number = 8"));
+    assert_eq!((stopped.lens.f_number, stopped.lens.focal_length_m), (8.0, lens.focal_length_m));
+}
+
+#[test]
+fn a_lens_of_a_file_is_read_beside_the_capture_and_its_assumptions_are_told() {
+    let dat = "# a singlet\n#50mm\n50 4 1.5 20\n-50 5 1 20\n0 5 0 5\n1000 4 1.5 20\n-1000 45 1 20\n";
+    let files = Files::new(&room("[lens]\nprescription = 'lens.dat'"));
+    files.add("lens.dat", dat.as_bytes());
+    let capture = files.read(&[]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(capture.lens.prescription.as_ref().map(|lens| lens.surfaces.len()), Some(5));
+    let warnings = capture.warnings();
+    assert!(warnings.iter().any(|w| w.starts_with("lens.prescription lens.dat")), "{warnings:?}");
+}
+
+#[test]
+fn what_does_not_go_with_a_prescription_is_an_error_that_names_the_key() {
+    for (keys, start) in [
+        (
+            "prescription = 'double-gaus'",
+            "lens.prescription: no lens \"double-gaus\" ships with photosite; did you mean",
+        ),
+        ("prescription = 'none.zmx'", "lens.prescription: cannot read"),
+        ("prescription = 'double-gauss'\ntype = 'thin'", "lens.type: cannot go with prescription"),
+        ("prescription = 'double-gauss'\nhorizontal_fov_deg = 30", "lens.horizontal_fov_deg: cannot go with"),
+        ("prescription = 'double-gauss'\nfalloff = 'none'", "lens.falloff: cannot go with lens.prescription"),
+        ("prescription = 'double-gauss'\npsf = { kind = 'airy' }", "lens.psf: cannot go with lens.prescription"),
+        (
+            "prescription = 'double-gauss'\nautofocus_px = 'centre'\nautofocus = { method = 'contrast' }",
+            "lens.autofocus.method: the search for contrast",
+        ),
+        (
+            "prescription = 'double-gauss'\ndistortion = { model = 'brown-conrady', k = [-0.1, 0, 0] }",
+            "lens.distortion: cannot go with lens.prescription",
+        ),
+        (
+            "prescription = 'double-gauss'\n[render]\nlight_paths = 1",
+            "render.light_paths: cannot go with lens.prescription",
+        ),
+    ] {
+        let error = Files::new(&room(&format!("[lens]\n{keys}"))).read(&[]).expect_err(keys).to_string();
+        assert!(error.contains(start), "{keys}: {error}");
+    }
+}

@@ -1,0 +1,123 @@
+//! `photosite lens`: what a lens of a prescription does.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use photosite_core::{input, suggest};
+use photosite_lens::files::{self, Reading};
+
+use super::log::warning;
+use super::print::{print_json, println_out, refuse_existing, write_result};
+use crate::lens_figures::{LensFigures, Options, html};
+use crate::{Error, Invalid, Result};
+
+/// Most bytes of a lens file.
+const MOST_BYTES: u64 = 4 << 20;
+
+/// Say what a lens does: focal length, pupils, colour, distortion, illumination, spots, modulation transfer.
+///
+/// Lenses are read from photosite's own .toml and .json, and from the files of OpticStudio (.zmx), CODE V (.seq), the
+/// Optical Bench (.txt), pbrt (.dat), Optiland (.json) and ray-optics (.roa). What a file does not say, and what of it is
+/// not used, is listed.
+#[derive(Args)]
+pub(super) struct LensArgs {
+    /// A lens file, or the name of a lens that ships: double-gauss, canon-ef50 and others.
+    #[arg(required_unless_present = "list")]
+    lens: Option<PathBuf>,
+    /// Write it as a file of ours (.toml), or its page (.html): cross-section with rays, field curves, spots, modulation
+    /// transfer.
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+    /// Close the stop to this f-number [default: open].
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    f_number: Option<f64>,
+    /// Half of the angle of view, degrees [default: that of the file].
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    half_field: Option<f64>,
+    /// Overwrite the output if it exists.
+    #[arg(long)]
+    force: bool,
+    /// Print JSON instead of text.
+    #[arg(long)]
+    json: bool,
+    /// Print nothing but warnings and errors.
+    #[arg(short, long, conflicts_with = "json")]
+    quiet: bool,
+    /// List the lenses that ship.
+    #[arg(long, exclusive = true)]
+    list: bool,
+}
+
+pub(super) fn run(args: &LensArgs) -> Result<()> {
+    let Some(lens) = &args.lens else {
+        return println_out(&files::names().collect::<Vec<_>>().join("\n"));
+    };
+    args.output.iter().try_for_each(|output| refuse_existing(output, args.force))?;
+    let kinds = args.output.iter().map(|output| kind(output)).collect::<Result<Vec<_>>>()?;
+    let reading = reading(lens)?;
+    for words in &reading.report.warnings {
+        warning!("{}: {words}", lens.display());
+    }
+    let options = options(args)?;
+    // The file of ours takes no figures.
+    let needs_figures = !args.quiet || kinds.contains(&Kind::Page);
+    let figures = if needs_figures { Some(LensFigures::new(&reading, &options)?) } else { None };
+    for (output, kind) in args.output.iter().zip(kinds) {
+        let text = match (kind, &figures) {
+            (Kind::Page, Some(figures)) => html(&reading, figures),
+            (Kind::Prescription | Kind::Page, _) => files::to_toml(&reading.prescription),
+        };
+        write_result(output, args.force, |to| to.write_all(text.as_bytes()))?;
+    }
+    match figures {
+        Some(figures) if args.json => print_json(&figures),
+        Some(figures) if !args.quiet => println_out(&figures.text()),
+        Some(_) | None => Ok(()),
+    }
+}
+
+/// What an output holds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Prescription,
+    Page,
+}
+
+fn kind(output: &Path) -> Result<Kind> {
+    match output.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase().as_str() {
+        "toml" => Ok(Kind::Prescription),
+        "html" | "htm" => Ok(Kind::Page),
+        other => Err(Error::Usage {
+            message: format!("{}: no lens is written as {other:?}", output.display()),
+            help: Some(
+                "write to a .toml file, which is the lens in photosite's own form, or to .html, its page".into(),
+            ),
+        }),
+    }
+}
+
+/// The lens of a file, or the one that ships under this name.
+fn reading(lens: &Path) -> Result<Reading> {
+    let name = lens.to_string_lossy();
+    if !lens.exists()
+        && let Some(shipped) = files::shipped(&name)
+    {
+        return Ok(shipped);
+    }
+    if !lens.exists() && lens.extension().is_none() {
+        let message = format!("there is neither a file nor a lens {name:?}");
+        let help = format!("name a lens file, or one of {}", suggest::list(&name, files::names()));
+        return Err(Error::Usage { message, help: Some(help.into()) });
+    }
+    let bytes = input::read_at_most(lens, MOST_BYTES).map_err(|reason| Error::io(lens, "read", reason))?;
+    files::read(&bytes, lens)
+}
+
+fn options(args: &LensArgs) -> Result<Options> {
+    if let Some(angle) = args.half_field.filter(|angle| !(*angle > 0.0 && *angle < 120.0)) {
+        let invalid =
+            Invalid::new("--half-field", format!("{angle}° is no half field")).help("write an angle above 0°");
+        return Err(Error::Usage { message: invalid.to_string(), help: invalid.help });
+    }
+    Ok(Options { f_number: args.f_number, half_field_deg: args.half_field })
+}

@@ -1,0 +1,137 @@
+//! What light has to be traced anew for: changes to camera, lens and sensor, and what has been changed in all.
+
+use hyper::StatusCode;
+use serde_json::{Map, Value};
+
+use super::answer::Failure;
+use crate::sensor::presets;
+
+/// Keys that a trace may begin with, none of which names a file, and what their values are.
+const KEYS: [(&str, Holds); 12] = [
+    ("camera.position_m", Holds::Numbers(3)),
+    ("camera.look_at_m", Holds::Numbers(3)),
+    ("camera.up", Holds::Numbers(3)),
+    ("lens.focal_length_mm", Holds::Number),
+    ("lens.f_number", Holds::Number),
+    ("lens.focus_distance_m", Holds::Number),
+    ("lens.autofocus_px", Holds::Numbers(2)),
+    ("render.samples_per_pixel", Holds::Number),
+    ("sensor.preset", Holds::Preset),
+    ("sensor.resolution_px", Holds::Numbers(2)),
+    ("output.irradiance", Holds::Flag),
+    ("output.ideal", Holds::Flag),
+];
+
+/// What a value is.
+#[derive(Clone, Copy)]
+enum Holds {
+    Number,
+    Numbers(usize),
+    Flag,
+    Preset,
+}
+
+impl Holds {
+    fn is(self, value: &Value) -> bool {
+        match self {
+            Self::Number => value.is_number(),
+            Self::Numbers(count) => {
+                value.as_array().is_some_and(|all| all.len() == count && all.iter().all(Value::is_number))
+            }
+            Self::Flag => value.is_boolean(),
+            Self::Preset => value.as_str().is_some_and(|name| presets::names().any(|known| known == name)),
+        }
+    }
+}
+
+/// Changes, `key=value`, of an object of the page.
+pub(super) fn for_trace(changes: &Map<String, Value>) -> Result<Vec<String>, Failure> {
+    let change = |(key, value): (&String, &Value)| {
+        let wrong = |what: &str| Failure::new(StatusCode::BAD_REQUEST, format!("{key}: {what}"));
+        let known = KEYS.iter().find(|(known, _)| known == key);
+        let (_, holds) = known.ok_or_else(|| {
+            wrong("light is not traced anew for that")
+                .help(format!("there are {}", KEYS.map(|(key, _)| key).join(", ")))
+        })?;
+        // Numbers, lists of them and words are written alike in JSON and in TOML.
+        if holds.is(value) { Ok(format!("{key}={value}")) } else { Err(wrong("this is no such value")) }
+    };
+    changes.iter().map(change).collect()
+}
+
+/// A capture file of changes alone, `key=value`: a later one takes the place of an earlier one.
+pub(super) fn to_toml(name: &str, changes: &[String]) -> String {
+    let mut all = toml::Table::new();
+    for change in changes {
+        let Some((key, value)) = change.split_once('=') else { continue };
+        if let Ok(one) = toml::from_str::<toml::Table>(&format!("{key} = {value}")) {
+            lay_over(&mut all, one);
+        }
+    }
+    // A file may be called anything.
+    let name = &name.replace(char::is_control, " ");
+    let options: String = changes.iter().map(|change| format!(" --set {}", in_shell(change))).collect();
+    format!(
+        "# What was changed of {name}, as keys of a capture file. The same on the command line:\n\
+         # photosite render {}{options}\n\n{all}",
+        in_shell(name)
+    )
+}
+
+fn lay_over(all: &mut toml::Table, changes: toml::Table) {
+    for (key, value) in changes {
+        match (all.get_mut(&key), value) {
+            (Some(toml::Value::Table(old)), toml::Value::Table(new)) => lay_over(old, new),
+            (_, value) => drop(all.insert(key, value)),
+        }
+    }
+}
+
+/// A word as a shell takes it for one, on a line.
+fn in_shell(word: &str) -> String {
+    let is_plain = word.chars().all(|c| c.is_ascii_alphanumeric() || "_-./=,:".contains(c)) && !word.is_empty();
+    if is_plain { word.to_owned() } else { format!("'{}'", word.replace('\'', r"'\''")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn traced(changes: &Value) -> Result<Vec<String>, String> {
+        for_trace(changes.as_object().expect("an object")).map_err(|failure| failure.message)
+    }
+
+    #[test]
+    fn cameras_move_and_nothing_names_a_file() {
+        let moved = traced(&json!({ "camera.position_m": [0, 1.5, 2], "lens.f_number": 8, "output.ideal": true }));
+        assert_eq!(
+            moved,
+            Ok(vec!["camera.position_m=[0,1.5,2]".into(), "lens.f_number=8".into(), "output.ideal=true".into()])
+        );
+        for wrong in [
+            json!({ "scene.geometry": ["/etc/passwd"] }),
+            json!({ "sensor.preset": "/etc/passwd" }),
+            json!({ "camera.position_m": [0, 1] }),
+            json!({ "camera.position_m": ["a", 1, 2] }),
+            json!({ "lens.f_number": "8\n[scene]" }),
+            json!({ "lens.f_number": { "file": "x" } }),
+        ] {
+            assert!(traced(&wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn changes_are_keys_of_a_capture_file() {
+        let changes =
+            ["exposure.time_s=0.02", "lens.f_number=8", "exposure.time_s=0.04", "develop.tone_curve=\"filmic\""];
+        let text = to_toml("a b.toml", &changes.map(str::to_owned));
+        let table: toml::Table = text.parse().expect("TOML");
+        assert_eq!(table["exposure"]["time_s"].as_float(), Some(0.04));
+        assert_eq!(table["lens"]["f_number"].as_integer(), Some(8));
+        assert!(text.contains("photosite render 'a b.toml' --set exposure.time_s=0.02"), "{text}");
+        assert!(text.contains("--set 'develop.tone_curve=\"filmic\"'"), "{text}");
+        // A name cannot add keys.
+        assert_eq!(to_toml("a\n[scene]", &[]).parse::<toml::Table>().expect("TOML").len(), 0);
+    }
+}

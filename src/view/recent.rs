@@ -1,0 +1,56 @@
+//! The most recently used of few values.
+
+/// Values that are kept: two pictures may be looked at side by side.
+const KEPT: usize = 4;
+
+/// The most recently used of few values, by their keys.
+pub(super) struct Recent<K, V> {
+    values: Vec<(K, V)>,
+}
+
+impl<K: PartialEq, V: Clone> Recent<K, V> {
+    pub(super) const fn new() -> Self {
+        Self { values: Vec::new() }
+    }
+
+    /// The value of a key, made where it is not kept.
+    pub(super) fn get_or_make<E>(&mut self, key: K, make: impl FnOnce() -> Result<V, E>) -> Result<V, E> {
+        let value = match self.values.iter().position(|(known, _)| *known == key) {
+            Some(place) => self.values.remove(place).1,
+            None => make()?,
+        };
+        self.values.truncate(KEPT - 1);
+        self.values.insert(0, (key, value.clone()));
+        Ok(value)
+    }
+
+    /// Forgets values whose keys are no longer asked for.
+    pub(super) fn retain(&mut self, is_kept: impl Fn(&K) -> bool) {
+        self.values.retain(|(key, _)| is_kept(key));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_few_are_kept() {
+        let mut recent = Recent::new();
+        let mut get = |key: u32| {
+            let mut is_made = false;
+            let value = recent.get_or_make(key, || {
+                is_made = true;
+                Ok::<_, ()>(key * 10)
+            });
+            assert_eq!(value, Ok(key * 10));
+            is_made
+        };
+        assert!(get(1) && get(2) && get(3) && get(4));
+        assert!(!get(1), "the oldest, and now the newest");
+        assert!(get(5) && get(2), "2 has given way to 5");
+        assert!(!get(1) && !get(4));
+        let refused: Result<u32, &str> = recent.get_or_make(9, || Err("no"));
+        assert_eq!(refused, Err("no"));
+    }
+}

@@ -1,0 +1,33 @@
+//! The settings of a picture as they are, by the keys that change them: what the controls of the page show.
+
+use serde_json::{Map, Value, json};
+
+use super::source::Ready;
+use crate::capture::ExposureTime;
+use crate::develop::DevelopSettings;
+use crate::sensor::{Exposure, Stage};
+
+/// Those of sensor and exposure.
+pub(super) fn of_exposure(ready: &Ready, exposure: &Exposure) -> Map<String, Value> {
+    let (sensor, wanted, seed) = ready.settings();
+    let is_automatic = matches!(wanted.time, ExposureTime::Auto(_));
+    let off: Vec<Stage> = Stage::ALL.into_iter().filter(|&stage| !wanted.stages.has(stage)).collect();
+    let all = [
+        ("exposure.auto", json!(is_automatic)),
+        ("exposure.time_s", json!(exposure.time.0)),
+        ("exposure.gain_db", json!(exposure.gain.0)),
+        ("exposure.digital_gain_db", json!(exposure.digital_gain.0)),
+        ("exposure.temperature_c", json!(exposure.temperature.0)),
+        ("exposure.stages_off", json!(off)),
+        ("render.seed", json!(seed)),
+        ("sensor.preset", json!(sensor.name)),
+    ];
+    all.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
+}
+
+/// Those of development.
+pub(super) fn of_development(settings: &DevelopSettings) -> Map<String, Value> {
+    let all = serde_json::to_value(settings).ok();
+    let all = all.and_then(|value| value.as_object().cloned()).unwrap_or_default();
+    all.into_iter().map(|(key, value)| (format!("develop.{key}"), value)).collect()
+}

@@ -1,0 +1,318 @@
+//! The thread that traces: one trace after the other, each of which may pause, stop, or give way to the next.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex};
+use std::time::{Duration, Instant};
+
+use tokio::sync::watch;
+
+use super::source::Lit;
+use super::status::{CameraState, Phase, Status};
+use crate::capture::Capture;
+use crate::film::Film;
+use crate::locked::locked;
+use crate::pipeline::{Event, FilmMemory, Light, Monitor, Options, Prepared};
+use crate::{Error, Result};
+
+/// A light is published only so often that it takes no more than this part of the time.
+const PUBLISHING_PART: f64 = 0.2;
+/// How long a thread that waits does so before it looks whether it is to stop.
+const LOOK_INTERVAL: Duration = Duration::from_millis(20);
+
+/// Who watches the program from outside.
+pub type Outside = Arc<dyn Monitor + Send + Sync>;
+
+/// What is to be done.
+#[derive(Default)]
+struct Orders {
+    /// Changes to the capture of a trace that is to begin.
+    next: Option<Vec<String>>,
+    is_paused: bool,
+    is_stopped: bool,
+}
+
+/// Traces on a thread of its own.
+pub(super) struct Tracer {
+    orders: Mutex<Orders>,
+    changed: Condvar,
+    status: watch::Sender<Status>,
+    lit: Mutex<Option<Lit>>,
+    /// Changes of the newest trace.
+    traced_with: Mutex<Vec<String>>,
+    /// Pictures that are being made, for which tracing waits.
+    pictures: AtomicUsize,
+    outside: Outside,
+    film_memory: FilmMemory,
+    /// Where the checkpoint of the capture as it is lies.
+    checkpoint: Option<PathBuf>,
+}
+
+impl Tracer {
+    pub(super) fn new(
+        outside: Outside,
+        status: watch::Sender<Status>,
+        film_memory: FilmMemory,
+        checkpoint: Option<PathBuf>,
+    ) -> Arc<Self> {
+        status.send_replace(Status::new(Phase::Preparing));
+        Arc::new(Self {
+            orders: Mutex::default(),
+            changed: Condvar::new(),
+            status,
+            lit: Mutex::new(None),
+            traced_with: Mutex::default(),
+            pictures: AtomicUsize::new(0),
+            outside,
+            film_memory,
+            checkpoint,
+        })
+    }
+
+    /// The newest light.
+    pub(super) fn lit(&self) -> Option<Lit> {
+        locked(&self.lit).clone()
+    }
+
+    /// Begins anew with these changes to the capture.
+    pub(super) fn start(&self, changes: Vec<String>) {
+        *locked(&self.orders) = Orders { next: Some(changes), ..Orders::default() };
+        self.changed.notify_all();
+    }
+
+    /// Waits, or goes on.
+    pub(super) fn pause(&self, is_paused: bool) {
+        locked(&self.orders).is_paused = is_paused;
+        self.status.send_if_modified(|status| {
+            let phase = match (status.phase, is_paused) {
+                (Phase::Tracing, true) => Phase::Paused,
+                (Phase::Paused, false) => Phase::Tracing,
+                (other, _) => other,
+            };
+            std::mem::replace(&mut status.phase, phase) != phase
+        });
+        self.changed.notify_all();
+    }
+
+    /// Ends the trace with what is there, which a checkpoint keeps where there is a folder for it.
+    pub(super) fn stop(&self) {
+        locked(&self.orders).is_stopped = true;
+        self.changed.notify_all();
+    }
+
+    /// Tracing waits until this is dropped.
+    pub(super) fn make_way(&self) -> WayMade<'_> {
+        self.pictures.fetch_add(1, Ordering::Relaxed);
+        WayMade(self)
+    }
+
+    /// Traces what is ordered until the program is asked to end; the error says how the work goes on.
+    pub(super) fn run(&self, capture: &Capture) -> Error {
+        let mut earlier: Option<Prepared> = None;
+        let mut changes = Vec::new();
+        loop {
+            let traced = self.trace(capture, &changes, &mut earlier);
+            match traced {
+                Ok(()) => self.status.send_modify(|status| (status.phase, status.left_s) = (Phase::Done, Some(0.0))),
+                Err(error @ Error::Cancelled { .. }) if self.outside.is_cancelled() => return error,
+                Err(Error::Cancelled { .. }) if locked(&self.orders).next.is_some() => {}
+                Err(Error::Cancelled { help, .. }) => self.status.send_modify(|status| {
+                    status.phase = Phase::Stopped;
+                    status.message = self.checkpoint.as_ref().and(help).map(|help| help.to_string());
+                }),
+                Err(error) => self.status.send_modify(|status| {
+                    status.phase = Phase::Failed;
+                    status.message = Some(error.to_string());
+                }),
+            }
+            changes = self.next();
+            locked(&self.traced_with).clone_from(&changes);
+        }
+    }
+
+    /// Changes to the capture that the newest trace was begun with.
+    pub(super) fn changes(&self) -> Vec<String> {
+        locked(&self.traced_with).clone()
+    }
+
+    /// Waits for the next order to trace.
+    fn next(&self) -> Vec<String> {
+        let mut orders = locked(&self.orders);
+        loop {
+            if let Some(changes) = orders.next.take() {
+                return changes;
+            }
+            orders = self.changed.wait(orders).unwrap_or_else(std::sync::PoisonError::into_inner);
+        }
+    }
+
+    fn trace(&self, capture: &Capture, changes: &[String], earlier: &mut Option<Prepared>) -> Result<()> {
+        self.status.send_modify(|status| {
+            let camera = status.camera.take();
+            *status = Status { trace: status.trace + 1, light: status.light, camera, ..Status::new(Phase::Preparing) };
+        });
+        let changed = if changes.is_empty() { capture.clone() } else { capture.with(changes)? };
+        let prepared = Arc::new(Prepared::after(earlier.take(), changed)?);
+        *earlier = Some(Prepared::clone(&prepared));
+        self.status.send_modify(|status| {
+            status.phase = Phase::Tracing;
+            status.warnings = prepared.warnings().to_vec();
+            status.camera = CameraState::new(&prepared);
+        });
+        prepared.warnings().iter().for_each(|warning| self.outside.report(Event::Warning(warning)));
+        let job = Job {
+            tracer: self,
+            prepared: &prepared,
+            begun: Instant::now(),
+            paths: AtomicU64::new(0),
+            rest: Mutex::new(Rest { since: None, spent: Duration::ZERO, published: None }),
+        };
+        let checkpoint = self.checkpoint.as_deref().filter(|_| changes.is_empty());
+        let light = prepared.trace(Options {
+            monitor: &job,
+            film_memory: self.film_memory,
+            checkpoint,
+            is_coarse_first: true,
+        })?;
+        self.publish(&prepared, light);
+        Ok(())
+    }
+
+    /// Makes a light the newest.
+    fn publish(&self, prepared: &Arc<Prepared>, light: Light) {
+        let noise_ratio = prepared.noise_ratio(&light);
+        let mut lit = locked(&self.lit);
+        self.status.send_modify(|status| {
+            status.light += 1;
+            status.noise_ratio = noise_ratio;
+            let (number, trace) = (status.light, status.trace);
+            *lit = Some(Lit { prepared: Arc::clone(prepared), light: Arc::new(light), number, trace });
+        });
+    }
+
+    fn is_cancelled(&self) -> bool {
+        let orders = locked(&self.orders);
+        orders.is_stopped || orders.next.is_some() || self.outside.is_cancelled()
+    }
+}
+
+/// Tracing waits while it is there.
+pub(super) struct WayMade<'a>(&'a Tracer);
+
+impl Drop for WayMade<'_> {
+    fn drop(&mut self) {
+        self.0.pictures.fetch_sub(1, Ordering::Relaxed);
+        self.0.changed.notify_all();
+    }
+}
+
+/// One trace, and who hears of it.
+struct Job<'a> {
+    tracer: &'a Tracer,
+    prepared: &'a Arc<Prepared>,
+    begun: Instant,
+    paths: AtomicU64,
+    rest: Mutex<Rest>,
+}
+
+/// Times in which nothing is traced, and the last light that was published.
+struct Rest {
+    since: Option<Instant>,
+    spent: Duration,
+    /// When that ended, and how long it took.
+    published: Option<(Instant, Duration)>,
+}
+
+impl Job<'_> {
+    /// Waits while there is a pause, or a picture is being made.
+    fn wait(&self) {
+        let tracer = self.tracer;
+        let mut orders = locked(&tracer.orders);
+        while (orders.is_paused || tracer.pictures.load(Ordering::Relaxed) > 0)
+            && !(orders.is_stopped || orders.next.is_some() || tracer.outside.is_cancelled())
+        {
+            let is_paused = orders.is_paused;
+            let waited = tracer.changed.wait_timeout(orders, LOOK_INTERVAL);
+            orders = waited.map_or_else(|poisoned| poisoned.into_inner().0, |(orders, _)| orders);
+            let mut rest = locked(&self.rest);
+            if is_paused && rest.since.is_none() {
+                rest.since = Some(Instant::now());
+            }
+        }
+        drop(orders);
+        let mut rest = locked(&self.rest);
+        if let Some(since) = rest.since.take() {
+            rest.spent += since.elapsed();
+        }
+    }
+
+    /// Seconds without pauses.
+    fn elapsed_s(&self) -> f64 {
+        self.begun.elapsed().saturating_sub(locked(&self.rest).spent).as_secs_f64()
+    }
+
+    /// Publishes what is traced so far, unless that would take too much of the time.
+    fn show(&self, film: &Film) {
+        let start = Instant::now();
+        let last = locked(&self.rest).published;
+        // What a trace that is stopped leaves is shown in any case.
+        let is_last = locked(&self.tracer.orders).is_stopped;
+        if !is_last
+            && last.is_some_and(|(end, took)| {
+                start.duration_since(end).as_secs_f64() * PUBLISHING_PART < took.as_secs_f64()
+            })
+        {
+            return;
+        }
+        // A picture that is traced in strips shows when it is whole.
+        if let Ok(Some(light)) = self.prepared.light_so_far(film, self.elapsed_s()) {
+            self.tracer.publish(self.prepared, light);
+        }
+        locked(&self.rest).published = Some((Instant::now(), start.elapsed()));
+    }
+
+    fn tell(&self, change: impl FnOnce(&mut Status)) {
+        let (elapsed_s, paths) = (self.elapsed_s(), self.paths.load(Ordering::Relaxed));
+        self.tracer.status.send_modify(|status| {
+            (status.elapsed_s, status.paths) = (elapsed_s, paths);
+            change(status);
+            let left = status.expected_paths.saturating_sub(paths) as f64;
+            status.left_s = (paths > 0).then(|| left * elapsed_s / paths as f64);
+        });
+    }
+}
+
+impl Monitor for Job<'_> {
+    fn report(&self, event: Event<'_>) {
+        match event {
+            Event::TraceBegins { traced, expected, samples_per_pixel, .. } => {
+                self.paths.store(traced, Ordering::Relaxed);
+                self.tell(|status| {
+                    (status.expected_paths, status.samples_per_pixel) = (expected, samples_per_pixel as f64);
+                });
+            }
+            Event::Traced(paths) => {
+                self.paths.fetch_add(paths, Ordering::Relaxed);
+                self.tell(|_| {});
+                self.wait();
+            }
+            Event::PassEnds { samples_per_pixel, expected, film } => {
+                self.tell(|status| (status.expected_paths, status.samples_per_pixel) = (expected, samples_per_pixel));
+                self.show(film);
+            }
+            Event::Warning(words) => self.tell(|status| status.warnings.push(words.to_owned())),
+            Event::PictureGrows(_)
+            | Event::TraceEnds
+            | Event::SetBegins { .. }
+            | Event::PictureFails { .. }
+            | Event::PictureEnds(_)
+            | Event::Waiting { .. }
+            | Event::SetEnds => {}
+        }
+        self.tracer.outside.report(event);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.tracer.is_cancelled()
+    }
+}

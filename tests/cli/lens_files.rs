@@ -1,0 +1,72 @@
+//! `photosite lens`: lenses that ship and lens files, as text, JSON, page and file of ours.
+
+use serde_json::Value;
+
+use crate::folder::Folder;
+
+/// A plano-convex lens of N-BK7: its focal length is R/(n_d − 1) = 50 mm / 0.5168.
+const SEQ: &str =
+    "RDM Y\nDIM M\nTITLE 'singlet'\nEPD 10\nYAN 0 5\nSO 0 1e13\nS 50 4 NBK7_SCHOTT\n  STO\nS 0 90\nSI 0 0\nGO\n";
+
+#[test]
+fn a_lens_that_ships_is_shown_as_its_reference_has_it() {
+    let folder = Folder::new([]);
+    let outcome = folder.succeed("lens double-gauss --json");
+    let figures: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+    let position = &figures["positions"][0];
+    // Optiland: 99.985804328, 100.00372967, 100.063426611 mm at F, d, C.
+    for (row, efl) in [99.985804328, 100.00372967, 100.063426611].into_iter().enumerate() {
+        let found = position["first_order"][row]["efl_mm"].as_f64().expect("a number");
+        assert!((found - efl).abs() < 1e-6, "{found}");
+    }
+    let fields = position["fields"].as_array().expect("fields");
+    assert_eq!(fields.len(), 7);
+    let edge = &fields[6];
+    // tests/reference/double-gauss.json: the chief ray of 14° at d.
+    assert!((edge["image_height_mm"].as_f64().expect("a number") - 24.5887).abs() < 1e-3, "{edge}");
+    assert!(edge["mtf"][1]["tangential"].as_array().is_some_and(|values| values[0] == 1.0), "{edge}");
+    let text = folder.succeed("lens double-gauss --f-number 8").stdout;
+    for part in ["Double Gauss", "N-SSK2", "First order", "MTF 20", "f/8.00"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(folder.succeed("lens --list").stdout.lines().any(|name| name == "fisheye-170"));
+}
+
+#[test]
+fn a_lens_file_becomes_one_of_ours_and_a_page() {
+    let folder = Folder::new([("singlet.seq", SEQ.into())]);
+    folder.succeed("lens singlet.seq -o lens.toml -o lens.html --quiet");
+    let page = std::fs::read_to_string(folder.path("lens.html")).expect("a page");
+    for part in ["<h1>singlet</h1>", "Cross-section", "Field curves", "Spots", "Modulation transfer", "</html>"] {
+        assert!(page.contains(part), "{part}");
+    }
+    // It refers to nothing but itself.
+    assert!(!page.contains("src=") && !page.contains("href="));
+    let efl = |file: &str| {
+        let figures: Value =
+            serde_json::from_str(&folder.succeed(&format!("lens {file} --json")).stdout).expect("JSON");
+        figures["positions"][0]["first_order"][1]["efl_mm"].as_f64().expect("a number")
+    };
+    assert_eq!(efl("lens.toml"), efl("singlet.seq"));
+    assert!((efl("lens.toml") - 50.0 / 0.5168).abs() < 1e-3);
+    folder.fail("lens singlet.seq -o lens.toml", 2, &["lens.toml exists already", "--force"]);
+    folder.succeed("lens singlet.seq -o lens.toml --force --quiet");
+}
+
+#[test]
+fn what_cannot_be_shown_is_said() {
+    let folder = Folder::new([
+        ("no-rdm.seq", SEQ.replace("RDM Y\n", "").into()),
+        ("glass.seq", SEQ.replace("NBK7_SCHOTT", "NBK77_SCHOTT").into()),
+        ("lens.doc", "words".into()),
+    ]);
+    folder.fail("lens no-rdm.seq", 1, &["no-rdm.seq", "RDM Y", "RDM N"]);
+    folder.fail("lens glass.seq", 1, &["glass.seq:7", "surface 1", "NBK77", "schott/N-BK7"]);
+    folder.fail("lens lens.doc", 1, &["lens.doc", ".zmx"]);
+    folder.fail("lens missing.seq", 1, &["missing.seq"]);
+    folder.fail("lens double-gaus", 2, &["double-gauss"]);
+    folder.fail("lens double-gauss --f-number 1", 2, &["f/1", "f/2.012"]);
+    folder.fail("lens double-gauss --half-field -3", 2, &["half field"]);
+    folder.fail("lens double-gauss -o lens.zmx", 2, &["lens.zmx", ".toml"]);
+    folder.fail("lens", 2, &[]);
+}

@@ -1,0 +1,226 @@
+//! `photosite view`: what the page gets is what the command writes, and who has no token gets nothing.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::process::{Child, Stdio};
+use std::time::Duration;
+
+use rstest::rstest;
+use serde_json::Value;
+
+use crate::folder::Folder;
+use crate::room::room;
+
+/// A server that ends with the test.
+struct Server {
+    process: Child,
+    /// Address and port, and the path of the page.
+    host: String,
+    path: String,
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+    }
+}
+
+/// A picture as it is sent: its description and its values.
+struct Picture {
+    facts: Value,
+    values: Vec<u8>,
+}
+
+impl Server {
+    fn start(folder: &Folder, arguments: &str) -> Self {
+        let mut process = folder.command(&format!("view {arguments}")).stdout(Stdio::piped()).spawn().expect("started");
+        let mut address = String::new();
+        BufReader::new(process.stdout.take().expect("piped")).read_line(&mut address).expect("an address");
+        let address = address.trim().strip_prefix("http://").expect(&address);
+        let (host, path) = address.split_once('/').expect("a path");
+        Self { process, host: host.to_owned(), path: format!("/{path}") }
+    }
+
+    /// Status and body.
+    fn ask(&self, path: &str, headers: &str) -> (u16, Vec<u8>) {
+        let mut stream = TcpStream::connect(&self.host).expect("a connection");
+        stream.set_read_timeout(Some(Duration::from_secs(120))).expect("a time");
+        write!(stream, "GET {path} HTTP/1.1\r\n{headers}Connection: close\r\n\r\n").expect("sent");
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).expect("an answer");
+        let end = answer.windows(4).position(|four| four == b"\r\n\r\n").expect("headers");
+        let status = std::str::from_utf8(&answer[9..12]).expect("digits").parse().expect("a status");
+        (status, answer.split_off(end + 4))
+    }
+
+    fn get(&self, path: &str) -> (u16, Vec<u8>) {
+        self.ask(&format!("{}{path}", self.path), &format!("Host: {}\r\n", self.host))
+    }
+
+    /// The first event of a phase.
+    fn wait_for(&self, phase: &str) -> Value {
+        let mut stream = TcpStream::connect(&self.host).expect("a connection");
+        stream.set_read_timeout(Some(Duration::from_secs(120))).expect("a time");
+        write!(stream, "GET {}events HTTP/1.1\r\nHost: {}\r\n\r\n", self.path, self.host).expect("sent");
+        for line in BufReader::new(stream).lines() {
+            let line = line.expect("an event in time");
+            let Some(event) = line.strip_prefix("data: ") else { continue };
+            let status: Value = serde_json::from_str(event).expect("JSON");
+            assert_ne!(status["phase"], "failed", "{status}");
+            if status["phase"] == phase {
+                return status;
+            }
+        }
+        panic!("the events end before the phase {phase}");
+    }
+
+    fn picture(&self, query: &str) -> Picture {
+        let (status, body) = self.get(&format!("picture?{query}"));
+        assert_eq!(status, 200, "{query}: {}", String::from_utf8_lossy(&body));
+        let length = u32::from_le_bytes(body[..4].try_into().expect("four bytes")) as usize;
+        let facts = serde_json::from_slice(&body[4..4 + length]).expect("JSON");
+        Picture { facts, values: body[4 + length..].to_vec() }
+    }
+}
+
+/// Codes of a PNG file.
+fn codes(folder: &Folder, name: &str) -> Vec<u8> {
+    image::open(folder.path(name)).expect(name).to_rgb8().into_raw()
+}
+
+const SETTINGS: &str =
+    "[render]\nsamples_per_pixel = 4\nseed = 3\n[output]\nraw = ['dng', 'npy']\nirradiance = true\nideal = true\n";
+
+/// The picture of settings, and what the command is told for the same.
+const CASES: [(&str, &str); 10] = [
+    ("", ""),
+    ("exposure.time_s=0.002", "--set exposure.time_s=0.002"),
+    ("exposure.auto=true", "--set exposure.auto=true"),
+    ("exposure.gain_db=6&exposure.temperature_c=60", "--set exposure.gain_db=6 --set exposure.temperature_c=60"),
+    ("render.seed=9", "--set render.seed=9"),
+    ("exposure.stages_off=read-noise%2Cshot-noise", "--set exposure.stages_off=[\"read-noise\",\"shot-noise\"]"),
+    ("sensor.preset=sony-imx249-color", "--set sensor.preset=sony-imx249-color"),
+    (
+        "develop.white_balance=temperature&develop.temperature_k=3200",
+        "--set develop.white_balance=temperature --set develop.temperature_k=3200",
+    ),
+    (
+        "develop.demosaic=bilinear&develop.tone_curve=filmic",
+        "--set develop.demosaic=bilinear --set develop.tone_curve=filmic",
+    ),
+    ("develop.sharpening=1.5&exposure.time_s=0.01", "--set develop.sharpening=1.5 --set exposure.time_s=0.01"),
+];
+
+/// Light that is traced for the page, coarse first, and light that a render has stored.
+#[rstest]
+#[case::traced("capture.toml")]
+#[case::stored("out")]
+fn pictures_have_the_bytes_of_the_command(#[case] input: &str) {
+    let folder = room(SETTINGS);
+    folder.succeed("render capture.toml -o out");
+    let server = Server::start(&folder, input);
+    server.wait_for(if input == "out" { "stored" } else { "done" });
+    let [width, height] = [0, 1].map(|i| folder.report("out")["sensor"]["resolution_px"][i].as_u64().expect("pixels"));
+    for (i, (query, options)) in CASES.into_iter().enumerate() {
+        // Another sensor has the pixels of the light.
+        let pixels = if query.contains("preset") {
+            format!("--set sensor.resolution_px=[{width},{height}]")
+        } else {
+            String::new()
+        };
+        folder.succeed(&format!("expose out -o exposed-{i} {options} {pixels}"));
+        let picture = server.picture(query);
+        assert!(picture.values == codes(&folder, &format!("exposed-{i}/image.png")), "{query}");
+        assert_eq!(
+            (&picture.facts["channels"], &picture.facts["type"]),
+            (&serde_json::json!(["R", "G", "B"]), &"u8".into())
+        );
+        let raw = server.picture(&format!("plane=raw&{query}"));
+        let file = folder.raw(&format!("exposed-{i}/raw.dng"));
+        let numbers: Vec<u16> = raw.values.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes)).collect();
+        assert!(numbers == file.data, "{query}: digital numbers");
+        assert_eq!(raw.facts["raw"]["white_dn"], file.white_level_dn, "{query}");
+    }
+    // Later frames have noise of their own.
+    folder.succeed("expose out -o frames --frames 3");
+    folder.succeed("develop frames/raw-0002.dng -o frame.png");
+    assert!(server.picture("frame=2").values == codes(&folder, "frame.png"));
+    assert_eq!(server.get("picture?frame=5000").0, 400);
+}
+
+#[test]
+fn planes_and_pixels_are_those_of_the_files() {
+    let folder = room(&format!("{SETTINGS}truth = ['depth', 'normal']\nnoise = ['read_noise_e']\n"));
+    folder.succeed("render capture.toml -o out");
+    let server = Server::start(&folder, "capture.toml out/raw.dng");
+    server.wait_for("done");
+    let floats = |picture: &Picture| -> Vec<f32> {
+        picture.values.as_chunks().0.iter().map(|&bytes| f32::from_le_bytes(bytes)).collect()
+    };
+    let same = |a: &[f32], b: &[f32]| a.iter().map(|v| v.to_bits()).eq(b.iter().map(|v| v.to_bits()));
+    let electrons = folder.electrons("out");
+    let of_page = server.picture("plane=electrons:G");
+    assert_eq!(of_page.facts["unit"], "e⁻");
+    assert!(same(&floats(&of_page), electrons.mean.plane("G").expect("green")));
+    let truth = photosite::io::exr::read_exr_file(&folder.path("out/truth.exr")).expect("truth").planes;
+    let depth = truth.channels().iter().find(|channel| channel.name.to_lowercase().contains("depth")).expect("depth");
+    assert!(same(&floats(&server.picture("plane=truth:depth")), &depth.data));
+    let noise = photosite::io::exr::read_exr_file(&folder.path("out/noise.exr")).expect("noise").planes;
+    assert!(same(&floats(&server.picture("plane=noise:read_noise_e")), &noise.channels()[0].data));
+    let planes = &of_page.facts["planes"];
+    for plane in planes.as_array().expect("planes") {
+        let plane = plane.as_str().expect("a name").replace(' ', "%20");
+        let picture = server.picture(&format!("plane={plane}"));
+        let count = |key: &str| picture.facts[key].as_u64().expect("a number") as usize;
+        let bytes = match picture.facts["type"].as_str() {
+            Some("u8") => 1,
+            Some("u16") => 2,
+            _ => 4,
+        };
+        let channels = picture.facts["channels"].as_array().expect("channels").len();
+        assert_eq!(picture.values.len(), count("width") * count("height") * channels * bytes, "{plane}");
+    }
+    // A pixel, and the raw file as the second input.
+    let (status, pixel) = server.get("pixel?x=3&y=2");
+    let pixel: Value = serde_json::from_slice(&pixel).expect("JSON");
+    assert_eq!(status, 200);
+    let width = electrons.mean.width();
+    let green = pixel["electrons"].as_array().expect("electrons").iter().find(|e| e[0] == "G").expect("green");
+    assert_eq!(green[1].as_f64(), Some(f64::from(electrons.mean.plane("G").expect("green")[2 * width + 3])));
+    let file = folder.raw("out/raw.dng");
+    assert_eq!(pixel["raw"][0][1], file.data[2 * file.width + 3]);
+    let at = (2 * width + 3) * 3;
+    let developed: Vec<u64> = (0..3).map(|c| pixel["developed"][c][1].as_f64().expect("a code") as u64).collect();
+    assert_eq!(developed, codes(&folder, "out/image.png")[at..at + 3].iter().map(|&c| c.into()).collect::<Vec<u64>>());
+    assert!(server.picture("input=1").values == codes(&folder, "out/image.png"));
+    assert_eq!(server.get("picture?input=2").0, 404);
+    assert_eq!(server.get("picture?input=1&exposure.time_s=1").0, 409, "a raw file is exposed already");
+    // What was changed is what the command takes.
+    let (_, text) = server.get("capture?exposure.time_s=0.002&develop.tone_curve=filmic");
+    let text = String::from_utf8(text).expect("UTF-8");
+    let changes: toml::Table = text.parse().expect("TOML");
+    assert_eq!(changes["exposure"]["time_s"].as_float(), Some(0.002));
+    assert_eq!(changes["develop"]["tone_curve"].as_str(), Some("filmic"));
+}
+
+#[test]
+fn strangers_get_nothing() {
+    let folder = room(SETTINGS);
+    folder.succeed("render capture.toml -o out");
+    let server = Server::start(&folder, "out/raw.dng");
+    assert_eq!(server.get("").0, 200);
+    let host = format!("Host: {}\r\n", server.host);
+    assert_eq!(server.ask("/", &host).0, 403);
+    assert_eq!(server.ask("/00000000000000000000000000000000/", &host).0, 403);
+    assert_eq!(server.ask(&server.path, "Host: evil.example\r\n").0, 403);
+    assert_eq!(server.ask(&server.path, &format!("{host}Origin: http://evil.example\r\n")).0, 403);
+    for path in ["../capture.toml", "%2e%2e/capture.toml", "capture.toml", "/etc/passwd", "page/view.js"] {
+        assert_eq!(server.get(path).0, 404, "{path}");
+    }
+    for query in ["sensor.preset=%2Fetc%2Fpasswd", "scene.geometry=x", "develop.raw=x", "frame=x", "plane"] {
+        assert_eq!(server.get(&format!("picture?{query}")).0, 400, "{query}");
+    }
+    folder.fail("view out nothing.toml", 1, &["nothing.toml"]);
+    folder.fail("view capture.toml capture.toml", 2, &["one scene is traced at a time"]);
+}

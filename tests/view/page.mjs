@@ -1,0 +1,285 @@
+// Drives the page of `photosite view` in headless Chromium, and compares what it shows with what the commands write.
+//
+//     node tests/view/page.mjs PHOTOSITE [SCREENSHOTS]
+//
+// Run it in a folder with playwright-core. A capture is rendered with `photosite render`. The page must show the same
+// picture when all is traced; after each change of a control, the bytes of the picture that `photosite expose` makes with
+// the same keys; after a move of the camera, that of `photosite render`. SCREENSHOTS is a folder for pictures of the page.
+import { join, resolve } from "node:path";
+import { browser, check, difference, folder, nameless, open, photosite, readNpy, readPng, view } from "./harness.mjs";
+
+const [, , given, pictures] = process.argv;
+const program = resolve(given);
+const here = folder();
+const capture = resolve(import.meta.dirname, "../../scenes/cornell-box/capture.toml");
+const SETTINGS = ["sensor.resolution_px=[160,120]", "render.samples_per_pixel=24", "output.irradiance=true"];
+const AUTOMATIC = ["exposure.auto", "exposure.compensation_ev"];
+const sets = keys => keys.flatMap(key => ["--set", key]);
+
+/** The light of the capture as it is, and moved. */
+const stored = join(here, "stored"), moved = join(here, "moved");
+const NPY = 'output.raw=["dng", "npy"]';
+photosite(program, "render", capture, "-o", stored, "--quiet", ...sets([...SETTINGS, NPY]));
+photosite(program, "render", capture, "-o", moved, "--quiet", ...sets([...SETTINGS, "lens.f_number=5.6"]));
+
+/** The picture that is on the page, as an array. */
+const values = page => page.evaluate(() => [...window.state.picture.values]);
+const settled = (page, light) => page.waitForFunction(light => {
+  const { status, picture } = window.state;
+  return status?.phase === "done" && status.light >= light && picture?.light === status.light;
+}, light, { timeout: 120_000 });
+
+/** A value of a control that differs from what is there, and what it becomes in a capture. */
+function another(control) {
+  const { kind, key, min, max, step, options } = control;
+  if (kind === "linear") {
+    const value = +(min + Math.round(0.7 * (max - min) / step) * step).toFixed(6);
+    return { fill: String(value), expected: value };
+  }
+  if (kind === "logarithmic") return { fill: String(key === "exposure.time_s" ? Math.log2(0.004) : Math.log2(min) + 0.4), expected: null };
+  if (kind === "whole") return { fill: "7", expected: 7 };
+  if (kind === "choice") return { options: options.map(option => option.name) };
+  return {};
+}
+
+/** A query as changes on a command line. */
+function asChanges(url, controls) {
+  const changes = [];
+  for (const [key, value] of new URL(url).searchParams) {
+    if (["plane", "input", "frame"].includes(key)) continue;
+    const { kind } = controls.find(control => control.key === key);
+    if (kind === "choice") changes.push(`${key}="${value}"`);
+    else if (kind === "several") changes.push(`${key}=[${value.split(",").filter(Boolean).map(name => `"${name}"`).join(",")}]`);
+    else changes.push(`${key}=${value}`);
+  }
+  return changes;
+}
+
+async function everyControl(page, errors) {
+  const about = await page.evaluate(async () => (await fetch("about")).json());
+  let asked = null, exposed = 0, refused = 0;
+  const bad = { picture: 0, pixel: 0 };
+  page.on("response", answer => { if (answer.status() >= 400) bad[/\/([^/?]*)(\?|$)/.exec(answer.url())[1]]++; });
+  page.on("request", request => { if (request.url().includes("/picture?")) asked = request.url(); });
+  for (const group of await page.locator("#controls details").all()) await group.evaluate(details => { details.open = true; });
+
+  /** Lets the page act, waits for its answer, and compares that with the command's. */
+  const changed = async (control, act) => {
+    const before = await page.evaluate(() => window.state.answers);
+    await act();
+    await page.waitForFunction(before => window.state.answers > before, before, { timeout: 30_000 });
+    const error = await page.evaluate(() => window.state.error), changes = asChanges(asked, about.controls);
+    check(changes.some(change => change.startsWith(`${control.key}=`)), `${control.key} is not asked for: ${asked}`);
+    let wanted = null, why = "";
+    // Automatic exposure goes by the light, of which electrons.exr holds what its exposure has rounded.
+    const [how, input, more] = AUTOMATIC.includes(control.key) ? ["render", capture, SETTINGS] : ["expose", stored, []];
+    try {
+      photosite(program, how, input, "-o", join(here, "exposed"), "--force", "--quiet", ...sets([...more, ...changes]));
+      wanted = readPng(join(here, "exposed/image.png"));
+    } catch (failure) { why = failure.message; }
+    if (error) {
+      check(!wanted, `the page refuses ${changes.join(" ")} (${error}), and photosite ${how} does not`);
+      check(await page.locator("#readout.bad").isVisible(), `${changes}: the page does not say ${error}`);
+      refused++;
+    } else {
+      check(wanted, `photosite ${how} refuses ${changes.join(" ")}, and the page does not: ${why}`);
+      const differs = difference(await values(page), wanted.values);
+      check(!differs, `${changes.join(" ")}: ${differs}`);
+      exposed++;
+    }
+  };
+  const reset = async () => {
+    const before = await page.evaluate(() => window.state.answers);
+    await page.getByRole("button", { name: "Reset settings" }).click();
+    await page.waitForFunction(before => window.state.answers > before, before, { timeout: 30_000 });
+  };
+
+  for (const control of about.controls) {
+    const { label, kind, key } = control, { fill, expected, options } = another(control);
+    const root = page.locator(".control").filter({ has: page.locator(`#control-${key.replace(/\W/g, "-")}`) });
+    if (kind !== "several" && !await root.isVisible()) continue;
+    if (kind === "linear" || kind === "logarithmic") {
+      const slider = page.getByRole("slider", { name: label, exact: true });
+      await changed(control, () => slider.fill(fill));
+      const value = new URL(asked).searchParams.get(key), at = expected ?? 2 ** +await slider.inputValue();
+      check(Math.abs(value - at) <= 1e-5 * Math.abs(at), `${key}: the slider is at ${at}, and ${value} is asked for`);
+    } else if (kind === "whole") await changed(control, () => page.getByRole("spinbutton", { name: label, exact: true }).fill(fill));
+    else if (kind === "flag") await changed(control, () => page.getByRole("checkbox", { name: label, exact: true }).click());
+    else if (kind === "choice") {
+      const box = page.getByRole("combobox", { name: label, exact: true }), now = await box.inputValue();
+      for (const option of options.filter(option => option !== now)) await changed(control, () => box.selectOption(option));
+    } else {
+      // Stages one by one, all others staying off.
+      const none = page.getByRole("button", { name: `${label}: none` });
+      await changed(control, () => none.click());
+      for (const { name } of control.options) await changed(control, () => page.getByRole("checkbox", { name, exact: true }).check());
+    }
+    await reset();
+  }
+  const differs = difference(await values(page), readPng(join(stored, "image.png")).values);
+  check(!differs, `after all controls are reset: ${differs}`);
+  // Browsers tell of each answer that is an error.
+  const told = errors.filter(text => /^Failed to load resource: .* status of 4\d\d/.test(text));
+  check(bad.picture === refused, `${bad.picture} pictures are refused, and ${refused} settings`);
+  // A pixel of settings that are refused is refused, too.
+  check(told.length === bad.picture + bad.pixel, `${told.length} answers are errors, of ${JSON.stringify(bad)}`);
+  errors.splice(0, errors.length, ...errors.filter(text => !told.includes(text)));
+  console.log(`${about.controls.length} controls: ${exposed} settings have the bytes of the commands, ${refused} are refused by both`);
+}
+
+/** Picks a pixel with the pointer, and looks at what is drawn there. */
+async function aPixel(page) {
+  const png = readPng(join(stored, "image.png")), raw = readNpy(join(stored, "raw.npy")), [x, y] = [61, 47];
+  await page.getByRole("button", { name: "Fit" }).click();
+  const place = await page.evaluate(([x, y]) => {
+    const canvas = document.getElementById("view"), { width, height } = window.state.picture;
+    const scale = Math.min(canvas.clientWidth / width, canvas.clientHeight / height);
+    const at = [(canvas.clientWidth - width * scale) / 2 + (x + 0.5) * scale, (canvas.clientHeight - height * scale) / 2 + (y + 0.5) * scale];
+    const ratio = window.devicePixelRatio, box = canvas.getBoundingClientRect();
+    const drawn = canvas.getContext("2d").getImageData(Math.floor(at[0] * ratio), Math.floor(at[1] * ratio), 1, 1).data;
+    return { at: [box.left + at[0], box.top + at[1]], drawn: [...drawn] };
+  }, [x, y]);
+  const first = (y * png.width + x) * 3, code = [...png.values.subarray(first, first + 3)];
+  check(!difference(place.drawn, [...code, 255]), `the canvas shows ${place.drawn} where image.png has ${code}`);
+  await page.mouse.click(...place.at);
+  await page.waitForFunction(([x, y]) => window.state.pixel?.x === x && window.state.pixel?.y === y, [x, y]);
+  const pixel = await page.evaluate(() => window.state.pixel);
+  check(!difference(pixel.developed.map(([, value]) => value), code), `developed ${JSON.stringify(pixel.developed)}, ${code} in image.png`);
+  check(pixel.raw.length === 1 && pixel.raw[0][1] === raw[y * png.width + x], `raw ${JSON.stringify(pixel.raw)}, ${raw[y * png.width + x]} in raw.npy`);
+  check(pixel.electrons.length === 3 && pixel.electrons.every(([, mean, sigma]) => mean > 0 && sigma >= 0), JSON.stringify(pixel.electrons));
+  const text = await page.getByRole("table", { name: "Values of the pixel" }).innerText();
+  check(text.includes(`${raw[y * png.width + x]} DN`), text);
+  console.log(`pixel ${x}, ${y}: ${pixel.raw[0]} DN, developed ${code}, and so drawn`);
+}
+
+/** Every plane can be shown; the raw one is that of the file. */
+async function planes(page) {
+  const box = page.getByRole("combobox", { name: "Show", exact: true });
+  const names = await box.locator("option").evaluateAll(options => options.map(option => option.value));
+  for (const name of names) {
+    await box.selectOption(name);
+    await page.waitForFunction(name => window.state.picture.plane === name || window.state.error, name, { timeout: 30_000 });
+    check(!await page.evaluate(() => window.state.error), `${name}: ${await page.evaluate(() => window.state.error)}`);
+  }
+  await page.locator("#view").focus();
+  for (const [key, plane] of [["r", "raw"], ["e", "electrons:"], ["r", "raw"]]) {
+    await page.keyboard.press(key);
+    await page.waitForFunction(plane => window.state.picture.plane.startsWith(plane), plane);
+  }
+  const differs = difference(await values(page), readNpy(join(stored, "raw.npy")));
+  check(!differs, `raw: ${differs}`);
+  await page.keyboard.press("d");
+  await page.waitForFunction(() => window.state.picture.plane === "developed");
+  console.log(`${names.length} planes can be shown; raw has the numbers of raw.npy`);
+}
+
+/** Light that is traced anew through another aperture. */
+async function camera(page) {
+  const { trace, light } = await page.evaluate(() => window.state.status);
+  await page.locator("#camera-group").evaluate(details => { details.open = true; });
+  const number = page.getByRole("spinbutton", { name: "f-number" });
+  await number.fill("5.6");
+  await number.press("Enter");
+  await page.waitForFunction(trace => window.state.status.trace > trace, trace, { timeout: 30_000 });
+  await settled(page, light + 1);
+  const differs = difference(await values(page), readPng(join(moved, "image.png")).values);
+  check(!differs, `f/5.6: ${differs}`);
+  console.log("light through another aperture has the bytes of photosite render");
+}
+
+/** Tracing that would take hours pauses, goes on and stops, and what is there can be exposed. */
+async function longTrace(chromium) {
+  const server = await view(program, [capture, ...sets(["sensor.resolution_px=[160,120]", "render.samples_per_pixel=1000000"])]);
+  const { page, errors } = await open(chromium, server.address);
+  const samples = () => page.evaluate(() => window.state.status.samples_per_pixel);
+  const grows = async () => { const now = await samples(); await page.waitForFunction(now => window.state.status.samples_per_pixel > now && window.state.picture, now, { timeout: 60_000 }); };
+  const phase = name => page.waitForFunction(name => window.state.status.phase === name, name, { timeout: 30_000 });
+  await page.waitForFunction(() => window.state.pictures > 0, null, { timeout: 60_000 });
+  const first = await page.evaluate(() => window.state.pictures);
+  await grows();
+  await grows();
+  check(await page.evaluate(() => window.state.pictures) > first, "the picture does not grow with the light");
+  await page.getByRole("button", { name: "Pause" }).click();
+  await phase("paused");
+  const before = await samples(), answers = await page.evaluate(() => window.state.answers);
+  await page.getByRole("slider", { name: "Gain", exact: true }).fill("6");
+  await page.waitForFunction(answers => window.state.answers > answers, answers, { timeout: 30_000 });
+  // A pass that is under way may end.
+  check(await samples() <= 2 * before + 1, "light goes on being traced in a pause");
+  await page.getByRole("button", { name: "Continue" }).click();
+  await grows();
+  await page.getByRole("button", { name: "Stop" }).click();
+  await phase("stopped");
+  const stopped = await page.evaluate(() => window.state.answers);
+  await page.getByRole("slider", { name: "Gain", exact: true }).fill("12");
+  await page.waitForFunction(answers => window.state.answers > answers, stopped, { timeout: 30_000 });
+  check(!errors.length, errors.join("\n"));
+  await page.close();
+  const by = await server.end("SIGINT");
+  check(by === 130, `SIGINT ends it with ${by}`);
+  console.log("a long trace pauses, goes on and stops");
+}
+
+/** The server dies and is started again: the page says so, and finds it. */
+async function lost(chromium) {
+  const token = "0123456789abcdef0123456789abcdef", words = [stored];
+  const server = await view(program, words, { token });
+  const { page, errors } = await open(chromium, server.address);
+  await page.waitForFunction(() => window.state.pictures > 0, null, { timeout: 30_000 });
+  check(!errors.length, errors.join("\n"));
+  const before = await page.evaluate(() => window.state.pictures);
+  await server.end("SIGKILL");
+  await page.getByRole("alert").filter({ hasText: "The connection is lost" }).waitFor({ timeout: 15_000 });
+  const again = await view(program, words, { token, port: server.port });
+  await page.getByRole("alert").waitFor({ state: "hidden", timeout: 30_000 });
+  await page.waitForFunction(before => window.state.pictures > before, before, { timeout: 30_000 });
+  const differs = difference(await values(page), readPng(join(stored, "image.png")).values);
+  check(!differs, `after the server has come back: ${differs}`);
+  await page.close();
+  await again.end("SIGTERM");
+  console.log("a server that dies is missed, and found again");
+}
+
+/** What people look at: dark, light, and as narrow as a phone. */
+async function looks(chromium, address) {
+  for (const [name, options] of Object.entries({
+    dark: { colorScheme: "dark" }, light: { colorScheme: "light" },
+    phone: { colorScheme: "light", viewport: { width: 390, height: 844 }, hasTouch: true, deviceScaleFactor: 2 },
+  })) {
+    const { page, errors } = await open(chromium, address, options);
+    await settled(page, 0);
+    const unnamed = await nameless(page);
+    check(!unnamed.length, `without a name: ${unnamed.join(", ")}`);
+    const [wide, shown] = await page.evaluate(() => [document.documentElement.scrollWidth, window.innerWidth]);
+    check(wide <= shown, `${name}: the page is ${wide} px wide, the window ${shown}`);
+    check(!errors.length, errors.join("\n"));
+    if (pictures) await page.screenshot({ path: join(pictures, `view-${name}.png`) });
+    await page.close();
+  }
+  console.log("dark, light and narrow; every control has a name");
+}
+
+const chromium = await browser();
+try {
+  const server = await view(program, [capture, ...sets(SETTINGS)]);
+  const { page, errors } = await open(chromium, server.address);
+  await page.waitForFunction(() => window.state.pictures > 0, null, { timeout: 60_000 });
+  await settled(page, 1);
+  const differs = difference(await values(page), readPng(join(stored, "image.png")).values);
+  check(!differs, `the picture when all is traced: ${differs}`);
+  console.log("the picture when all is traced has the bytes of photosite render");
+  await aPixel(page);
+  await planes(page);
+  await everyControl(page, errors);
+  await camera(page);
+  check(!errors.length, `the console says:\n${errors.join("\n")}`);
+  await page.close();
+  await looks(chromium, server.address);
+  check(!server.log().includes("panicked"), server.log());
+  await server.end("SIGTERM");
+  await longTrace(chromium);
+  await lost(chromium);
+} finally {
+  await chromium.close();
+}
+process.exit(0);
