@@ -149,11 +149,10 @@ fn steepest(lens: &Lens, pupil: &PupilTable, highest_mm: f64) -> Vec<f64> {
             let Some(direction) = pupil.sample(point, [around, 1.0]) else { continue };
             let ray = at.ray_from_sensor(point, direction.cosines);
             // Rays that end on the way have met what comes before.
-            let _ =
-                at.trace(ray, Travel::ToScene, (0..count).rev().map(Step::refract), Apertures::Ignore, |hit| {
-                    let cosine = hit.cos_incidence.min(hit.turned.dot(hit.normal));
-                    steepest[hit.surface] = steepest[hit.surface].min(cosine - STEEPER);
-                });
+            let _ = at.trace(ray, Travel::ToScene, (0..count).rev().map(Step::refract), Apertures::Ignore, |hit| {
+                let cosine = hit.cos_incidence.min(hit.turned.dot(hit.normal));
+                steepest[hit.surface] = steepest[hit.surface].min(cosine - STEEPER);
+            });
         }
     }
     steepest

@@ -67,7 +67,12 @@ fn compare(name: &str, lens: &Lens, corner_mm: f64) {
         let (Ok(landed), true) = (landed, back[i].passed > 0.0) else { continue };
         passing += 1;
         let there = landed.at_z(lens.sensor_z_mm()).truncate();
-        close(&format!("{what}, back at {second} nm"), back[i].point.truncate().as_dvec2().distance(there), 0.0, POINT_MM);
+        close(
+            &format!("{what}, back at {second} nm"),
+            back[i].point.truncate().as_dvec2().distance(there),
+            0.0,
+            POINT_MM,
+        );
         if first == second {
             close(&what, there.distance(point), 0.0, POINT_MM);
         }

@@ -2,15 +2,14 @@
 
 use glam::{DVec2, DVec3};
 use photosite_core::math::philox::Philox;
+use photosite_lens::Ray;
 use photosite_lens::chief_map::ChiefMap;
-use photosite_lens::profile::Travel;
 use photosite_lens::pupil_table::PupilTable;
 use photosite_lens::spots::Spot;
-use photosite_lens::trace::{Apertures, Hit, Step};
-use photosite_lens::{Lens, Ray};
+use photosite_lens::trace::Apertures;
 use rand::RngExt;
 
-use crate::neutral::{Case, cases, close, number, numbers, prescription, read};
+use crate::neutral::{Case, cases, close, number, numbers};
 
 /// Wavelengths that a table is made of.
 const TABLE_NM: [f64; 5] = [400.0, 475.0, 550.0, 625.0, 700.0];

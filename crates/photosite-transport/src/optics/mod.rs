@@ -21,7 +21,8 @@ mod recording;
 mod stop;
 
 pub use camera::{
-    BeyondImageCircle, Camera, CameraRay, CameraSample, Connection, Landing, LandingRay, LensFigures, LensRays, PixelGrid,
+    BeyondImageCircle, Camera, CameraRay, CameraSample, Connection, Landing, LandingRay, LensFigures, LensRays,
+    PixelGrid,
 };
 pub use description::{AutofocusMethod, ContrastAutofocus, Falloff, Focus, LensDescription, LensKind, Sharpness};
 pub use element::{GroundLens, Power, SupplementaryLens};

@@ -179,7 +179,8 @@ impl<'a, 'f> BandWorker<'a, 'f> {
         let first_sample = tracer.job.settings.samples().start;
         batch.clear();
         for index in indices {
-            let DrawnSample { camera, u_wavelengths: u_own, next } = tracer.draw(position, first_sample + index, sampler);
+            let DrawnSample { camera, u_wavelengths: u_own, next } =
+                tracer.draw(position, first_sample + index, sampler);
             // Pixels that share have the same wavelengths
             let in_batch = (index - batch_start) as usize;
             let (u, sharing) = match u_wavelengths.get(in_batch) {

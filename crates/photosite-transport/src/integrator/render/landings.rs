@@ -26,7 +26,7 @@ const REACH: usize = 48;
 /// Paths of which the light is kept at once, 80 bytes each, unless one sample of a row and all within reach has more; and
 /// paths that are traced between two looks at whether to go on.
 const MAX_STORED_PATHS: usize = 1 << 20;
-const PATHS_OF_ROWS: usize = 1 << 17;
+const PATHS_OF_ROWS: usize = 1 << 19;
 
 /// Light of one wavelength that lands in a row.
 struct Landed {
@@ -49,11 +49,18 @@ struct Pass<'a> {
     /// Samples that a pixel of the film shall have, and those of pixels beyond it.
     wanted: &'a (dyn Fn(usize) -> u32 + Sync),
     beyond: u32,
+    /// What all pixels shall have at least.
+    least: u32,
 }
 
 impl Pass<'_> {
-    /// Samples that a pixel of the picture shall have.
+    /// Whether a pixel of the picture shall have a sample.
     #[inline]
+    fn wants(&self, pixel: [usize; 2], sample: u32) -> bool {
+        sample < self.least || sample < self.wanted(pixel)
+    }
+
+    /// Samples that a pixel of the picture shall have.
     fn wanted(&self, [column, row]: [usize; 2]) -> u32 {
         let is_of_film = self.rows.contains(&row);
         if is_of_film { (self.wanted)((row - self.rows.start) * self.width + column) } else { self.beyond }
@@ -62,14 +69,10 @@ impl Pass<'_> {
 
 impl Tracer<'_> {
     /// [`pass`](Self::pass) with light that lands where its wavelength leads it.
-    pub(super) fn land(
-        &self,
-        film: &mut Film,
-        wanted: &(dyn Fn(usize) -> u32 + Sync),
-        beyond: u32,
-    ) -> ControlFlow<()> {
+    pub(super) fn land(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync), beyond: u32) -> ControlFlow<()> {
         let (width, rows) = (film.width(), film.picture_rows());
-        let pass = Pass { tracer: self, width, rows, wanted, beyond };
+        let least = (0..film.counts().len()).map(wanted).fold(beyond, u32::min);
+        let pass = Pass { tracer: self, width, rows, wanted, beyond, least };
         let all = hull((0..).zip(film.counts()).map(|(pixel, &done)| done..wanted(pixel)));
         let within_reach = width * (2 * REACH + 1);
         let together = (MAX_STORED_PATHS / within_reach).clamp(1, 16);
@@ -105,14 +108,14 @@ impl Tracer<'_> {
             // Trace the paths that may land there
             let sources = kept.end..height.min(targets.end + REACH);
             let trace = |worker: &mut LandingWorker<'_>, row: usize| {
-                if is_asked(row) && self.go_on().is_continue() { worker.trace(row, samples.clone()) } else { RowOfPaths::new() }
+                if is_asked(row) && self.go_on().is_continue() {
+                    worker.trace(row, samples.clone())
+                } else {
+                    RowOfPaths::new()
+                }
             };
-            let new: Vec<RowOfPaths> = sources
-                .clone()
-                .into_par_iter()
-                .with_max_len(1)
-                .map_init(|| LandingWorker::new(pass), trace)
-                .collect();
+            let new: Vec<RowOfPaths> =
+                sources.clone().into_par_iter().with_max_len(1).map_init(|| LandingWorker::new(pass), trace).collect();
             paths.extend(new);
             kept.end = kept.end.max(sources.end);
             self.go_on()?;
@@ -206,6 +209,8 @@ impl<'a> LandingWorker<'a> {
     fn trace(&mut self, row: usize, samples: Range<u32>) -> RowOfPaths {
         let Pass { tracer, width, .. } = *self.pass;
         let mut found = RowOfPaths { by_target: (0..=2 * REACH).map(|_| Vec::new()).collect() };
+        // Most of the light lands where its path started.
+        found.by_target[REACH].reserve(LANES * width * samples.len());
         let first_sample = tracer.job.settings.samples().start;
         let most = (WAVEFRONT_PATHS / tracer.limits.splitting.max(1)).max(1) as usize;
         for column in 0..width {
@@ -236,7 +241,7 @@ impl<'a> LandingWorker<'a> {
         let Self { pass, sampler, wavefront, rays, samples, wavelengths, starts, targets, paths } = self;
         let tracer = pass.tracer;
         // Lead the rays through the lens
-        let starts_path = |i: usize, cell: [u32; 2]| starts[i].0 < pass.wanted(cell.map(|n| n as usize));
+        let starts_path = |i: usize, cell: [u32; 2]| pass.wants(cell.map(|n| n as usize), starts[i].0);
         tracer.job.camera.land_each(samples, wavelengths, rays, REACH as u32, starts_path, |i, ray| {
             let Some(ray) = ray else { return };
             let (sample, cell, position) = starts[i];

@@ -38,12 +38,7 @@ impl Tracer<'_> {
 
     /// Brings each pixel of a film that has fewer to as many samples as `wanted` says of it, unless that is broken off.
     /// Pixels of the picture beyond the film get `beyond`, elsewhere.
-    pub(super) fn pass(
-        &self,
-        film: &mut Film,
-        wanted: &(dyn Fn(usize) -> u32 + Sync),
-        beyond: u32,
-    ) -> ControlFlow<()> {
+    pub(super) fn pass(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync), beyond: u32) -> ControlFlow<()> {
         if self.lands_wavelengths() {
             return self.land(film, wanted, beyond);
         }

@@ -89,8 +89,7 @@ impl Camera {
         out.clear();
         areas.clear();
         for (sample, wavelengths) in samples.iter().zip(wavelengths) {
-            let (start, area) =
-                self.prescribed_start(lens, sample, wavelengths.lambda_nm(0)).unwrap_or((BLOCKED, 0.0));
+            let (start, area) = self.prescribed_start(lens, sample, wavelengths.lambda_nm(0)).unwrap_or((BLOCKED, 0.0));
             out.push(start);
             areas.push(area);
         }
