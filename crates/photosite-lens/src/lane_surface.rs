@@ -1,15 +1,43 @@
 //! Rays in lanes at one surface: where they meet it, what it cuts off, and how it turns them.
 
+use glam::Vec2;
 use photosite_simd::{LaneMask, Real, Vector, WideLanes};
 
 use crate::films::TERMS;
-use crate::lanes::{LaneAsphere, LaneSurface};
+use crate::lens::Lens;
+use crate::profile::{Profile, Travel};
 
 /// Newton's method has reached an asphere where a step is shorter than this, mm: single precision has no shorter ones far
 /// from the axis.
 const SHORTEST_STEP_MM: f32 = 1e-5;
 /// Steps after which a ray that has not reached it counts as one that misses.
 const MOST_STEPS: u32 = 20;
+
+/// A surface, with z along the way of the ray.
+#[derive(Clone, Debug)]
+pub(crate) struct LaneSurface {
+    /// Its number in the lens.
+    pub(crate) number: usize,
+    curvature: f32,
+    /// 1 + k.
+    conic1: f32,
+    asphere: Option<LaneAsphere>,
+    semi_aperture2: f32,
+    /// To the next one.
+    pub(crate) gap_mm: f32,
+    /// Whether there is glass on either side.
+    pub(crate) is_of_glass: bool,
+    /// Normals and distance of the edges of a stop with blades.
+    blades: Option<(Vec<Vec2>, f32)>,
+}
+
+/// Σ a_m·r^m as r²·Σ aᵢ·uⁱ, with u = r² where all orders are even, else u = r.
+#[derive(Clone, Debug)]
+struct LaneAsphere {
+    is_even: bool,
+    sag: Vec<f32>,
+    slope: Vec<f32>,
+}
 
 /// Rays, z along their way from the vertex of the surface that they come to.
 pub(crate) struct Rays<W> {
@@ -27,6 +55,34 @@ pub(crate) struct Met<W: Real> {
     cosine: W,
     /// Where there is such a point.
     is_met: W::Mask,
+}
+
+impl LaneSurface {
+    /// A surface of a lens, for rays of one way.
+    pub(crate) fn new(lens: &Lens, number: usize, travel: Travel) -> Self {
+        let surface = &lens.surfaces()[number];
+        let sign = travel.sign();
+        let next_gap = match travel {
+            Travel::ToSensor => Some(number),
+            Travel::ToScene => number.checked_sub(1),
+        };
+        let asphere = |profile: &Profile| {
+            let (is_even, sag, slope) = profile.polynomial()?;
+            let signed = |terms: &[f64]| terms.iter().map(|a| (sign * a) as f32).collect();
+            Some(LaneAsphere { is_even, sag: signed(sag), slope: signed(slope) })
+        };
+        let edges = lens.stop_edges().filter(|_| number == lens.stop());
+        Self {
+            number,
+            curvature: (sign * surface.profile.curvature()) as f32,
+            conic1: (1.0 + surface.profile.conic()) as f32,
+            asphere: asphere(&surface.profile),
+            semi_aperture2: surface.semi_aperture_mm.powi(2) as f32,
+            gap_mm: next_gap.map_or(0.0, |gap| lens.gap_mm(gap) as f32),
+            is_of_glass: surface.glass.is_some() || number > 0 && lens.surfaces()[number - 1].glass.is_some(),
+            blades: edges.map(|(normals, distance)| (normals.iter().map(|n| n.as_vec2()).collect(), distance as f32)),
+        }
+    }
 }
 
 impl<W: WideLanes> Rays<W> {

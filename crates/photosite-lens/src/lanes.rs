@@ -4,14 +4,14 @@
 //! register has room for, each at a wavelength of its own. Points count from the vertex of the surface that a ray comes to,
 //! so that little is lost: less than 1e-4 mm in the picture.
 
-use glam::{DVec2, Vec2, Vec3};
+use glam::{DVec2, Vec3};
 use photosite_core::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 use photosite_simd::{MAX_LANES, Simd, Vector, WideLanes, WithSimd, dispatch_wide};
 
 use crate::films::{Films, TERMS};
-use crate::lane_surface::Rays;
+use crate::lane_surface::{LaneSurface, Rays};
 use crate::lens::Lens;
-use crate::profile::{Profile, Travel};
+use crate::profile::Travel;
 use crate::pupil_table::PupilTable;
 use crate::trace::{Apertures, Step};
 
@@ -46,32 +46,6 @@ pub struct LaneRay {
     pub passed: f32,
 }
 
-/// A surface, with z along the way of the ray.
-#[derive(Clone, Debug)]
-pub(crate) struct LaneSurface {
-    /// Its number in the lens.
-    number: usize,
-    pub(crate) curvature: f32,
-    /// 1 + k.
-    pub(crate) conic1: f32,
-    pub(crate) asphere: Option<LaneAsphere>,
-    pub(crate) semi_aperture2: f32,
-    /// To the next one.
-    gap_mm: f32,
-    /// Whether there is glass on either side.
-    is_of_glass: bool,
-    /// Normals and distance of the edges of a stop with blades.
-    pub(crate) blades: Option<(Vec<Vec2>, f32)>,
-}
-
-/// Σ a_m·r^m as r²·Σ aᵢ·uⁱ, with u = r² where all orders are even, else u = r.
-#[derive(Clone, Debug)]
-pub(crate) struct LaneAsphere {
-    pub(crate) is_even: bool,
-    pub(crate) sag: Vec<f32>,
-    pub(crate) slope: Vec<f32>,
-}
-
 impl LaneRay {
     /// A ray from a sensor point, mm from the axis, with the direction cosines p and q.
     pub fn from_sensor(point: DVec2, cosines: DVec2, wavelength_nm: f32) -> Self {
@@ -84,33 +58,6 @@ impl LaneRay {
     #[must_use]
     pub fn back(&self, wavelength_nm: f32) -> Self {
         Self { direction: -self.direction, wavelength_nm, passed: 1.0, ..*self }
-    }
-}
-
-impl LaneSurface {
-    fn new(lens: &Lens, number: usize, travel: Travel) -> Self {
-        let surface = &lens.surfaces()[number];
-        let sign = travel.sign();
-        let next_gap = match travel {
-            Travel::ToSensor => Some(number),
-            Travel::ToScene => number.checked_sub(1),
-        };
-        let asphere = |profile: &Profile| {
-            let (is_even, sag, slope) = profile.polynomial()?;
-            let signed = |terms: &[f64]| terms.iter().map(|a| (sign * a) as f32).collect();
-            Some(LaneAsphere { is_even, sag: signed(sag), slope: signed(slope) })
-        };
-        let edges = lens.stop_edges().filter(|_| number == lens.stop());
-        Self {
-            number,
-            curvature: (sign * surface.profile.curvature()) as f32,
-            conic1: (1.0 + surface.profile.conic()) as f32,
-            asphere: asphere(&surface.profile),
-            semi_aperture2: surface.semi_aperture_mm.powi(2) as f32,
-            gap_mm: next_gap.map_or(0.0, |gap| lens.gap_mm(gap) as f32),
-            is_of_glass: surface.glass.is_some() || number > 0 && lens.surfaces()[number - 1].glass.is_some(),
-            blades: edges.map(|(normals, distance)| (normals.iter().map(|n| n.as_vec2()).collect(), distance as f32)),
-        }
     }
 }
 
