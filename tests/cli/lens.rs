@@ -329,7 +329,7 @@ fn a_picture_beyond_the_image_circle_is_black_and_that_is_said(#[case] pitch_mm:
     let report = folder.report("out");
     let said = report["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str);
     let said: Vec<&str> = said.filter(|warning| warning.contains("image circle")).collect();
-    let dark = folder.electrons("out").mean.channels()[1].data.iter().filter(|light| **light == 0.0).count();
+    let dark = folder.electrons("out").mean.channels()[0].data.iter().filter(|light| **light == 0.0).count();
     if is_said {
         let percent = 100.0 * dark as f64 / 192.0;
         assert!(percent > 40.0, "{percent}");
