@@ -36,8 +36,7 @@ SCENES = {
         ["sensor.resolution_px=[240, 156]", "sensor.pixel_pitch_um=[95, 95]"],
     ),
 }
-# Focal length, mm, f-number, and how far the entrance pupil is from the sensor where the lens is focused at infinity, mm, of
-# lenses that ship.
+# Focal length, mm, and f-number of lenses that ship.
 LENSES = {"canon-ef50": (51.2, 1.8), "double-gauss": (99.5, 2.0)}
 # The wider one for both scenes, the longer one for the box.
 CASES = [("Cornell box", "canon-ef50"), ("depth of field", "canon-ef50"), ("Cornell box", "double-gauss")]
