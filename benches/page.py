@@ -2,7 +2,7 @@
 """Measures again what docs/benchmarks shows, and writes the tables into the page.
 
     python3 benches/page.py                    # everything, an hour and a half
-    python3 benches/page.py embree             # one section: mitsuba, noise, embree, scale, frames or objects
+    python3 benches/page.py embree             # one section: mitsuba, noise, lens, embree, scale, frames or objects
 
 What follows the section's name goes to its program: `page.py mitsuba a --runs 9`. Nothing else should run meanwhile.
 """
@@ -18,6 +18,7 @@ PAGE = ROOT / "docs" / "benchmarks" / "README.md"
 COMMANDS = {
     "mitsuba": ["python3", "benches/compare.py"],
     "noise": ["python3", "benches/noise_target.py"],
+    "lens": ["python3", "benches/prescription.py"],
     "embree": ["cargo", "bench", "--quiet", "--bench", "embree"],
     "scale": ["cargo", "bench", "--quiet", "--bench", "scale"],
     "objects": ["python3", "benches/moving_objects.py", "target/release/photosite"],

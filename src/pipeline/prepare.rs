@@ -12,7 +12,7 @@ use crate::calibration::truth::TruthObject;
 use crate::capture::{Capture, NextPicture, OutputSettings};
 use crate::film::Response;
 use crate::integrator::{FilterTile, WavelengthChoice};
-use crate::optics::{AutofocusMethod, Camera, Focus, LensKind};
+use crate::optics::{AutofocusMethod, BeyondImageCircle, Camera, Focus, LensKind};
 use crate::report::{FocusStepReport, TruthReport};
 use crate::scene::description::SceneDescription;
 use crate::scene::{self, Scene, spectral_coverage};
@@ -111,6 +111,7 @@ impl Prepared {
         let FocusedCamera { camera, steps: focus_steps, is_nearest } =
             focus_camera(&capture, capture.camera_to_world, || &scene)?;
         warnings.extend(autofocus_warning(&capture, &camera, is_nearest));
+        warnings.extend(image_circle_warning(&capture, &camera));
         warnings.extend(ineffective_settings(&capture, &scene));
         let optics = Optics {
             f_number: camera.makes_picture().then_some(capture.lens.f_number),
@@ -211,6 +212,22 @@ fn autofocus_warning(capture: &Capture, camera: &Camera, is_nearest: bool) -> Op
         )),
         (AutofocusMethod::Exact | AutofocusMethod::Contrast(_), _) => None,
     }
+}
+
+/// A warning where the lens of a prescription leaves pixels black because they lie beyond its image circle.
+fn image_circle_warning(capture: &Capture, camera: &Camera) -> Option<String> {
+    let BeyondImageCircle { dark_part, lit_m, corner_m } = camera.beyond_image_circle()?;
+    let name = &capture.lens.prescription.as_ref()?.name;
+    let percent = 100.0 * dark_part;
+    let part = if percent < 1.0 { "less than 1".to_owned() } else { format!("{percent:.0}") };
+    Some(format!(
+        "lens.prescription: {part} % of the picture is black, because it lies beyond the image circle of {name:?}: light \
+         comes as far as {:.3} mm from the axis, and the corners of the picture are {:.3} mm away; take a sensor of at most \
+         {:.3} mm from corner to corner, or another lens",
+        lit_m * 1e3,
+        corner_m * 1e3,
+        2e3 * lit_m
+    ))
 }
 
 /// Warnings about settings that change nothing in this scene and with this sensor.

@@ -308,3 +308,37 @@ fn lit(lens: &str) -> String {
          [render]\nsamples_per_pixel = 4\n"
     )
 }
+
+/// The share of black pixels that the warning states is that of the picture, in even light from all sides.
+#[rstest]
+#[case::larger_than_the_image_circle(0.7, true)]
+#[case::within_the_image_circle(0.3, false)]
+fn a_picture_beyond_the_image_circle_is_black_and_that_is_said(#[case] pitch_mm: f64, #[case] is_said: bool) {
+    let pitch_um = 1e3 * pitch_mm;
+    let folder = Folder::new([(
+        "capture.toml",
+        format!(
+            "[scene]\nenvironment = {{ illuminant = 'D65', illuminance_lux = 500 }}\n[camera]\nposition_m = [0, 0, 2]\n\
+             look_at_m = [0, 0, 0]\n[lens]\nprescription = 'phone-us7535658'\nfocus_distance_m = 2\n\
+             [sensor]\nresolution_px = [16, 12]\npixel_pitch_um = [{pitch_um}, {pitch_um}]\n[exposure]\ntime_s = 1e-5\n\
+             [render]\nsamples_per_pixel = 32\n"
+        )
+        .into(),
+    )]);
+    let outcome = folder.succeed("render capture.toml -o out");
+    let report = folder.report("out");
+    let said = report["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str);
+    let said: Vec<&str> = said.filter(|warning| warning.contains("image circle")).collect();
+    let dark = folder.electrons("out").mean.channels()[0].data.iter().filter(|light| **light == 0.0).count();
+    if is_said {
+        let percent = 100.0 * dark as f64 / 192.0;
+        assert!(percent > 40.0, "{percent}");
+        // A pixel on the circle is partly lit: 8 such pixels at most are to either side of it.
+        let [stated] = said[..] else { panic!("{said:?}") };
+        let share: f64 = stated.split(' ').nth(1).and_then(|number| number.parse().ok()).expect("a number");
+        assert!((share - percent).abs() < 100.0 * 8.0 / 192.0, "{stated} {percent}");
+        assert!(outcome.text().contains("from corner to corner, or another lens"), "{}", outcome.stderr);
+    } else {
+        assert!(said.is_empty() && dark == 0, "{said:?} {dark}");
+    }
+}

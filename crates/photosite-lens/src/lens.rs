@@ -99,6 +99,12 @@ impl Lens {
         self.surfaces[self.stop].semi_aperture_mm
     }
 
+    /// Unit normals of the edges of a stop with blades, and how far the edges are from the axis, mm; `None` of a round one.
+    pub(crate) fn stop_edges(&self) -> Option<(&[DVec2], f64)> {
+        let BladesOf { normals, apothem } = self.blades.as_ref()?;
+        Some((normals, self.stop_radius_mm() * apothem))
+    }
+
     /// Where the sensor is, mm.
     pub fn sensor_z_mm(&self) -> f64 {
         self.sensor_z_mm

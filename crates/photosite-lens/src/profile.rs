@@ -106,6 +106,23 @@ impl Profile {
         }
     }
 
+    /// c, mm⁻¹.
+    pub(crate) fn curvature(&self) -> f64 {
+        self.curvature
+    }
+
+    /// k.
+    pub(crate) fn conic(&self) -> f64 {
+        self.conic
+    }
+
+    /// Σ a_m·r^m as r²·Σ aᵢ·uⁱ: whether u = r² rather than r, the coefficients, and those of its slope over r, m·a_m.
+    /// `None` of a conic.
+    pub(crate) fn polynomial(&self) -> Option<(bool, &[f64], &[f64])> {
+        let Polynomial { is_even, sag, slope } = &self.polynomial;
+        (!self.polynomial.is_zero()).then_some((*is_even, sag, slope))
+    }
+
     /// Curvature at the vertex, mm⁻¹: c + 2·a₂.
     pub fn vertex_curvature(&self) -> f64 {
         self.curvature + self.polynomial.slope.first().copied().unwrap_or(0.0)

@@ -21,6 +21,8 @@ const FINER: usize = 2;
 const FIRST_DIRECTIONS: usize = 16;
 /// Bins of the image height, each with a polygon.
 const BINS: usize = 512;
+/// Halvings of the last stretch between a height that light reaches and one that it does not.
+const HALVINGS: u32 = 6;
 /// How much wider than found the polygons are. Between the directions and the heights of the table a smooth boundary
 /// bulges by less; 1 % let 8e-4 of the light of some lenses leak out.
 const MARGIN: f64 = 1.02;
@@ -30,6 +32,7 @@ const MARGIN: f64 = 1.02;
 pub struct PupilTable {
     bins: Vec<Polygon>,
     bins_per_mm: f64,
+    lit_mm: f64,
 }
 
 /// A direction that was drawn.
@@ -56,6 +59,9 @@ struct Polygon {
     corners: Vec<DVec2>,
     /// Areas of the triangles up to and with each.
     areas: Vec<f64>,
+    /// For each of as many equal parts of the whole area, the triangle in which it starts.
+    starts: Vec<u8>,
+    area: f64,
 }
 
 impl PupilTable {
@@ -65,6 +71,7 @@ impl PupilTable {
         let lens = lens.with_round_stop();
         let height = |row: f64| highest_mm * row / (ROWS - 1) as f64;
         let mut rows: Vec<Option<Row>> = (0..ROWS).map(|i| Row::new(&lens, height(i as f64), wavelengths_nm)).collect();
+        let lit_mm = image_circle(&lens, &rows, height, wavelengths_nm);
         // At heights that no light reaches, as at the last one that some does: in between the region shrinks.
         let mut last = None;
         for row in &mut rows {
@@ -90,7 +97,13 @@ impl PupilTable {
             Polygon::new(&low?, &high?)
         };
         let bins = (0..BINS).map(|bin| of_bin(bin).unwrap_or_else(Polygon::empty)).collect();
-        Self { bins, bins_per_mm: BINS as f64 / highest_mm }
+        Self { bins, bins_per_mm: BINS as f64 / highest_mm, lit_mm }
+    }
+
+    /// The largest image height that light reaches, mm, to a thousandth of the table's; that of the table where light
+    /// reaches all of it.
+    pub fn lit_mm(&self) -> f64 {
+        self.lit_mm
     }
 
     /// Draws a direction for a sensor point, mm from the axis; `None` where no light reaches.
@@ -114,6 +127,21 @@ impl PupilTable {
     fn polygon(&self, point: DVec2) -> &Polygon {
         &self.bins[((point.length() * self.bins_per_mm) as usize).min(BINS - 1)]
     }
+}
+
+/// The radius of the image circle: between the last row that light reaches and the next one, by halving.
+fn image_circle(lens: &Lens, rows: &[Option<Row>], height: impl Fn(f64) -> f64, wavelengths_nm: &[f64]) -> f64 {
+    let Some(last) = rows.iter().rposition(Option::is_some) else { return 0.0 };
+    if last + 1 == rows.len() {
+        return height(last as f64);
+    }
+    let middle = lens.at(wavelengths_nm[wavelengths_nm.len() / 2]);
+    let (mut lit, mut dark) = (last as f64, last as f64 + 1.0);
+    for _ in 0..HALVINGS {
+        let half = 0.5 * (lit + dark);
+        if middle.pupil_region(height(half), FIRST_DIRECTIONS).is_some() { lit = half } else { dark = half }
+    }
+    height(lit)
 }
 
 /// What turns the y axis to a point, as a complex number.
@@ -215,14 +243,14 @@ fn reach((a, b): (DVec2, DVec2), point: DVec2) -> f64 {
 
 impl Polygon {
     fn empty() -> Self {
-        Self { centre: DVec2::ZERO, corners: Vec::new(), areas: Vec::new() }
+        Self { centre: DVec2::ZERO, corners: Vec::new(), areas: Vec::new(), starts: Vec::new(), area: 0.0 }
     }
 
     fn of(row: &Row) -> Self {
         Self {
             centre: DVec2::new(0.0, row.centre),
             corners: row.radii.iter().enumerate().map(|(i, radius)| direction(i) * *radius).collect(),
-            areas: Vec::new(),
+            ..Self::empty()
         }
     }
 
@@ -237,11 +265,17 @@ impl Polygon {
             area += 0.5 * polygon.corners[i].perp_dot(polygon.corners[(i + 1) % CORNERS]);
             polygon.areas.push(area);
         }
+        polygon.area = area;
+        let start = |part: usize| {
+            let before = area * part as f64 / CORNERS as f64;
+            polygon.areas.partition_point(|up_to| *up_to <= before).min(CORNERS - 1) as u8
+        };
+        polygon.starts = (0..CORNERS).map(start).collect();
         (area > 0.0).then_some(polygon)
     }
 
     fn area(&self) -> f64 {
-        self.areas.last().copied().unwrap_or(0.0)
+        self.area
     }
 
     fn edge(&self, sector: usize) -> (DVec2, DVec2) {
@@ -265,8 +299,11 @@ impl Polygon {
 
     /// A point of it, uniform over its area: a triangle by its area, then a point of the triangle.
     fn sample(&self, [u, v]: [f64; 2]) -> DVec2 {
-        let target = u * self.area();
-        let sector = self.areas.partition_point(|area| *area <= target).min(CORNERS - 1);
+        let target = u * self.area;
+        let mut sector = usize::from(self.starts[((u * CORNERS as f64) as usize).min(CORNERS - 1)]);
+        while sector < CORNERS - 1 && self.areas[sector] <= target {
+            sector += 1;
+        }
         let before = if sector == 0 { 0.0 } else { self.areas[sector - 1] };
         let within = ((target - before) / (self.areas[sector] - before)).clamp(0.0, 1.0);
         let (a, b) = self.edge(sector);

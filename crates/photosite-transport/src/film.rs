@@ -8,6 +8,8 @@
 //! A film holds 32 bytes for each channel of a pixel, so that one of a large picture with many bands does not fit into
 //! memory: it may be of a strip of the picture's rows.
 
+mod landing;
+
 use std::ops::Range;
 
 use glam::Vec4;
@@ -15,6 +17,8 @@ use glam::Vec4;
 use photosite_core::image::{Channel, Estimate, Planes};
 use photosite_core::math::double_double::{DoubleDouble, DoubleDoubles};
 use photosite_core::spectrum::{LANES, SampledSpectrum, Spectrum, TABLE_LEN, Wavelengths};
+
+pub use landing::{LandingRow, OneWavelength};
 
 /// A response function with the name of the plane that it fills.
 #[derive(Clone, Debug)]

@@ -2,16 +2,14 @@
 
 use glam::{DVec2, DVec3};
 use photosite_core::math::philox::Philox;
+use photosite_lens::Ray;
 use photosite_lens::chief_map::ChiefMap;
-use photosite_lens::profile::Travel;
 use photosite_lens::pupil_table::PupilTable;
 use photosite_lens::spots::Spot;
-use photosite_lens::tables::TabulatedLens;
-use photosite_lens::trace::{Apertures, Hit, Step};
-use photosite_lens::{Lens, Ray};
+use photosite_lens::trace::Apertures;
 use rand::RngExt;
 
-use crate::neutral::{Case, cases, close, number, numbers, prescription, read};
+use crate::neutral::{Case, cases, close, number, numbers};
 
 /// Wavelengths that a table is made of.
 const TABLE_NM: [f64; 5] = [400.0, 475.0, 550.0, 625.0, 700.0];
@@ -121,33 +119,5 @@ fn the_chief_map_knows_what_a_place_looks_at_and_where_a_point_appears() {
         assert_eq!(axis.direction, DVec3::NEG_Z, "{name}");
         assert_eq!(map.sighting(DVec2::new(3.0 * corner, 0.0)), None, "{name}");
         assert_eq!(map.place(DVec3::new(0.0, 0.0, axis.pupil_mm + 10.0)), None, "{name}");
-    }
-}
-
-/// Interpolated in wavelength and cosine against the transfer matrices themselves: the tables' steps of 10 nm and 1/64 of
-/// the cosine leave 1e-4 of a coated surface below 60°.
-#[test]
-fn tabulated_transmittances_are_those_of_the_coatings() {
-    for name in ["canon-ef50", "fisheye-170"] {
-        let lens = Lens::new(&prescription(&read(name))).expect("a lens");
-        let tabulated = TabulatedLens::new(lens.clone());
-        for nm in [433.0, 550.0, 677.0] {
-            let at = lens.at(nm);
-            let (mut compared, axis) = (0, DVec2::ZERO);
-            for i in 0..200 {
-                let cosines = DVec2::from_angle(f64::from(i)) * 0.3 * f64::from(i) / 200.0;
-                let ray = at.ray_from_sensor(axis, cosines);
-                let steps = (0..lens.surfaces().len()).rev().map(Step::refract);
-                let mut passed = 1.0;
-                let whole = |hit: &Hit| passed *= at.split_at(hit).mean_transmittance();
-                let Ok(out) = at.trace(ray, Travel::ToScene, steps, Apertures::Clip, whole) else { continue };
-                let (found, through) = tabulated.trace_out(ray, nm).expect("passes, too");
-                assert_eq!(found, out);
-                close(&format!("{name}, {nm} nm, {cosines}"), through, passed, 1e-4 * lens.surfaces().len() as f64);
-                assert!((0.7..0.98).contains(&passed), "{name}: {passed}");
-                compared += 1;
-            }
-            assert!(compared > 100, "{name}: {compared}");
-        }
     }
 }

@@ -5,6 +5,7 @@ mod coatings;
 mod diffraction;
 mod first_order;
 mod focus;
+mod lanes;
 mod light;
 mod neutral;
 mod rays;

@@ -1,6 +1,7 @@
 //! The loop over the pixels: passes over the whole picture, bands of rows side by side on all threads.
 
 mod band_worker;
+mod landings;
 mod passes;
 mod tracer;
 
@@ -40,7 +41,8 @@ pub fn render_on(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
 pub const COARSE_STEP: usize = 8;
 
 /// Gives a film without samples the first one of every eighth pixel in every eighth row, so that there is something to
-/// see at once; what follows gives the same picture as without. Nothing where pixels share what their paths find.
+/// see at once; what follows gives the same picture as without. Nothing where pixels share what their paths find, or
+/// light lands in other pixels than its path came from.
 pub fn render_coarse(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
     let settings = job.settings;
     if settings.reuse > 1 || settings.light_paths > 0.0 || film.total() > 0 || settings.samples().is_empty() {
@@ -49,8 +51,11 @@ pub fn render_coarse(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) 
     let (width, first_row) = (film.width(), film.picture_rows().start);
     let is_seen = |pixel: usize| [pixel % width, first_row + pixel / width].iter().all(|at| at % COARSE_STEP == 0);
     let tracer = Tracer::new(job, settings.seed, step);
+    if tracer.lands_wavelengths() {
+        return;
+    }
     // One that is broken off is one of fewer samples.
-    let _ = tracer.pass(film, &|pixel| u32::from(is_seen(pixel)));
+    let _ = tracer.pass(film, &|pixel| u32::from(is_seen(pixel)), 0);
     let _ = tracer.tell(film, None, None);
 }
 
@@ -87,7 +92,7 @@ fn trace(
     let scout = Tracer::new(job, hash64(seed, PILOT_SEED), step);
     let counts = find_counts(pilot, [least, most], needed, |pilot| {
         let Pilot { film: known, wanted } = &mut *pilot;
-        let passed = scout.pass(known, &|pixel| wanted[pixel]);
+        let passed = scout.pass(known, &|pixel| wanted[pixel], 0);
         tracer.tell(film, Some(pilot), None)?;
         passed
     })?;
@@ -97,7 +102,7 @@ fn trace(
         let unfinished = counts.iter().filter(|&&count| count > level).count() as u64;
         let step = u64::from(MAX_PASS_SAMPLES) * job.pixels() / unfinished;
         level = level.saturating_add((step as u32).min(LARGEST_STEP)).min(most);
-        let passed = tracer.pass(film, &|pixel| counts[pixel].min(level));
+        let passed = tracer.pass(film, &|pixel| counts[pixel].min(level), 0);
         tracer.tell(film, Some(pilot), Some(planned))?;
         passed?;
     }

@@ -47,6 +47,11 @@ impl PixelWavelengths {
         }
     }
 
+    /// Whether all pixels have the same.
+    pub(super) fn are_the_same_everywhere(&self) -> bool {
+        self.samplers.len() == 1
+    }
+
     /// That of a pixel.
     #[inline]
     pub(super) fn at(&self, column: usize, row: usize) -> &WavelengthSampler {

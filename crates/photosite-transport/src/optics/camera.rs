@@ -6,6 +6,7 @@
 mod connection;
 mod figures;
 mod illumination;
+mod landings;
 mod prescription;
 mod ray;
 
@@ -26,6 +27,8 @@ use photosite_core::cells::CellLayout;
 
 pub use connection::Connection;
 pub use figures::LensFigures;
+pub use illumination::BeyondImageCircle;
+pub use landings::{Landing, LandingRay, LensRays};
 pub use ray::{CameraRay, CameraSample};
 
 /// The grid of pixels behind the lens.

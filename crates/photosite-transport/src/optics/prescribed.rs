@@ -15,10 +15,10 @@ use photosite_core::math::monotone_cubic::MonotoneCubic;
 use photosite_core::spectrum::dispersion::lines;
 use photosite_lens::chief_map::ChiefMap;
 use photosite_lens::focus::{Distance, FocusBy};
+use photosite_lens::lanes::{LaneLens, LaneRay};
 use photosite_lens::positions::GapCurves;
 use photosite_lens::prescription::{Blades, Prescription};
 use photosite_lens::pupil_table::PupilTable;
-use photosite_lens::tables::TabulatedLens;
 use photosite_lens::{Lens, paraxial::FirstOrder};
 
 /// Wavelengths, nm, that the table of the pupil holds for: beyond and between them apertures look the same to 2 %, which
@@ -37,7 +37,7 @@ const DIRECTIONS: usize = 128;
 /// A lens from a prescription, focused and stopped down.
 #[derive(Debug)]
 pub(super) struct PrescribedLens {
-    lens: TabulatedLens,
+    lens: Lens,
     /// To first order at the d line.
     first_order: FirstOrder,
     chief: ChiefMap,
@@ -46,19 +46,16 @@ pub(super) struct PrescribedLens {
     /// Distance of what is sharp from the entrance pupil, m.
     focus_distance_m: f64,
     /// Irradiance over radiance, sr, by image height in mm, at the reference wavelength. Worked out when it is asked for,
-    /// as is the table of the pupil: many cameras are made that take no picture.
+    /// as is what rays are drawn and traced by: many cameras are made that take no picture.
     illumination: OnceLock<MonotoneCubic>,
-    pupil: OnceLock<PupilTable>,
+    tables: OnceLock<Tables>,
 }
 
-/// A ray into the scene and what its radiance counts.
-pub(super) struct PrescribedRay {
-    /// In the camera's space, m.
-    pub(super) origin: DVec3,
-    /// Unit vector.
-    pub(super) direction: DVec3,
-    /// E = weight · L, sr, surfaces' losses included.
-    pub(super) weight: f64,
+/// What rays are drawn and traced by.
+#[derive(Debug)]
+struct Tables {
+    pupil: PupilTable,
+    lanes: LaneLens,
 }
 
 impl PrescribedLens {
@@ -105,28 +102,57 @@ impl PrescribedLens {
             }
         };
         Ok(Self {
-            lens: TabulatedLens::new(lens),
+            lens,
             first_order,
             chief,
             corner_mm,
             focus_distance_m,
             illumination: OnceLock::new(),
-            pupil: OnceLock::new(),
+            tables: OnceLock::new(),
         })
     }
 
-    /// The ray of a sensor point, mm from the axis, and a sample of the pupil, at a wavelength; `None` where it is blocked
-    /// and brings nothing.
-    pub(super) fn ray(&self, sensor_mm: DVec2, sample: [f32; 2], wavelength_nm: f64) -> Option<PrescribedRay> {
-        let pupil = self.pupil.get_or_init(|| PupilTable::new(self.lens.lens(), self.corner_mm, &PUPIL_NM));
-        let direction = pupil.sample(sensor_mm, sample.map(f64::from))?;
-        let ray = self.lens.at(wavelength_nm).ray_from_sensor(sensor_mm, direction.cosines);
-        let (out, passed) = self.lens.trace_out(ray, wavelength_nm).ok()?;
-        Some(PrescribedRay {
-            origin: self.to_camera(out.origin),
-            direction: out.direction,
-            weight: direction.area * passed,
+    fn tables(&self) -> &Tables {
+        self.tables.get_or_init(|| {
+            let pupil = PupilTable::new(&self.lens, self.corner_mm, &PUPIL_NM);
+            let lanes = LaneLens::new(&self.lens, &pupil, self.corner_mm);
+            Tables { pupil, lanes }
         })
+    }
+
+    /// The start of a ray from a sensor point, mm from the axis, by a sample of the pupil, and the area in sr of the region
+    /// that its direction was drawn from; `None` where no light reaches.
+    #[inline]
+    pub(super) fn start(&self, sensor_mm: DVec2, sample: [f32; 2], wavelength_nm: f32) -> Option<(LaneRay, f32)> {
+        let direction = self.tables().pupil.sample(sensor_mm, sample.map(f64::from))?;
+        Some((LaneRay::from_sensor(sensor_mm, direction.cosines, wavelength_nm), direction.area as f32))
+    }
+
+    /// Area in sr of the region that directions are drawn from at a sensor point, mm from the axis.
+    #[inline]
+    pub(super) fn area(&self, sensor_mm: DVec2) -> f32 {
+        self.tables().pupil.area(sensor_mm) as f32
+    }
+
+    /// Leads rays out into the scene.
+    pub(super) fn trace_out(&self, rays: &mut [LaneRay]) {
+        self.tables().lanes.trace_out(rays);
+    }
+
+    /// Leads rays from the scene in to the sensor.
+    pub(super) fn trace_in(&self, rays: &mut [LaneRay]) {
+        self.tables().lanes.trace_in(rays);
+    }
+
+    /// A point of a ray before the lens, m, in the camera's space, and its direction.
+    #[inline]
+    pub(super) fn before_lens(&self, ray: &LaneRay) -> (DVec3, DVec3) {
+        (self.to_camera(ray.point.as_dvec3()), ray.direction.as_dvec3())
+    }
+
+    /// The largest image height that light reaches, mm; that of the corners where it reaches these.
+    pub(super) fn lit_mm(&self) -> f64 {
+        self.tables().pupil.lit_mm()
     }
 
     /// What a sensor point, mm from the axis, sees by its chief ray: from the point at which that crosses the plane of the
@@ -192,8 +218,7 @@ impl PrescribedLens {
 
     /// From the last vertex to the sensor, m.
     pub(super) fn last_gap_m(&self) -> f64 {
-        let lens = self.lens.lens();
-        lens.gap_mm(lens.surfaces().len() - 1) * 1e-3
+        self.lens.gap_mm(self.lens.surfaces().len() - 1) * 1e-3
     }
 
     /// The greatest field angle that it knows, rad.

@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use super::tracer::Tracer;
+use super::tracer::{DrawnSample, Tracer};
 use crate::film::FilmBand;
 use crate::integrator::light_paths::{LightTracer, Splat, Splats};
 use crate::integrator::mis_ratio::MisRatio;
@@ -14,11 +14,11 @@ use crate::sampler::{SamplePosition, Sampler};
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
 
 /// Number of paths after which a thread reports them, and asks whether to go on.
-const PATHS_PER_REPORT: u64 = 1 << 13;
+pub(super) const PATHS_PER_REPORT: u64 = 1 << 13;
 
 /// Number of paths in a wavefront, branches included: few enough for the caches. With 32 of them a Cornell box took 4 %
 /// longer, with 8 of them 12 %.
-const WAVEFRONT_PATHS: u32 = 256;
+pub(super) const WAVEFRONT_PATHS: u32 = 256;
 
 /// Camera rays of samples of one pixel, before they are generated.
 #[derive(Default)]
@@ -176,39 +176,20 @@ impl<'a, 'f> BandWorker<'a, 'f> {
     fn prepare(&mut self, pixel: usize, indices: Range<u32>, batch_start: u32) {
         let position = self.position(pixel);
         let Self { tracer, sampler, batch, u_wavelengths, groups, .. } = self;
-        let camera = tracer.job.camera;
         let first_sample = tracer.job.settings.samples().start;
-        let (sequence, first_index) = tracer.order.place(position.map(|n| n as u32));
         batch.clear();
         for index in indices {
-            sampler.start(sequence, first_index + first_sample + index);
-
-            // Sample the pixel and the aperture
-            let within = sampler.next_2d();
-            let aperture = if camera.has_aperture() {
-                sampler.next_2d()
-            } else {
-                sampler.skip();
-                [0.0; 2]
-            };
-
-            // Sample the wavelengths; pixels that share have the same
-            let u_own = sampler.next_1d();
+            let DrawnSample { camera, u_wavelengths: u_own, next } =
+                tracer.draw(position, first_sample + index, sampler);
+            // Pixels that share have the same wavelengths
             let in_batch = (index - batch_start) as usize;
             let (u, sharing) = match u_wavelengths.get(in_batch) {
                 Some(&u) => (u, Sharing::Group(*groups + in_batch as u32)),
                 None => (u_own, Sharing::Nothing),
             };
-
-            // Sample the time and the point spread, of cameras that have them only: the samples of others stay what
-            // they are
-            let time = if camera.moves() { sampler.next_1d() } else { 0.0 };
-            let spread = if camera.spreads_points() { sampler.next_2d() } else { [0.0; 2] };
-
-            let pixel = camera.cells().place(position, within.map(f64::from));
-            batch.samples.push(CameraSample { pixel, aperture, time, spread });
+            batch.samples.push(camera);
             batch.u_wavelengths.push(u);
-            batch.starts.push((sampler.position(), sharing));
+            batch.starts.push((next, sharing));
         }
         let wavelengths = tracer.wavelengths.at(position[0], position[1]);
         batch.wavelengths.extend(batch.u_wavelengths.iter().map(|&u| wavelengths.sample(u)));

@@ -29,7 +29,7 @@ impl Tracer<'_> {
         let smallest = (SMALL_PASS_PATHS / self.job.pixels().max(1)).clamp(1, u64::from(MAX_PASS_SAMPLES / 2)) as u32;
         while level < samples {
             level += level.clamp(smallest, MAX_PASS_SAMPLES).min(samples - level);
-            let passed = self.pass(film, &|_| level);
+            let passed = self.pass(film, &|_| level, level);
             tell(film)?;
             passed?;
         }
@@ -37,7 +37,11 @@ impl Tracer<'_> {
     }
 
     /// Brings each pixel of a film that has fewer to as many samples as `wanted` says of it, unless that is broken off.
-    pub(super) fn pass(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync)) -> ControlFlow<()> {
+    /// Pixels of the picture beyond the film get `beyond`, elsewhere.
+    pub(super) fn pass(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync), beyond: u32) -> ControlFlow<()> {
+        if self.lands_wavelengths() {
+            return self.land(film, wanted, beyond);
+        }
         let Some(light_tracer) = &self.light_tracer else {
             self.add_samples(film, wanted, &Splats::default());
             return self.go_on();

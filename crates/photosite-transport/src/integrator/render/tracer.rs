@@ -13,7 +13,8 @@ use crate::integrator::path::PathLimits;
 use crate::integrator::pilot::Pilot;
 use crate::integrator::progress::{Listener, Step};
 use crate::integrator::wavelengths::PixelWavelengths;
-use crate::sampler::{PixelOrder, Sampler};
+use crate::optics::CameraSample;
+use crate::sampler::{PixelOrder, SamplePosition, Sampler};
 use photosite_core::spectrum::{SpectrumId, SpectrumTable};
 
 /// Traces paths into films, with the random numbers of one seed.
@@ -32,6 +33,15 @@ pub(super) struct Tracer<'a> {
     pub(super) light_tracer: Option<LightTracer<'a>>,
     /// Whether a pass was broken off.
     pub(super) stopped: AtomicBool,
+}
+
+/// What a sample of a pixel starts from.
+pub(super) struct DrawnSample {
+    pub(super) camera: CameraSample,
+    /// The number that chooses its wavelengths.
+    pub(super) u_wavelengths: f32,
+    /// Position of the sampler behind these numbers.
+    pub(super) next: SamplePosition,
 }
 
 impl<'a> Tracer<'a> {
@@ -78,6 +88,45 @@ impl<'a> Tracer<'a> {
     pub(super) fn block_size(&self) -> [usize; 2] {
         let may_share = !self.job.camera.moves() && self.job.scene.has_diffuse();
         if may_share { self.job.settings.reuse_columns_and_rows() } else { [1, 1] }
+    }
+
+    /// Whether the four wavelengths of a path land in pixels of their own, see
+    /// [`landings`](super::landings). Where wavelengths depend on the pixel, paths share what they find, or a branch may
+    /// lose its wavelengths and not the path, the hero goes alone.
+    pub(super) fn lands_wavelengths(&self) -> bool {
+        let RenderJob { scene, camera, settings, .. } = *self.job;
+        camera.lands_wavelengths()
+            && self.block_size() == [1, 1]
+            && self.wavelengths.are_the_same_everywhere()
+            && !(scene.disperses() && settings.splitting > 1)
+    }
+
+    /// Draws what a sample of a pixel, column and row of the picture, starts from.
+    #[inline]
+    pub(super) fn draw(&self, pixel: [usize; 2], sample: u32, sampler: &mut Sampler) -> DrawnSample {
+        let camera = self.job.camera;
+        let (sequence, first_index) = self.order.place(pixel.map(|n| n as u32));
+        sampler.start(sequence, first_index + sample);
+
+        // Sample the pixel and the aperture
+        let within = sampler.next_2d();
+        let aperture = if camera.has_aperture() {
+            sampler.next_2d()
+        } else {
+            sampler.skip();
+            [0.0; 2]
+        };
+
+        // Sample the wavelengths
+        let u_wavelengths = sampler.next_1d();
+
+        // Sample the time and the point spread, of cameras that have them only: the samples of others stay what they are
+        let time = if camera.moves() { sampler.next_1d() } else { 0.0 };
+        let spread = if camera.spreads_points() { sampler.next_2d() } else { [0.0; 2] };
+
+        let pixel = camera.cells().place(pixel, within.map(f64::from));
+        let camera = CameraSample { pixel, aperture, time, spread };
+        DrawnSample { camera, u_wavelengths, next: sampler.position() }
     }
 
     /// The random number that chooses the wavelengths of a sample of a pixel.

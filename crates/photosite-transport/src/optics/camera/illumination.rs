@@ -6,7 +6,38 @@ use super::Camera;
 use super::ray::towards;
 use crate::optics::Seen;
 
+/// A picture that is larger than the image circle of its lens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BeyondImageCircle {
+    /// Which part of the pixels that could see light gets none, 0 to 1.
+    pub dark_part: f64,
+    /// How far from the axis light comes on the sensor, m.
+    pub lit_m: f64,
+    /// How far from the axis the corners of the picture are, m.
+    pub corner_m: f64,
+}
+
 impl Camera {
+    /// What of the picture lies beyond the image circle of a prescription. `None` where nothing does, and of other lenses,
+    /// which have none.
+    pub fn beyond_image_circle(&self) -> Option<BeyondImageCircle> {
+        let lit_mm = self.prescribed.as_ref()?.lit_mm();
+        let corner_mm = self.sensor_mm(DVec2::ZERO).length();
+        if lit_mm >= corner_mm {
+            return None;
+        }
+        let [columns, rows] = self.resolution;
+        let (mut dark, mut all) = (0_u64, 0_u64);
+        for cell in (0..rows).flat_map(|row| (0..columns).map(move |column| [column as usize, row as usize])) {
+            let centre = self.cells.centre(cell);
+            let sees_light = self.cells.sees_light(centre);
+            all += u64::from(sees_light);
+            dark += u64::from(sees_light && self.sensor_mm(centre).length() > lit_mm);
+        }
+        let dark_part = dark as f64 / all as f64;
+        (dark > 0).then_some(BeyondImageCircle { dark_part, lit_m: lit_mm * 1e-3, corner_m: corner_mm * 1e-3 })
+    }
+
     /// Irradiance at a pixel position over that on the axis, under even light. `None` where the position sees nothing.
     pub fn relative_illumination(&self, pixel: DVec2) -> Option<f64> {
         if let Some(lens) = &self.prescribed {

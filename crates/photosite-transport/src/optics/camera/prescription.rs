@@ -6,10 +6,11 @@ use glam::{DAffine3, DVec2};
 
 use super::{Camera, PixelGrid};
 use crate::geometry::Ray;
-use crate::optics::camera::CameraRay;
+use crate::optics::camera::{CameraRay, CameraSample};
 use crate::optics::prescribed::PrescribedLens;
 use crate::optics::{Focus, LensDescription, LensKind, Projection};
 use photosite_core::Invalid;
+use photosite_lens::lanes::LaneRay;
 
 impl Camera {
     /// The camera of a lens from a prescription. What a photographer asks of it are figures of the pinhole with the same
@@ -52,26 +53,50 @@ impl Camera {
     }
 
     /// The ray of a pixel position through a prescription's glass at a wavelength in nm.
+    pub(super) fn prescribed_ray(
+        &self,
+        lens: &PrescribedLens,
+        sample: &CameraSample,
+        wavelength_nm: f32,
+    ) -> Option<CameraRay> {
+        let (start, area) = self.prescribed_start(lens, sample, wavelength_nm)?;
+        let mut rays = [start];
+        lens.trace_out(&mut rays);
+        self.prescribed_camera_ray(lens, sample, &rays[0], area)
+    }
+
+    /// The start of such a ray at the sensor, and the area of the region that its direction was drawn from, sr.
+    #[inline]
+    pub(super) fn prescribed_start(
+        &self,
+        lens: &PrescribedLens,
+        sample: &CameraSample,
+        wavelength_nm: f32,
+    ) -> Option<(LaneRay, f32)> {
+        let sees_light = self.cells.sees_light(sample.pixel);
+        sees_light.then(|| lens.start(self.sensor_mm(sample.pixel), sample.aperture, wavelength_nm)).flatten()
+    }
+
+    /// A ray that has come out into the scene, if it has.
     ///
     /// E(x, λ) = ∬ L dp dq over the direction cosines (p, q) at the sensor that pass all apertures
     /// ([Kolb95](photosite_core::references#kolb95)): of directions drawn evenly from a region that contains these, each
     /// weighs the area of that region times what the surfaces let through, and 0 where it is blocked.
     #[inline]
-    pub(super) fn prescribed_ray(
+    pub(super) fn prescribed_camera_ray(
         &self,
         lens: &PrescribedLens,
-        pixel: DVec2,
-        pupil_sample: [f32; 2],
-        u_time: f32,
-        wavelength_nm: f64,
+        sample: &CameraSample,
+        out: &LaneRay,
+        area: f32,
     ) -> Option<CameraRay> {
-        if !self.cells.sees_light(pixel) {
+        if out.passed <= 0.0 {
             return None;
         }
-        let (to_world, time) = self.pose(self.cells.cell_at(pixel).y, u_time);
-        let found = lens.ray(self.sensor_mm(pixel), pupil_sample, wavelength_nm)?;
-        let origin = to_world.transform_point3(found.origin).as_vec3();
-        let direction = to_world.transform_vector3(found.direction).normalize().as_vec3();
-        Some(CameraRay { ray: Ray::new(origin, direction).at_time(time), weight: found.weight as f32 })
+        let (to_world, time) = self.pose(self.cells.cell_at(sample.pixel).y, sample.time);
+        let (origin, direction) = lens.before_lens(out);
+        let origin = to_world.transform_point3(origin).as_vec3();
+        let direction = to_world.transform_vector3(direction).normalize().as_vec3();
+        Some(CameraRay { ray: Ray::new(origin, direction).at_time(time), weight: area * out.passed })
     }
 }

@@ -72,7 +72,8 @@ impl Camera {
     #[inline]
     pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
         if let Some(lens) = &self.prescribed {
-            return self.prescribed_ray(lens, pixel, aperture_sample, 0.0, REFERENCE_NM);
+            let sample = CameraSample { pixel, aperture: aperture_sample, time: 0.0, spread: [0.0; 2] };
+            return self.prescribed_ray(lens, &sample, REFERENCE_NM as f32);
         }
         if !self.makes_picture() {
             return self.bare_ray(pixel, aperture_sample, 0.0);
@@ -128,8 +129,8 @@ impl Camera {
             wavelengths.terminate_secondary();
         }
         if let Some(lens) = &self.prescribed {
-            let hero_nm = f64::from(wavelengths.lambda_nm(0));
-            return Some((self.prescribed_ray(lens, pixel, aperture, time, hero_nm)?, SampledSpectrum::ONE));
+            let hero_nm = wavelengths.lambda_nm(0);
+            return Some((self.prescribed_ray(lens, sample, hero_nm)?, SampledSpectrum::ONE));
         }
         let (place, weights) = self.spread_place(pixel, spread, wavelengths);
         Some((self.ray(pixel, place, aperture, time, self.focus_of(wavelengths))?, weights))
@@ -144,6 +145,10 @@ impl Camera {
         wavelengths: &mut [Wavelengths],
         mut take: impl FnMut(usize, &Wavelengths, Option<(CameraRay, SampledSpectrum)>),
     ) {
+        if let Some(lens) = &self.prescribed {
+            self.prescribed_each(lens, samples, wavelengths, take);
+            return;
+        }
         for (index, (sample, wavelengths)) in samples.iter().zip(wavelengths).enumerate() {
             let ray = self.generate_spectral(sample, wavelengths);
             take(index, wavelengths, ray);

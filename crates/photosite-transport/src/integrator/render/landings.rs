@@ -1,0 +1,278 @@
+//! Passes whose paths start from a lens that parts wavelengths, and whose light lands in several pixels.
+//!
+//! Of a path that serves four wavelengths each lands in a pixel of its own
+//! ([`Camera::land_each`](crate::optics::Camera::land_each)). What lands in a pixel from paths of sample s of all pixels is
+//! its sample s: so the variance of samples is that of what a pixel gets. Rows of paths are traced side by side and kept
+//! until all rows that they may land in are complete, each of which then takes what is its own in the order of the paths:
+//! sums do not depend on how many threads there are.
+
+use std::collections::VecDeque;
+use std::ops::{ControlFlow, Range};
+
+use rayon::prelude::*;
+
+use super::band_worker::{PATHS_PER_REPORT, WAVEFRONT_PATHS, hull};
+use super::tracer::{DrawnSample, Tracer};
+use crate::film::{Film, FilmBand, OneWavelength};
+use crate::integrator::mis_ratio::MisRatio;
+use crate::integrator::path::Sharing;
+use crate::integrator::wavefront::Wavefront;
+use crate::optics::{CameraRay, CameraSample, Landing, LandingRay, LensRays};
+use crate::sampler::{SamplePosition, Sampler};
+use photosite_core::spectrum::{LANES, SampledSpectrum, Wavelengths};
+
+/// How many rows from where its path started light may land; what would land farther away goes with its own hero alone.
+const REACH: usize = 48;
+/// Paths of which the light is kept at once, 80 bytes each, unless one sample of a row and all within reach has more; and
+/// paths that are traced between two looks at whether to go on.
+const MAX_STORED_PATHS: usize = 1 << 20;
+const PATHS_OF_ROWS: usize = 1 << 19;
+
+/// Light of one wavelength that lands in a row.
+struct Landed {
+    column: u32,
+    sample: u32,
+    light: OneWavelength,
+}
+
+/// What the paths of a row bring, by the row that it lands in: from `REACH` rows above it on.
+struct RowOfPaths {
+    by_target: Vec<Vec<Landed>>,
+}
+
+/// What a pass is to do.
+struct Pass<'a> {
+    tracer: &'a Tracer<'a>,
+    width: usize,
+    /// Rows of the film.
+    rows: Range<usize>,
+    /// Samples that a pixel of the film shall have, and those of pixels beyond it.
+    wanted: &'a (dyn Fn(usize) -> u32 + Sync),
+    beyond: u32,
+    /// What all pixels shall have at least.
+    least: u32,
+}
+
+impl Pass<'_> {
+    /// Whether a pixel of the picture shall have a sample.
+    #[inline]
+    fn wants(&self, pixel: [usize; 2], sample: u32) -> bool {
+        sample < self.least || sample < self.wanted(pixel)
+    }
+
+    /// Samples that a pixel of the picture shall have.
+    fn wanted(&self, [column, row]: [usize; 2]) -> u32 {
+        let is_of_film = self.rows.contains(&row);
+        if is_of_film { (self.wanted)((row - self.rows.start) * self.width + column) } else { self.beyond }
+    }
+}
+
+impl Tracer<'_> {
+    /// [`pass`](Self::pass) with light that lands where its wavelength leads it.
+    pub(super) fn land(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync), beyond: u32) -> ControlFlow<()> {
+        let (width, rows) = (film.width(), film.picture_rows());
+        let least = (0..film.counts().len()).map(wanted).fold(beyond, u32::min);
+        let pass = Pass { tracer: self, width, rows, wanted, beyond, least };
+        let all = hull((0..).zip(film.counts()).map(|(pixel, &done)| done..wanted(pixel)));
+        let within_reach = width * (2 * REACH + 1);
+        let together = (MAX_STORED_PATHS / within_reach).clamp(1, 16);
+        for start in all.clone().step_by(together) {
+            let samples = start..all.end.min(start + together as u32);
+            self.land_samples(film, &pass, samples)?;
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// Adds some samples to all pixels that lack them.
+    fn land_samples(&self, film: &mut Film, pass: &Pass<'_>, samples: Range<u32>) -> ControlFlow<()> {
+        let height = self.job.resolution[1] as usize;
+        let Pass { width, ref rows, wanted, .. } = *pass;
+        let lacks_any = |of_row: &[u32], row: usize| {
+            let first = (row - rows.start) * width;
+            let lacks = |(i, &done): (usize, &u32)| done.max(samples.start) < wanted(first + i).min(samples.end);
+            of_row.iter().enumerate().any(lacks)
+        };
+        let lacking: Vec<bool> =
+            film.counts().chunks(width).zip(rows.clone()).map(|(of_row, row)| lacks_any(of_row, row)).collect();
+        // Whether light of a row's paths is asked for.
+        let is_asked = |row: usize| {
+            let near = row.saturating_sub(REACH).max(rows.start)..(row + REACH + 1).min(rows.end);
+            near.into_iter().any(|row| lacking[row - rows.start])
+        };
+        let step = (PATHS_OF_ROWS / (width * samples.len())).max(1);
+        let mut paths: VecDeque<RowOfPaths> = VecDeque::new();
+        // Rows of the picture whose paths are kept.
+        let mut kept = rows.start.saturating_sub(REACH)..rows.start.saturating_sub(REACH);
+        for first in rows.clone().step_by(step) {
+            let targets = first..rows.end.min(first + step);
+            // Trace the paths that may land there
+            let sources = kept.end..height.min(targets.end + REACH);
+            let trace = |worker: &mut LandingWorker<'_>, row: usize| {
+                if is_asked(row) && self.go_on().is_continue() {
+                    worker.trace(row, samples.clone())
+                } else {
+                    RowOfPaths::new()
+                }
+            };
+            let new: Vec<RowOfPaths> =
+                sources.clone().into_par_iter().with_max_len(1).map_init(|| LandingWorker::new(pass), trace).collect();
+            paths.extend(new);
+            kept.end = kept.end.max(sources.end);
+            self.go_on()?;
+
+            // Complete the rows
+            let band_rows = first - rows.start..targets.end - rows.start;
+            let mut bands = film.bands(1);
+            bands[band_rows.clone()].par_iter_mut().with_max_len(1).zip(band_rows).for_each(|(band, row_of_film)| {
+                if lacking[row_of_film] {
+                    let wanted = |pixel: usize| wanted(row_of_film * width + pixel);
+                    let from = |source: usize| &paths[source - kept.start].by_target;
+                    complete(band, rows.start + row_of_film, kept.clone(), from, samples.clone(), wanted);
+                }
+            });
+
+            // Forget what lands above
+            let done = (targets.end.saturating_sub(REACH)).clamp(kept.start, kept.end);
+            paths.drain(..done - kept.start);
+            kept.start = done;
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Adds to a row of the film what has landed in it.
+fn complete<'p>(
+    band: &mut FilmBand<'_>,
+    row: usize,
+    kept: Range<usize>,
+    from: impl Fn(usize) -> &'p Vec<Vec<Landed>>,
+    samples: Range<u32>,
+    wanted: impl Fn(usize) -> u32,
+) {
+    let mut landing = band.landing_row(samples);
+    for source in row.saturating_sub(REACH).max(kept.start)..(row + REACH + 1).min(kept.end) {
+        for Landed { column, sample, light } in from(source).get(row + REACH - source).into_iter().flatten() {
+            band.land(&mut landing, *column as usize, *sample, light);
+        }
+    }
+    band.add_row(&landing, wanted);
+}
+
+impl RowOfPaths {
+    /// Without light.
+    fn new() -> Self {
+        Self { by_target: Vec::new() }
+    }
+}
+
+/// Where the light of a path goes.
+struct PathTarget {
+    sample: u32,
+    /// Transmittance of the lens.
+    transmittance: SampledSpectrum,
+    ray: LandingRay,
+    cell: [u32; 2],
+}
+
+/// Traces the paths of rows.
+struct LandingWorker<'a> {
+    pass: &'a Pass<'a>,
+    sampler: Sampler,
+    wavefront: Wavefront,
+    rays: LensRays,
+    samples: Vec<CameraSample>,
+    wavelengths: Vec<Wavelengths>,
+    /// Of each sample its number, its pixel and the position of the sampler.
+    starts: Vec<(u32, [u32; 2], SamplePosition)>,
+    /// One for each path of the wavefront.
+    targets: Vec<PathTarget>,
+    paths: u64,
+}
+
+impl<'a> LandingWorker<'a> {
+    fn new(pass: &'a Pass<'a>) -> Self {
+        let Tracer { job, seed, limits, .. } = *pass.tracer;
+        Self {
+            pass,
+            sampler: Sampler::new(job.settings.sampler, seed),
+            wavefront: Wavefront::new(limits, MisRatio::NONE),
+            rays: LensRays::default(),
+            samples: Vec::new(),
+            wavelengths: Vec::new(),
+            starts: Vec::new(),
+            targets: Vec::new(),
+            paths: 0,
+        }
+    }
+
+    /// Traces the paths of some samples of a row of the picture.
+    fn trace(&mut self, row: usize, samples: Range<u32>) -> RowOfPaths {
+        let Pass { tracer, width, .. } = *self.pass;
+        let mut found = RowOfPaths { by_target: (0..=2 * REACH).map(|_| Vec::new()).collect() };
+        // Most of the light lands where its path started.
+        found.by_target[REACH].reserve(LANES * width * samples.len());
+        let first_sample = tracer.job.settings.samples().start;
+        let most = (WAVEFRONT_PATHS / tracer.limits.splitting.max(1)).max(1) as usize;
+        for column in 0..width {
+            let pixel = [column, row];
+            let wavelengths = tracer.wavelengths.at(column, row);
+            for sample in samples.start..samples.end.min(self.pass.wanted(pixel)) {
+                let DrawnSample { camera, u_wavelengths, next } =
+                    tracer.draw(pixel, first_sample + sample, &mut self.sampler);
+                let mut wavelengths = wavelengths.sample(u_wavelengths);
+                if tracer.has_single_wavelengths {
+                    wavelengths.terminate_secondary();
+                }
+                self.samples.push(camera);
+                self.wavelengths.push(wavelengths);
+                self.starts.push((sample, pixel.map(|n| n as u32), next));
+                if self.samples.len() == most {
+                    self.flush(row, &mut found);
+                }
+            }
+        }
+        self.flush(row, &mut found);
+        tracer.report_paths(&mut self.paths, PATHS_PER_REPORT);
+        found
+    }
+
+    /// Traces the paths of the samples at hand, and sorts their light by where it lands.
+    fn flush(&mut self, row: usize, found: &mut RowOfPaths) {
+        let Self { pass, sampler, wavefront, rays, samples, wavelengths, starts, targets, paths } = self;
+        let tracer = pass.tracer;
+        // Lead the rays through the lens
+        let starts_path = |i: usize, cell: [u32; 2]| pass.wants(cell.map(|n| n as usize), starts[i].0);
+        tracer.job.camera.land_each(samples, wavelengths, rays, REACH as u32, starts_path, |i, ray| {
+            let Some(ray) = ray else { return };
+            let (sample, cell, position) = starts[i];
+            wavefront.start(ray.of_hero.ray, wavelengths[i], position, Sharing::Nothing);
+            let transmittance = tracer.spectra.sample(tracer.transmittance, &wavelengths[i]);
+            targets.push(PathTarget { sample, transmittance, ray, cell });
+        });
+        *paths += samples.len() as u64;
+        samples.clear();
+        wavelengths.clear();
+        starts.clear();
+
+        // Trace their paths
+        wavefront.trace(tracer.job.scene, sampler);
+
+        // Add their light
+        for (path, target) in targets.drain(..).enumerate() {
+            let (light, wavelengths) = wavefront.arrived(path);
+            let weighted = light * target.transmittance * wavelengths.weights();
+            let LandingRay { of_hero: CameraRay { weight, .. }, landings } = target.ray;
+            let is_hero_alone = wavelengths.is_hero_alone();
+            for lane in 0..if is_hero_alone { 1 } else { LANES } {
+                let Landing { cell: [column, to], weight } =
+                    if is_hero_alone { Landing { cell: target.cell, weight } } else { landings[lane] };
+                let apart = (to as usize + REACH).checked_sub(row).filter(|apart| *apart <= 2 * REACH);
+                let (Some(apart), true) = (apart, weight > 0.0) else { continue };
+                let (entry, part) = wavelengths.place_in_table(lane);
+                let light = OneWavelength { entry: entry as u32, part, weighted: weighted[lane] * weight };
+                found.by_target[apart].push(Landed { column, sample: target.sample, light });
+            }
+        }
+        wavefront.clear();
+    }
+}

@@ -1,0 +1,180 @@
+//! Rays through the glass of a prescription for many samples at a time, and where the light of each wavelength lands.
+//!
+//! Rays of four wavelengths that leave one point of the sensor part company in the glass. A path would carry its hero
+//! alone, at the cost of much noise of colour. But the ray of the hero out in the scene is a ray of all four: the other
+//! three go along it back **in**, and each lands at a point x_j of its own, where it adds its light. Since a lens keeps
+//! étendue at each wavelength, no Jacobian appears.
+//!
+//! A ray of the scene may so be found from four points of the sensor, one for each wavelength as hero. Over these the
+//! balance heuristic ([Wilkie14](photosite_core::references#wilkie14)) makes the light L of wavelength j count
+//!
+//! E_j = w_j·T_j·L,   w_j = 4 / Σ_k v_kj/|R(x_k)|
+//!
+//! with the area |R(x)| of the region that directions are drawn from at x, the transmittance T_j of the glass, and v_kj = 1
+//! where wavelength k passes from a point of which a path may start and which is near enough to x_j, else 0. Inside the
+//! picture that is |R|, as if the lens did not disperse.
+
+use glam::DVec2;
+
+use super::Camera;
+use super::ray::{CameraRay, CameraSample};
+use crate::optics::prescribed::PrescribedLens;
+use photosite_core::spectrum::{LANES, SampledSpectrum, Wavelengths};
+use photosite_lens::lanes::LaneRay;
+
+/// Where the light of a wavelength belongs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Landing {
+    /// Column and row.
+    pub cell: [u32; 2],
+    /// E = weight · L, sr, without the lens's transmittance; 0 where it does not land in the picture.
+    pub weight: f32,
+}
+
+/// A ray into the scene that serves four wavelengths.
+#[derive(Clone, Copy, Debug)]
+pub struct LandingRay {
+    /// With what it counts where its path goes on with the hero alone, which lands in the pixel that it came from.
+    pub of_hero: CameraRay,
+    /// Of each wavelength where its path carries all.
+    pub landings: [Landing; LANES],
+}
+
+/// Memory for rays through a lens.
+#[derive(Debug, Default)]
+pub struct LensRays {
+    /// The hero of each sample, and the area of the region that its direction was drawn from.
+    out: Vec<LaneRay>,
+    areas: Vec<f32>,
+    /// The other wavelengths of each sample.
+    back: Vec<LaneRay>,
+}
+
+/// A ray that is none.
+const BLOCKED: LaneRay =
+    LaneRay { point: glam::Vec3::ZERO, direction: glam::Vec3::Z, wavelength_nm: 550.0, passed: 0.0 };
+
+impl Camera {
+    /// Whether [`land_each`](Self::land_each) serves this camera: it has the lens of a prescription, stands still, and its
+    /// pixels are rectangles of a picture.
+    pub fn lands_wavelengths(&self) -> bool {
+        self.prescribed.is_some() && self.recording.is_none() && !self.scans && !self.cells.is_staggered()
+    }
+
+    /// The rays of samples at their hero's wavelength.
+    pub(super) fn prescribed_each(
+        &self,
+        lens: &PrescribedLens,
+        samples: &[CameraSample],
+        wavelengths: &mut [Wavelengths],
+        mut take: impl FnMut(usize, &Wavelengths, Option<(CameraRay, SampledSpectrum)>),
+    ) {
+        wavelengths.iter_mut().for_each(Wavelengths::terminate_secondary);
+        let mut rays = LensRays::default();
+        self.trace_heroes(lens, samples, wavelengths, &mut rays);
+        for (i, (sample, wavelengths)) in samples.iter().zip(wavelengths).enumerate() {
+            let ray = self.prescribed_camera_ray(lens, sample, &rays.out[i], rays.areas[i]);
+            take(i, wavelengths, ray.map(|ray| (ray, SampledSpectrum::ONE)));
+        }
+    }
+
+    fn trace_heroes(
+        &self,
+        lens: &PrescribedLens,
+        samples: &[CameraSample],
+        wavelengths: &[Wavelengths],
+        rays: &mut LensRays,
+    ) {
+        let LensRays { out, areas, .. } = rays;
+        out.clear();
+        areas.clear();
+        for (sample, wavelengths) in samples.iter().zip(wavelengths) {
+            let (start, area) = self.prescribed_start(lens, sample, wavelengths.lambda_nm(0)).unwrap_or((BLOCKED, 0.0));
+            out.push(start);
+            areas.push(area);
+        }
+        lens.trace_out(out);
+    }
+
+    /// Makes the rays of several samples, and gives `take` the index of each with its ray, or `None` where the hero is
+    /// blocked. `starts` says of the index of a sample, a column and a row whether a path of that sample's number starts in
+    /// that pixel of the picture; `reach` is how many rows apart light may land from where its path came from.
+    pub fn land_each(
+        &self,
+        samples: &[CameraSample],
+        wavelengths: &[Wavelengths],
+        rays: &mut LensRays,
+        reach: u32,
+        starts: impl Fn(usize, [u32; 2]) -> bool,
+        mut take: impl FnMut(usize, Option<LandingRay>),
+    ) {
+        let Some(lens) = &self.prescribed else { return };
+        // The heroes go out
+        self.trace_heroes(lens, samples, wavelengths, rays);
+        let LensRays { out, areas, back } = rays;
+
+        // The other wavelengths come back in along the same rays
+        back.clear();
+        for (hero, wavelengths) in out.iter().zip(wavelengths) {
+            for lane in 1..LANES {
+                let ray = hero.back(wavelengths.lambda_nm(lane));
+                back.push(if hero.passed > 0.0 { ray } else { BLOCKED });
+            }
+        }
+        lens.trace_in(back);
+
+        for (i, sample) in samples.iter().enumerate() {
+            let Some(of_hero) = self.prescribed_camera_ray(lens, sample, &out[i], areas[i]) else {
+                take(i, None);
+                continue;
+            };
+            // Where each has landed, the density there of paths that start along this ray, and its transmittance
+            let mut cells = [[0; 2]; LANES];
+            let mut densities = [0.0; LANES];
+            let mut passed = [0.0; LANES];
+            for lane in 0..LANES {
+                let (pixel, area) = if lane == 0 {
+                    passed[lane] = out[i].passed;
+                    (sample.pixel, areas[i])
+                } else {
+                    let ray = &back[i * (LANES - 1) + lane - 1];
+                    passed[lane] = ray.passed;
+                    let landed = ray.point.truncate().as_dvec2();
+                    (self.pixel_of(landed), lens.area(landed))
+                };
+                if passed[lane] <= 0.0 || area <= 0.0 {
+                    continue;
+                }
+                let Some(cell) = self.lit_cell(pixel) else { continue };
+                if starts(i, cell) {
+                    cells[lane] = cell;
+                    densities[lane] = 1.0 / area;
+                }
+            }
+
+            // The balance heuristic over the wavelengths as heroes
+            let mut landings = [Landing::default(); LANES];
+            for lane in 0..LANES {
+                if densities[lane] <= 0.0 {
+                    continue;
+                }
+                let mut sum = 0.0;
+                for other in 0..LANES {
+                    if cells[other][1].abs_diff(cells[lane][1]) <= reach {
+                        sum += densities[other];
+                    }
+                }
+                landings[lane] = Landing { cell: cells[lane], weight: LANES as f32 * passed[lane] / sum };
+            }
+            take(i, Some(LandingRay { of_hero, landings }));
+        }
+    }
+
+    /// The cell of the picture in which a place lies, if it sees light.
+    #[inline]
+    fn lit_cell(&self, pixel: DVec2) -> Option<[u32; 2]> {
+        let [columns, rows] = self.resolution.map(f64::from);
+        let is_in_picture = pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x < columns && pixel.y < rows;
+        (is_in_picture && self.cells.sees_light(pixel)).then_some([pixel.x as u32, pixel.y as u32])
+    }
+}

@@ -1,0 +1,187 @@
+//! Paths of four wavelengths that part in the lens, against paths of one: the same picture with less noise.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use glam::{DAffine3, Vec3};
+use photosite_core::spectrum::{Dispersion, Spectrum};
+use photosite_lens::prescription::{Glass, Surface};
+use photosite_lens::{Lens, Prescription};
+use photosite_transport::film::{Film, FilmResponses, Response};
+use photosite_transport::integrator::{RenderJob, RenderSettings, render, render_on};
+use photosite_transport::optics::{Camera, Focus, LensDescription, LensKind, PixelGrid, Recording};
+use photosite_transport::sampler::SamplerKind;
+use photosite_transport::scene::description::{
+    Colour, Diffuse, EmissionDescription, EnvironmentDescription, InstanceDescription, MaterialDescription,
+    MaterialModel, MeshDescription, SceneDescription, TexturedColour,
+};
+use photosite_transport::scene::{Scene, build};
+
+const GRID: PixelGrid = PixelGrid { resolution: [40, 28], pitch_m: [80e-6, 80e-6] };
+const D_NM: f64 = 587.5618;
+/// nm.
+const BANDS: [[f64; 2]; 3] = [[420.0, 480.0], [520.0, 580.0], [620.0, 680.0]];
+
+/// A lens of one piece of heavy flint, 50 mm and f/5: between blue and red its focus moves by 3 mm, which is 8 pixels of
+/// blur, and its picture grows.
+fn singlet() -> LensDescription {
+    let sf11 = Glass {
+        name: "SF11".to_owned(),
+        source: "Schott".to_owned(),
+        dispersion: Dispersion::Sellmeier {
+            b: vec![1.737_596_95, 0.313_747_346, 1.898_781_01],
+            c_um2: vec![0.013_188_707, 0.062_306_814_2, 155.236_29],
+        },
+        range_nm: None,
+    };
+    let surface = |radius_mm, thickness_mm, glass, semi_aperture_mm| Surface {
+        radius_mm,
+        thickness_mm,
+        glass,
+        semi_aperture_mm: Some(semi_aperture_mm),
+        ..Surface::default()
+    };
+    let surfaces = vec![
+        surface(Some(78.5), 3.0, Some(sf11), 5.2),
+        surface(Some(-78.5), 4.0, None, 5.2),
+        Surface { is_stop: true, ..surface(None, 45.0, None, 4.5) },
+    ];
+    let prescription = Prescription { surfaces, ..Prescription::default() };
+    let efl_mm = Lens::new(&prescription).expect("a lens").at(D_NM).first_order().efl_mm;
+    LensDescription {
+        kind: LensKind::Prescription,
+        prescription: Some(Arc::new(prescription)),
+        ..LensDescription::thin(efl_mm * 1e-3, 6.0, Focus::Distance(1.0))
+    }
+}
+
+/// Bright squares before a dim sky, up to the edge of the picture.
+fn scene() -> Scene {
+    let flat = |value: f32| Colour::Spectrum(Spectrum::constant(value));
+    let mut scene = SceneDescription {
+        environment: Some(EnvironmentDescription::Constant { colour: flat(0.1), luminance_nit: None }),
+        ..SceneDescription::default()
+    };
+    for (i, (x, y, half, radiance)) in
+        [(-0.01, 0.0, 0.008, 5.0), (0.02, 0.012, 0.006, 3.0), (0.03, -0.02, 0.01, 2.0)].into_iter().enumerate()
+    {
+        let emission = EmissionDescription { colour: flat(radiance), level: None, texture: None };
+        let black = MaterialModel::Diffuse(Diffuse { reflectance: TexturedColour::plain(flat(0.0)) });
+        let material =
+            MaterialDescription { emission: Some(emission), ..MaterialDescription::new(format!("{i}"), black) };
+        scene.materials.push(material);
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+        let mesh = MeshDescription {
+            positions: corners.map(|[a, b]: [f32; 2]| Vec3::new(x + half * a, y + half * b, -0.95)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            material: i,
+            ..MeshDescription::default()
+        };
+        scene.meshes.push(mesh.into());
+        scene.instances.push(InstanceDescription::of_mesh(format!("{i}"), i, DAffine3::IDENTITY));
+    }
+    build(scene, &Spectrum::constant(1.0))
+}
+
+fn responses() -> Vec<Response> {
+    let band = |[low, high]: [f64; 2]| {
+        let spectrum = Spectrum::from_fn(move |l| if (low..=high).contains(&l) { 1.0 } else { 0.0 });
+        Response::new(format!("{low}"), spectrum)
+    };
+    BANDS.into_iter().map(band).collect()
+}
+
+fn settings(samples_per_pixel: u32, seed: u64, sampler: SamplerKind) -> RenderSettings {
+    RenderSettings { samples_per_pixel, seed, sampler, ..RenderSettings::default() }
+}
+
+/// The film of a render, or of some rows of it.
+fn film(scene: &Scene, camera: &Camera, settings: &RenderSettings, rows: Option<std::ops::Range<usize>>) -> Film {
+    let (responses, clear) = (responses(), Spectrum::constant(1.0));
+    let job = RenderJob {
+        scene,
+        camera,
+        transmittance: &clear,
+        responses: &responses,
+        filters: None,
+        importance: None,
+        resolution: GRID.resolution,
+        settings,
+    };
+    let of_film = FilmResponses::new(&responses);
+    let go_on = |_: photosite_transport::integrator::Step<'_>| ControlFlow::Continue(());
+    match rows {
+        None => render(&job, of_film, &go_on),
+        Some(rows) => {
+            let mut film = Film::of_rows(GRID.resolution[0] as usize, rows, of_film);
+            render_on(&job, &mut film, &go_on);
+            film
+        }
+    }
+}
+
+fn camera() -> Camera {
+    Camera::new(&singlet(), &GRID, DAffine3::IDENTITY, f64::NAN).expect("a lens")
+}
+
+/// A camera that counts as moving has paths of the hero alone.
+fn hero_alone(camera: &Camera) -> Camera {
+    camera.clone().recording(Recording {
+        motion: None,
+        start_s: 0.0,
+        exposure_s: 1.0,
+        row_time_s: 0.0,
+        first_row: 0.0,
+        duration_s: 1.0,
+        frame_interval_s: 1.0,
+    })
+}
+
+#[test]
+fn four_landings_give_the_picture_of_the_hero_alone_with_less_noise() {
+    let scene = scene();
+    let landing = camera();
+    let of =
+        |camera: &Camera, seed, samples| film(&scene, camera, &settings(samples, seed, SamplerKind::Independent), None);
+    let (four, one) = (of(&landing, 1, 256), of(&hero_alone(&landing), 2, 1024));
+    for (channel, [low, _]) in BANDS.into_iter().enumerate() {
+        let pixels = 0..four.counts().len();
+        let of = |film: &Film| -> Vec<(f64, f64)> {
+            let means = film.means(channel, pixels.clone());
+            means.zip(film.variances(channel, pixels.clone())).map(|(m, v)| (m.into(), v.into())).collect()
+        };
+        let (four, one) = (of(&four), of(&one));
+        let z = |i: usize| (four[i].0 - one[i].0) / (four[i].1 + one[i].1).sqrt();
+        let count = pixels.len() as f64;
+        let mean_z = pixels.clone().map(z).sum::<f64>() / count;
+        let mean_square = pixels.clone().map(|i| z(i).powi(2)).sum::<f64>() / count;
+        // 1120 z-scores: their mean has a σ of 0.03, that of their squares of 0.042; landings of neighbouring pixels come
+        // along the same paths, up to 64 of them, which makes the former 0.24 at most.
+        assert!(mean_z.abs() < 4.0 * 0.24, "{low} nm: {mean_z}");
+        assert!((mean_square - 1.0).abs() < 0.25, "{low} nm: {mean_square}");
+        assert!(pixels.clone().all(|i| z(i).abs() < 5.5), "{low} nm");
+        // A sample of one wavelength meets the band with probability 1/5 or so, one of four nearly always.
+        let noise = |of: &[(f64, f64)], samples: f64| of.iter().map(|(_, v)| v * samples).sum::<f64>();
+        let ratio = noise(&four, 256.0) / noise(&one, 1024.0);
+        assert!(ratio < 0.4, "{low} nm: {ratio}");
+    }
+}
+
+#[test]
+fn landings_do_not_depend_on_strips_parts_and_threads() {
+    let scene = scene();
+    let camera = camera();
+    let settings = settings(6, 1, SamplerKind::Sobol);
+    let whole = film(&scene, &camera, &settings, None);
+    let (width, channels) = (GRID.resolution[0] as usize, BANDS.len());
+    for rows in [0..9, 9..10, 10..28] {
+        let strip = film(&scene, &camera, &settings, Some(rows.clone()));
+        assert!(strip.sums() == &whole.sums()[rows.start * width * channels..rows.end * width * channels], "{rows:?}");
+    }
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
+    assert!(one_thread.install(|| film(&scene, &camera, &settings, None)).sums() == whole.sums());
+    let part = |samples| film(&scene, &camera, &RenderSettings { part: Some(samples), ..settings.clone() }, None);
+    let (mut sum, second) = (part(0..2), part(2..6));
+    sum.add(second.sums().iter().copied(), second.counts().iter().copied());
+    assert!(sum.sums() == whole.sums() && sum.counts() == whole.counts());
+}
