@@ -41,7 +41,7 @@ def house(side, z, wide, storeys, wall):
             face = x - 0.012 * side
             corners = [(face, low, middle + 0.5), (face, low, middle - 0.5), (face, high, middle - 0.5), (face, high, middle + 0.5)]
             what = "door" if is_door else random.choices(("dark", "lit-warm", "lit-cool", "lit-dim"), (5, 3, 1, 2))[0]
-            street.add(what, polygon(corners if side > 0 else corners[::-1]))
+            street.add(what, polygon(corners if side < 0 else corners[::-1]))
             bars = [((low, middle + 0.5), (high, middle + 0.56)), ((low, middle - 0.56), (high, middle - 0.5)), ((high, middle - 0.56), (high + 0.08, middle + 0.56)), ((low - 0.08, middle - 0.6), (low, middle + 0.6))]
             if not is_door:
                 bars += [((low, middle - 0.02), (high, middle + 0.02)), ((low + 1.0, middle - 0.5), (low + 1.04, middle + 0.5))]
