@@ -26,6 +26,7 @@ use photosite_core::cells::CellLayout;
 
 pub use connection::Connection;
 pub use figures::LensFigures;
+pub use prescription::PrescriptionFigures;
 pub use ray::{CameraRay, CameraSample};
 
 /// The grid of pixels behind the lens.

@@ -20,7 +20,7 @@ mod prescribed_tests;
 mod recording;
 mod stop;
 
-pub use camera::{Camera, CameraRay, CameraSample, Connection, LensFigures, PixelGrid};
+pub use camera::{Camera, CameraRay, CameraSample, Connection, LensFigures, PixelGrid, PrescriptionFigures};
 pub use description::{AutofocusMethod, ContrastAutofocus, Falloff, Focus, LensDescription, LensKind, Sharpness};
 pub use element::{GroundLens, Power, SupplementaryLens};
 pub use field_of_view::FieldOfView;
