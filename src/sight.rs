@@ -52,13 +52,23 @@ impl Sight {
 
     /// The unit vector of what a pixel looks at; not-a-number where it sees nothing.
     pub fn direction(&self, pixel: [f64; 2]) -> [f64; 3] {
+        self.line(pixel)[1]
+    }
+
+    /// The line along which a pixel looks: a point of it, m, and its direction, a unit vector; not-a-number where it sees
+    /// nothing. Lines go through the camera's place, but for those of a lens from a prescription, each of which goes through
+    /// the entrance pupil of its own field.
+    pub fn line(&self, pixel: [f64; 2]) -> [[f64; 3]; 2] {
         let pixel = DVec2::from_array(pixel) + 0.5;
-        let direction = match (self.camera.seen(pixel), self.space) {
-            (None, _) => DVec3::NAN,
-            (Some(seen), Space::Camera) => flipped(seen.direction),
-            (Some(seen), Space::World) => self.camera.pose_at_row(pixel.y - 0.5).0.transform_vector3(seen.direction),
+        let line = match (self.camera.line_of_sight(pixel), self.space) {
+            (None, _) => [DVec3::NAN; 2],
+            (Some((origin, direction)), Space::Camera) => [flipped(origin), flipped(direction)],
+            (Some((origin, direction)), Space::World) => {
+                let (to_world, _) = self.camera.pose_at_row(pixel.y - 0.5);
+                [to_world.transform_point3(origin), to_world.transform_vector3(direction)]
+            }
         };
-        direction.to_array()
+        line.map(|vector| vector.to_array())
     }
 }
 

@@ -8,13 +8,14 @@ use super::aberrations::{lateral_colour, point_spread, stops};
 use super::colour::Finder;
 use super::focus::focus;
 use super::lens_elements::{ground_lens, supplementary_lens};
-use super::prescription::Prescribed;
+use super::prescription::{Prescribed, focus_spectrum};
 use super::projection::projection;
 use super::settings::positive_number;
 use super::tables::{FalloffName, IntrinsicsTable, LensTable, LensType};
 use crate::Invalid;
 use crate::optics::{Falloff, Focus, Intrinsics, LensDescription, LensKind, Projection};
 use crate::sensor::SensorModel;
+use crate::spectrum::Spectrum;
 use photosite_core::spectrum::dispersion::lines::D;
 use photosite_core::warnings::Warnings;
 
@@ -101,12 +102,18 @@ pub(super) fn describe_lens(
     if kind == LensKind::Bare {
         warn_of_idle_keys(table, warnings);
     }
+    let transmittance = match &table.transmittance {
+        Some(source) => finder.fraction(source).map_err(|e| e.within("transmittance"))?,
+        None => Spectrum::constant(1.0),
+    };
+    let focus_spectrum = if prescribed.is_some() { focus_spectrum(sensor, &transmittance) } else { Vec::new() };
     let lens = LensDescription {
         kind,
         prescription: prescribed.map(|prescribed| prescribed.prescription),
         focal_length_m,
         f_number: f_number(table, kind, focal_length_m, first_order.map(|first_order| first_order.f_number))?,
         focus,
+        focus_spectrum,
         min_focus_distance_m: table
             .min_focus_distance_m
             .filter(|_| matches!(kind, LensKind::Thin | LensKind::Prescription)),
@@ -119,10 +126,7 @@ pub(super) fn describe_lens(
             None | Some(FalloffName::Cos4) => Falloff::Cos4,
             Some(FalloffName::None) => Falloff::None,
         },
-        transmittance: match &table.transmittance {
-            Some(source) => finder.fraction(source).map_err(|e| e.within("transmittance"))?,
-            None => crate::spectrum::Spectrum::constant(1.0),
-        },
+        transmittance,
         projection,
         point_spread: table
             .psf

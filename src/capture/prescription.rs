@@ -5,6 +5,8 @@ use std::sync::Arc;
 use super::colour::Finder;
 use super::tables::LensTable;
 use crate::Invalid;
+use crate::sensor::SensorModel;
+use crate::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Spectrum};
 use photosite_core::input;
 use photosite_core::spectrum::dispersion::lines;
 use photosite_core::suggest::{did_you_mean, list};
@@ -16,6 +18,8 @@ use photosite_lens::{Lens, Prescription};
 const KEY: &str = "prescription";
 /// A file of a lens is no larger than this.
 const MOST_BYTES: u64 = 1 << 20;
+/// Wavelengths that a lens is focused by.
+const FOCUS_WAVELENGTHS: usize = 9;
 
 /// The prescription of a lens, and the lens as it is in its first position.
 pub(super) struct Prescribed {
@@ -53,6 +57,28 @@ impl Prescribed {
     pub(super) fn pupil_to_sensor_m(&self) -> f64 {
         (self.lens.sensor_z_mm() - self.first_order().entrance_pupil_mm) * 1e-3
     }
+}
+
+/// Wavelengths, nm, that a sensor sees as much light between as between any others, in light that has the same power at each
+/// wavelength: the focus is that in which their spots are least, all counting the same. Empty for a sensor that sees nothing.
+pub(super) fn focus_spectrum(sensor: &SensorModel, transmittance: &Spectrum) -> Vec<(f64, f64)> {
+    let responses = sensor.responses();
+    let seen = |nm: f32| responses.iter().map(|(_, response)| f64::from(response.eval(nm))).sum::<f64>();
+    let (first, last) = (LAMBDA_MIN_NM as u32, LAMBDA_MAX_NM as u32);
+    let of_each: Vec<f64> =
+        (first..=last).map(|nm| seen(nm as f32) * f64::from(transmittance.eval(nm as f32))).collect();
+    let all: f64 = of_each.iter().sum();
+    let mut sum = 0.0;
+    let mut wavelengths = Vec::new();
+    for (nm, part) in (first..).zip(&of_each) {
+        sum += part / all;
+        while sum >= (wavelengths.len() as f64 + 0.5) / FOCUS_WAVELENGTHS as f64
+            && wavelengths.len() < FOCUS_WAVELENGTHS
+        {
+            wavelengths.push((f64::from(nm), 1.0));
+        }
+    }
+    wavelengths
 }
 
 fn read(finder: &Finder<'_>, name: &str) -> Result<Reading, Invalid> {

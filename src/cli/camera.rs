@@ -8,12 +8,13 @@ use super::log::say;
 use super::print::{println_out, refuse_existing, write_result};
 use super::scene_args::SceneArgs;
 use crate::calibration::camera_files::{
-    CalibratedCamera, ColmapImage, colmap_cameras, colmap_images, colmap_points, euroc, kalibr, opencv, ros,
+    CalibratedCamera, ColmapImage, FittedLens, Models, colmap_cameras, colmap_images, colmap_points, euroc, kalibr,
+    opencv, ros,
 };
 use crate::capture::Capture;
 use crate::io::lock::Lock;
 use crate::io::output::create_folder;
-use crate::optics::LensKind;
+use crate::optics::{Camera, LensKind};
 use crate::pipeline::{LensSeen, standalone_recording_camera};
 use crate::{Invalid, Result, Sandbox};
 
@@ -21,7 +22,8 @@ use crate::{Invalid, Result, Sandbox};
 ///
 /// It is that of all pixels of the sensor, before exposure.region_px and exposure.binning, with the distortion of the
 /// lens, which image.png keeps with develop.distortion = false and develop.square_pixels = false alone. What a format
-/// has no words for is refused. A camera that moves stands where it does halfway through its first picture, as
+/// has no words for is refused. Of a lens from a prescription it is the model that comes nearest to the chief rays of points at
+/// the focus distance, by least squares over the picture; how far it is from them is said. A camera that moves stands where it does halfway through its first picture, as
 /// `capture.json` says (`pose_time_s`).
 #[derive(Args)]
 pub(super) struct CameraArgs {
@@ -71,11 +73,6 @@ pub(super) fn run(args: &CameraArgs, sandbox: &Sandbox) -> Result<()> {
         let message = "a bare sensor has no camera matrix: each of its pixels sees everything";
         return Err(capture.source.error(Invalid::new("lens.type", message).help("take a lens")));
     }
-    if capture.lens.kind == LensKind::Prescription {
-        let message = "formats of cameras have no model for a lens that is traced, and none is fitted to it yet";
-        let help = "photosite project tells where points appear, and what pixels look at";
-        return Err(capture.source.error(Invalid::new("lens.prescription", message).help(help)));
-    }
     let placed = standalone_recording_camera(&capture)?.halfway();
     let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.region);
     if let Some(done) = seen.resampled(&capture.develop) {
@@ -86,6 +83,10 @@ pub(super) fn run(args: &CameraArgs, sandbox: &Sandbox) -> Result<()> {
         );
     }
     let camera = CalibratedCamera::new(&args.name, &placed);
+    let camera = match capture.lens.kind {
+        LensKind::Prescription => camera.with_fitted(&fitted(&capture, &placed, args.format)?),
+        LensKind::Thin | LensKind::Pinhole | LensKind::Hole | LensKind::Bare => camera,
+    };
     let one = std::slice::from_ref(&camera);
     let text = match args.format {
         Format::Opencv => opencv(&camera),
@@ -112,6 +113,27 @@ pub(super) fn run(args: &CameraArgs, sandbox: &Sandbox) -> Result<()> {
         }
         (_, None) => println_out(text.trim_end()),
     }
+}
+
+/// The model that stands for a lens from a prescription, and says how well.
+fn fitted(capture: &Capture, camera: &Camera, format: Format) -> Result<FittedLens> {
+    let models = match format {
+        Format::Opencv | Format::Ros | Format::Colmap => Models::Rational,
+        Format::Kalibr | Format::Euroc => Models::Radtan,
+    };
+    let fitted = FittedLens::new(camera, models).ok_or_else(|| {
+        let message = "no model of this format shows all that the lens shows of the picture";
+        let help = "choose another format or a smaller sensor; photosite project tells where points appear";
+        capture.source.error(Invalid::new("lens.prescription", message).help(help))
+    })?;
+    let FittedLens { projection, rms_px, largest_px, distance_m, .. } = fitted;
+    let at =
+        if distance_m.is_finite() { format!("at {distance_m:.4} m from the camera") } else { "at infinity".to_owned() };
+    say!(
+        "the {} model is fitted to the chief rays of the lens {at}: rms {rms_px:.4} px, largest {largest_px:.4} px",
+        projection.name()
+    );
+    Ok(fitted)
 }
 
 fn write(path: &Path, force: bool, text: &str) -> Result<()> {

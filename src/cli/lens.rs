@@ -105,7 +105,8 @@ fn reading(lens: &Path) -> Result<Reading> {
         return Ok(shipped);
     }
     if !lens.exists() && lens.extension().is_none() {
-        let message = format!("there is neither a file nor a lens {name:?}");
+        let near = suggest::did_you_mean(&name, files::names());
+        let message = format!("there is neither a file nor a lens {name:?}{near}");
         let help = format!("name a lens file, or one of {}", suggest::list(&name, files::names()));
         return Err(Error::Usage { message, help: Some(help.into()) });
     }

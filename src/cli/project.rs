@@ -33,6 +33,10 @@ pub(super) struct ProjectArgs {
     /// OpenCV with --camera-space, else in those of the world.
     #[arg(long)]
     inverse: bool,
+    /// With --inverse: a point of the line of sight before its direction, x, y, z, dx, dy, dz, m. Lines of a lens from a
+    /// prescription do not all go through the camera's place.
+    #[arg(long, requires = "inverse")]
+    origin: bool,
     /// Change a key of the capture file, for example --set lens.max_angle_deg=80.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
@@ -50,8 +54,9 @@ pub(super) fn run(args: &ProjectArgs, sandbox: &Sandbox) -> Result<()> {
     for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
         let in_line = |invalid: Invalid| invalid.at_line(&args.points, number);
         let answer = if args.inverse {
-            let pixel = numbers(line, "100.5, 42").map_err(in_line)?;
-            sight.direction(pixel).map(|x| x.to_string()).join(",")
+            let line = sight.line(numbers(line, "100.5, 42").map_err(in_line)?);
+            let shown = if args.origin { line.as_slice() } else { &line[1..] };
+            shown.as_flattened().iter().map(f64::to_string).collect::<Vec<_>>().join(",")
         } else {
             let point = numbers(line, "0.1, -0.2, 3").map_err(in_line)?;
             sight.pixel(point).map(|x| x.to_string()).join(",")

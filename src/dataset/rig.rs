@@ -110,10 +110,6 @@ fn check(capture: &Capture) -> Result<()> {
         let message = "the pictures of a data set have a camera, and a bare sensor has none";
         return refuse("lens.type", message, "render captures of bare sensors one by one");
     }
-    if capture.lens.kind == LensKind::Prescription {
-        let message = "the cameras of a data set are told by models, and none is fitted to a traced lens yet";
-        return refuse("lens.prescription", message, "render captures of such lenses one by one");
-    }
     if capture.render.time_limit.is_some() {
         let help = "write samples_per_pixel or noise_target";
         return refuse("render.time_limit_s", "would make another data set each time", help);

@@ -1,8 +1,9 @@
 //! What raw files say of the lens, so that developers can correct it, and what becomes of the picture when they do.
 
+use crate::calibration::camera_files::{FittedLens, Models};
 use crate::capture::{OutputSettings, RawFormat};
 use crate::develop::{DevelopSettings, Resampling};
-use crate::optics::{Camera, Falloff, Intrinsics, LensDescription, Projection};
+use crate::optics::{Camera, Falloff, Intrinsics, LensDescription, LensKind, Projection};
 use crate::raw::{Distortion, GainMap, LensModel, PixelArea, RawMetadata, Warp};
 use crate::sensor::{RegionOfInterest, SensorModel};
 use glam::DVec2;
@@ -14,10 +15,15 @@ use crate::report::ImageReport;
 /// from the axis.
 const POINTS: [usize; 2] = [33, 25];
 
+/// What stands for a traced lens is said to be beside it from here on, px.
+const LARGEST_PX: f64 = 0.1;
+
 /// A lens as a window of the sensor sees through it.
 pub struct LensSeen<'a> {
     lens: &'a LensDescription,
     camera: &'a Camera,
+    /// What stands for a lens from a prescription, which developers have no words for; `None` of other lenses.
+    fitted: Option<FittedLens>,
     /// The part of the sensor that is read out, px.
     area: PixelArea,
     /// Columns and rows of the raw picture.
@@ -68,7 +74,9 @@ impl<'a> LensSeen<'a> {
             }
         };
         let pitch_m = [0, 1].map(|axis| sensor.pixel_pitch_m[axis] * factor[axis]);
-        Self { lens, camera, area, size_px, factor, pitch_m, is_staggered: sensor.cells.is_staggered() }
+        let is_traced = lens.kind == LensKind::Prescription;
+        let fitted = if is_traced { FittedLens::new(camera, Models::Rational) } else { None };
+        Self { lens, camera, fitted, area, size_px, factor, pitch_m, is_staggered: sensor.cells.is_staggered() }
     }
 
     /// Writes falloff and distortion into the metadata of a raw image of this window. `known` is of this lens.
@@ -109,7 +117,10 @@ impl<'a> LensSeen<'a> {
     /// Warnings about images and files that lack what one might expect.
     pub(super) fn warnings(&self, settings: &DevelopSettings, output: &OutputSettings) -> Vec<String> {
         let mut warnings = Vec::new();
-        let name = self.lens.projection.name();
+        let name = match self.lens.kind {
+            LensKind::Prescription => "traced",
+            LensKind::Thin | LensKind::Pinhole | LensKind::Hole | LensKind::Bare => self.lens.projection.name(),
+        };
         let has_dng = output.raw.contains(&RawFormat::Dng);
         match self.model() {
             None if output.image && settings.distortion && self.is_distorted() => {
@@ -130,6 +141,13 @@ impl<'a> LensSeen<'a> {
                 }
             }
             None | Some(_) => {}
+        }
+        if let Some(fitted) = self.fitted.filter(|fitted| fitted.largest_px > LARGEST_PX) {
+            let (model, off) = (fitted.projection.name(), fitted.largest_px);
+            warnings.push(format!(
+                "what other tools are told of the traced lens is the {model} model nearest to it, which is up to {off:.2} px \
+                 beside it; capture.json has the figures (camera.fitted)"
+            ));
         }
         if self.is_staggered && has_dng {
             let how = "by CFALayout, which most programs pass over: they take the rows for columns";
@@ -157,7 +175,7 @@ impl<'a> LensSeen<'a> {
         let model = self.model().filter(|_| settings.distortion);
         let (on_grid, projection) = match &model {
             Some(model) => (model.pinhole(), Projection::Perspective),
-            None => (self.intrinsics(), self.lens.projection),
+            None => (self.intrinsics(), self.projection()),
         };
         let resampling = self.resampling(settings);
         let (size, (first, per_pixel)) = match &resampling {
@@ -165,13 +183,25 @@ impl<'a> LensSeen<'a> {
             None => (self.size_px, ([0.0; 2], [1.0; 2])),
         };
         let intrinsics = on_grid.on_grid(first, per_pixel);
-        ImageReport::new(size, settings.pixel_aspect(&metadata), &intrinsics, &projection, resampling.is_some())
+        let aspect = settings.pixel_aspect(&metadata);
+        let report = ImageReport::new(size, aspect, &intrinsics, &projection, resampling.is_some());
+        if self.lens.kind == LensKind::Prescription && self.fitted.is_none() {
+            // The matrix alone, near the axis, as that of the camera.
+            return ImageReport { projection: self.lens.projection_name().to_owned(), ..report };
+        }
+        report
     }
 
     /// The matrix of the lens on the grid of the raw picture.
     fn intrinsics(&self) -> Intrinsics {
         let first = [self.area.x, self.area.y].map(|n| n as f64);
-        self.camera.intrinsics().on_grid(first, self.factor)
+        let whole = self.fitted.map_or(self.camera.intrinsics(), |fitted| fitted.intrinsics);
+        whole.on_grid(first, self.factor)
+    }
+
+    /// The model of the lens, or what stands for it.
+    fn projection(&self) -> Projection {
+        self.fitted.map_or(self.lens.projection, |fitted| fitted.projection)
     }
 
     /// What is known of lens and pixels.
@@ -186,14 +216,14 @@ impl<'a> LensSeen<'a> {
 
     /// Whether straight lines are curved, but for a panorama, whose picture is meant to be as it is.
     fn is_distorted(&self) -> bool {
-        !matches!(self.lens.projection, Projection::Perspective | Projection::Equirectangular)
+        !matches!(self.projection(), Projection::Perspective | Projection::Equirectangular)
     }
 
     /// The model that a developer corrects: of a lens whose picture a pinhole could take as well.
     fn model(&self) -> Option<LensModel> {
         let model = LensModel {
             intrinsics: self.intrinsics(),
-            projection: self.lens.projection,
+            projection: self.projection(),
             max_angle_rad: self.lens.max_angle_rad,
         };
         let can_correct = self.is_distorted() && !self.camera.scans() && model.is_within_a_half_space(self.size_px);
@@ -254,7 +284,7 @@ mod tests {
         let [across, down] = region.binning.factor;
         let (size_px, factor) = ([area.width / across, area.height / down], [across, down].map(|n| n as f64));
         let pitch_m = [0, 1].map(|axis| pitch_m[axis] * factor[axis]);
-        LensSeen { lens, camera, area, size_px, factor, pitch_m, is_staggered: false }
+        LensSeen { lens, camera, fitted: None, area, size_px, factor, pitch_m, is_staggered: false }
     }
 
     #[test]

@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::matrix::{from_rows, rows};
 use super::motion::MotionReport;
-use crate::optics::{Camera, FieldOfView, Intrinsics, LensDescription, Projection, Recording};
+use crate::calibration::camera_files::{FittedLens, Models};
+use crate::optics::{Camera, FieldOfView, Intrinsics, LensDescription, LensKind, Projection, Recording};
 
 /// glTF's camera looks along −z with y up, OpenCV's along z with y down.
 const FLIP: DMat3 = DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0));
@@ -28,6 +29,10 @@ pub struct CameraReport {
     /// Mirror parameter of an omnidirectional lens.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub xi: Option<f64>,
+    /// The model of calibration tools that comes nearest to a lens that is traced. `null` of other lenses, which are a model, and
+    /// where none shows all that the lens shows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fitted: Option<FittedLensReport>,
     /// What the lens sees.
     pub field_of_view: FieldOfViewReport,
     /// When the camera stands as is said here, s from the start of the first picture: halfway between the start of its
@@ -43,6 +48,39 @@ pub struct CameraReport {
     pub position_m: [f64; 3],
     /// How it moves. `null` where nothing does.
     pub motion: Option<MotionReport>,
+}
+
+/// A model in place of a lens that is traced, by least squares over the picture. It holds for points at one distance: the
+/// chief rays of such a lens do not meet in one point.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct FittedLensReport {
+    /// As that of the camera.
+    pub camera_matrix: [[f64; 3]; 3],
+    /// The model, as `[lens]` names it.
+    pub projection: String,
+    /// Its coefficients in OpenCV's order.
+    pub distortion: Vec<f64>,
+    /// Root of the mean square of the distances between places by the model and those of chief rays.
+    pub rms_px: f64,
+    /// The largest of these distances.
+    pub largest_px: f64,
+    /// How far from the camera the points are that it was fitted to, which is the focus distance. `null`: at infinity.
+    pub distance_m: Option<f64>,
+}
+
+impl FittedLensReport {
+    /// Of a fitted model.
+    fn new(fitted: &FittedLens) -> Self {
+        let FittedLens { intrinsics, projection, rms_px, largest_px, distance_m } = *fitted;
+        Self {
+            camera_matrix: camera_matrix(&intrinsics),
+            projection: projection.name().to_owned(),
+            distortion: projection.coefficients(),
+            rms_px,
+            largest_px,
+            distance_m: Some(distance_m).filter(|distance| distance.is_finite()),
+        }
+    }
 }
 
 /// Where the model of the lens is one to one, and what of the picture sees something.
@@ -85,12 +123,15 @@ impl CameraReport {
     ) -> Self {
         let DAffine3 { matrix3, translation } = camera.to_world();
         let rotation = FLIP * matrix3.transpose();
+        let is_traced = lens.kind == LensKind::Prescription;
+        let fitted = if is_traced { FittedLens::new(camera, Models::Rational) } else { None };
         Self {
             resolution_px,
             camera_matrix: camera_matrix(&camera.intrinsics()),
             projection: lens.projection_name().to_owned(),
             distortion: lens.projection.coefficients(),
             xi: lens.projection.xi(),
+            fitted: fitted.as_ref().map(FittedLensReport::new),
             field_of_view: FieldOfViewReport::new(&camera.field_of_view()),
             pose_time_s: recording.map(Recording::middle_s),
             rotation: rows(rotation),
@@ -100,15 +141,20 @@ impl CameraReport {
         }
     }
 
-    /// Intrinsics, of which the principal point has its origin at the top-left corner of the picture.
+    /// Intrinsics, of which the principal point has its origin at the top-left corner of the picture; of a traced lens those
+    /// of the fitted model.
     pub fn intrinsics(&self) -> Intrinsics {
-        let [[fx, skew, cx], [_, fy, cy], _] = self.camera_matrix;
+        let [[fx, skew, cx], [_, fy, cy], _] =
+            self.fitted.as_ref().map_or(self.camera_matrix, |fitted| fitted.camera_matrix);
         Intrinsics { fx, fy, cx: cx + 0.5, cy: cy + 0.5, skew }
     }
 
-    /// The model of the lens; `None` where there is none of that name.
+    /// The model of the lens, or the one that is fitted to it; `None` where there is none of that name.
     pub fn projection(&self) -> Option<Projection> {
-        Projection::named(&self.projection, &self.distortion, self.xi)
+        match &self.fitted {
+            Some(fitted) => Projection::named(&fitted.projection, &fitted.distortion, None),
+            None => Projection::named(&self.projection, &self.distortion, self.xi),
+        }
     }
 
     /// Camera → world in glTF's axes, at the time that the pose is of.

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::optics::{Camera, LensDescription, LensFigures, LensKind};
+use crate::optics::{Camera, LensDescription, LensFigures, LensKind, PrescriptionFigures};
 
 /// The lens.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -22,12 +22,54 @@ pub struct LensReport {
     pub focus_distance_m: Option<f64>,
     /// Distance lens → sensor v; of a prescription, from its last surface.
     pub image_distance_mm: Option<f64>,
+    /// What a lens from a prescription is as it stands; `null` of other lenses.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub traced: Option<PrescriptionReport>,
     /// Depth of field, angles, scale. None in reports of earlier versions.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub figures: Option<LensFiguresReport>,
     /// What autofocus by contrast has tried, in this order; the sharpest was kept.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub autofocus_steps: Vec<FocusStepReport>,
+}
+
+/// A lens from a prescription: zoomed, focused and stopped down. To first order at the d line but for what is traced at
+/// 555 nm.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct PrescriptionReport {
+    /// Effective focal length at this focus; where groups of the lens move for the focus it is not that at infinity.
+    pub focal_length_mm: f64,
+    /// 1/(2·sin u′) of the light that comes to the middle of the picture, traced: what the exposure goes by.
+    pub working_f_number: f64,
+    /// Diameter of the entrance pupil.
+    pub entrance_pupil_mm: f64,
+    /// From the entrance pupil to the sensor: distances from the camera's position, which the pupil is, are as much shorter
+    /// than those on the barrel of the lens, which count from the sensor.
+    pub entrance_pupil_to_sensor_mm: f64,
+    /// Diameter of the exit pupil.
+    pub exit_pupil_mm: f64,
+    /// From the exit pupil to the sensor.
+    pub exit_pupil_to_sensor_mm: f64,
+    /// From the vertex of the first surface to the sensor.
+    pub length_mm: f64,
+    /// Distance from the axis on the sensor up to which chief rays pass every aperture, traced. `null`: all of the picture's
+    /// do. Beyond, light goes beside the middle of the stop, and ground truth is that of the chief ray all the same.
+    pub clear_radius_mm: Option<f64>,
+}
+
+impl PrescriptionReport {
+    fn new(figures: &PrescriptionFigures) -> Self {
+        Self {
+            focal_length_mm: figures.focal_length_m * 1e3,
+            working_f_number: figures.working_f_number,
+            entrance_pupil_mm: figures.entrance_pupil_m * 1e3,
+            entrance_pupil_to_sensor_mm: figures.entrance_pupil_to_sensor_m * 1e3,
+            exit_pupil_mm: figures.exit_pupil_m * 1e3,
+            exit_pupil_to_sensor_mm: figures.exit_pupil_to_sensor_m * 1e3,
+            length_mm: figures.length_m * 1e3,
+            clear_radius_mm: figures.clear_radius_m.map(|radius| radius * 1e3),
+        }
+    }
 }
 
 /// A place of the focus that autofocus has tried.
@@ -80,6 +122,7 @@ impl LensReport {
             focus_distance_m: (focus.is_finite() && matches!(lens.kind, LensKind::Thin | LensKind::Prescription))
                 .then_some(focus),
             image_distance_mm: of_lens(camera.image_distance_m() * 1e3),
+            traced: camera.prescription_figures().as_ref().map(PrescriptionReport::new),
             figures: LensFiguresReport::of(lens, camera, pixel_pitch_m),
             autofocus_steps: steps.to_vec(),
         }

@@ -83,16 +83,23 @@ pub struct TargetReport {
     pub points_px: Vec<Option<[f64; 2]>>,
     /// Whether they are within the picture, with nothing before them.
     pub points_visible: Vec<bool>,
+    /// Whether an aperture of a lens from a prescription blocks the chief ray of their places, so that what the picture shows of
+    /// them lies beside these. Left out where none is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub points_vignetted: Vec<bool>,
 }
 
 impl TargetReport {
     /// Of a target in the world, as a view shows it.
     pub fn new(placed: &PlacedTarget, view: &View<'_>) -> Self {
         let found: Vec<_> = placed.points().map(|(_, point)| view.landmark(point)).collect();
+        let is_vignetted = |place: &Option<Correspondence>| place.is_some_and(|at| view.camera.is_vignetted(at.pixel));
+        let vignetted: Vec<bool> = found.iter().map(is_vignetted).collect();
         let px = |place: &Correspondence| (place.pixel - DVec2::splat(0.5)).to_array();
         Self {
             points_px: found.iter().map(|place| place.as_ref().map(px)).collect(),
             points_visible: found.iter().map(|place| place.is_some_and(|place| place.visible)).collect(),
+            points_vignetted: if vignetted.contains(&true) { vignetted } else { Vec::new() },
             name: placed.name.clone(),
             facts: TargetFacts::new(&placed.description, &placed.target),
             rotation: rows(placed.to_world.matrix3),

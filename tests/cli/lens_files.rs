@@ -65,6 +65,7 @@ fn what_cannot_be_shown_is_said() {
     folder.fail("lens lens.doc", 1, &["lens.doc", ".zmx"]);
     folder.fail("lens missing.seq", 1, &["missing.seq"]);
     folder.fail("lens double-gaus", 2, &["double-gauss"]);
+    folder.fail("lens canon-ef5", 2, &["did you mean `canon-ef50`?"]);
     folder.fail("lens double-gauss --f-number 1", 2, &["f/1", "f/2.012"]);
     folder.fail("lens double-gauss --half-field -3", 2, &["half field"]);
     folder.fail("lens double-gauss -o lens.zmx", 2, &["lens.zmx", ".toml"]);

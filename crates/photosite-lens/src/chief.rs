@@ -67,6 +67,32 @@ impl LensAt<'_> {
         })
     }
 
+    /// Whether that ray passes every aperture: of a lens that vignettes, those far from the axis do not, and the light of
+    /// their place of the picture goes by the stop's centre.
+    pub fn chief_ray_passes(&self, angle_rad: f64) -> bool {
+        let stop = self.lens.stop();
+        let origin = DVec3::new(0.0, 0.0, self.lens.surfaces()[stop].z_mm);
+        let direction = DVec3::new(0.0, angle_rad.sin(), angle_rad.cos());
+        let outwards = Ray { origin, direction: -direction };
+        let before = (0..stop).rev().map(Step::refract);
+        let behind = (stop..self.lens.surfaces().len()).map(Step::refract);
+        self.trace(outwards, Travel::ToScene, before, Apertures::Clip, |_| {}).is_ok()
+            && self.trace(Ray { origin, direction }, Travel::ToSensor, behind, Apertures::Clip, |_| {}).is_ok()
+    }
+
+    /// The image height in mm up to which chief rays pass every aperture, looked for up to an angle at the stop in rad;
+    /// infinite where all up to there do.
+    pub fn clear_height_mm(&self, end: f64) -> f64 {
+        let at = |i: u32| end * f64::from(i) / f64::from(ANGLES);
+        let Some(blocked) = (1..=ANGLES).find(|&i| !self.chief_ray_passes(at(i))) else { return f64::INFINITY };
+        let (mut low, mut high) = (at(blocked - 1), at(blocked));
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if self.chief_ray_passes(middle) { low = middle } else { high = middle }
+        }
+        self.chief_ray_of_stop_angle(low).map_or(0.0, |chief| chief.image_height_mm.abs())
+    }
+
     /// The chief ray of an object at infinity at an angle in rad from the axis; `None` where the lens has none.
     pub fn chief_ray(&self, field_rad: f64) -> Option<ChiefRay> {
         self.find_chief_ray(field_rad, |chief| chief.field_rad)

@@ -29,6 +29,7 @@ pub struct ChiefMap {
     pupil_of_field: MonotoneCubic,
     highest_mm: f64,
     widest_rad: f64,
+    widest_stop_rad: f64,
 }
 
 /// What a place of the picture looks at.
@@ -74,6 +75,7 @@ impl ChiefMap {
             pupil_of_field: MonotoneCubic::new(fields, pupils)?,
             highest_mm: last.image_height_mm,
             widest_rad: last.field_rad,
+            widest_stop_rad: last.stop_rad,
         })
     }
 
@@ -85,6 +87,11 @@ impl ChiefMap {
     /// The field angle at that height, rad.
     pub fn widest_rad(&self) -> f64 {
         self.widest_rad
+    }
+
+    /// The angle at the stop of the ray at that height, rad.
+    pub fn widest_stop_rad(&self) -> f64 {
+        self.widest_stop_rad
     }
 
     /// Field angle of an image height in mm, rad; `None` beyond what is known.

@@ -55,3 +55,35 @@ fn what_does_not_go_with_a_prescription_is_an_error_that_names_the_key() {
         assert!(error.contains(start), "{keys}: {error}");
     }
 }
+
+/// A lens is focused for the light that the sensor sees: one that sees red alone has its focus there.
+#[test]
+fn the_focus_is_that_of_the_sensors_own_spectrum() {
+    let spectrum = |keys: &str| {
+        let files = Files::new(&room(&format!("[lens]\nprescription = 'double-gauss'\n{keys}")));
+        files.add("red.csv", b"300,0\n600,0\n601,1\n1100,1\n");
+        let capture = files.read(&[]).unwrap_or_else(|error| panic!("{error}"));
+        let wavelengths: Vec<f64> = capture.lens.focus_spectrum.iter().map(|(nm, _)| *nm).collect();
+        assert_eq!(wavelengths.len(), 9, "{wavelengths:?}");
+        assert!(wavelengths.is_sorted() && capture.lens.focus_spectrum.iter().all(|(_, weight)| *weight == 1.0));
+        let responses = capture.sensor.responses();
+        let below = |nm: f64| -> f64 {
+            let of = |nm: u32| {
+                let tau = f64::from(capture.lens.transmittance.eval(nm as f32));
+                responses.iter().map(|(_, response)| f64::from(response.eval(nm as f32))).sum::<f64>() * tau
+            };
+            (300..=nm as u32).map(of).sum()
+        };
+        // Each in the middle of a ninth of the light.
+        for (i, nm) in wavelengths.iter().enumerate() {
+            let part = (i as f64 + 0.5) / 9.0;
+            assert!(
+                below(nm - 1.0) < part * below(1100.0) && below(*nm) >= part * below(1100.0) * (1.0 - 1e-9),
+                "{nm}"
+            );
+        }
+        wavelengths
+    };
+    let (whole, red) = (spectrum(""), spectrum("transmittance = { file = 'red.csv' }"));
+    assert!(whole[0] < 500.0 && red[0] > 600.0, "{whole:?} {red:?}");
+}

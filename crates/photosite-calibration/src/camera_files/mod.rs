@@ -17,6 +17,7 @@ mod colmap;
 mod disparity;
 mod epipolar;
 mod euroc;
+mod fit;
 mod kalibr;
 mod opencv;
 mod rectification;
@@ -32,6 +33,7 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 pub use colmap::{ColmapImage, ColmapPoint, colmap_cameras, colmap_images, colmap_points};
 pub use disparity::DisparityScale;
 pub use euroc::euroc;
+pub use fit::{FittedLens, Models};
 pub use kalibr::kalibr;
 pub use opencv::{opencv, opencv_pair};
 pub use rectification::StereoPair;
@@ -66,6 +68,12 @@ impl CalibratedCamera {
             resolution: camera.resolution(),
             to_world: camera.to_world(),
         }
+    }
+
+    /// The same camera with a model in place of its lens.
+    #[must_use]
+    pub fn with_fitted(self, fitted: &FittedLens) -> Self {
+        Self { intrinsics: fitted.intrinsics, projection: fitted.projection, ..self }
     }
 
     /// World → camera with the axes of OpenCV (x right, y down, z forward).

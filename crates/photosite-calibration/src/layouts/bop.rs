@@ -81,7 +81,9 @@ fn check(shot: &Shot) -> Result<(), Invalid> {
             | CalibrationModel::Omnidirectional { .. },
         )
         | None => {
-            return Err(shot.calibrated.no_model("BOP", "make a data set with lens.distortion left out"));
+            return Err(shot
+                .calibrated
+                .no_model("BOP", "make a data set with lens.distortion left out, and through no lens.prescription"));
         }
     }
     if shot.is_skewed {

@@ -130,14 +130,16 @@ impl<'a> View<'a> {
         })
     }
 
-    /// `is_seen` is asked of the centre of the lens and of the part of the picture's time that has gone by.
+    /// `is_seen` is asked of where the line of sight leaves the lens and of the part of the picture's time that has gone by.
     fn found(&self, position: impl Fn(f32) -> DVec3, is_seen: impl Fn(Vec3, f32) -> bool) -> Option<Correspondence> {
         let pixel = self.project_moving(position)?;
         let [width, height] = self.resolution.map(f64::from);
         let within = (0.0..width).contains(&pixel.x) && (0.0..height).contains(&pixel.y);
         let within = within && self.camera.cells().sees_light(pixel);
         let (to_world, time) = self.at_row(pixel.y - 0.5);
-        Some(Correspondence { pixel, visible: within && is_seen(to_world.translation.as_vec3(), time) })
+        // Lines of sight of a lens from a prescription do not all go through the camera's origin.
+        let eye = self.camera.line_of_sight(pixel).map_or(DVec3::ZERO, |(origin, _)| origin);
+        Some(Correspondence { pixel, visible: within && is_seen(to_world.transform_point3(eye).as_vec3(), time) })
     }
 }
 

@@ -25,6 +25,37 @@ pub fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>> {
     Some(b)
 }
 
+/// The x that makes |A·x − b| least, for an A given by rows, at least as many as columns, by Householder's reflections. `None` where the
+/// columns of A depend on each other.
+pub fn least_squares(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>> {
+    let columns = a.first().map_or(0, Vec::len);
+    if a.len() < columns {
+        return None;
+    }
+    for column in 0..columns {
+        let length = a[column..].iter().map(|row| row[column] * row[column]).sum::<f64>().sqrt();
+        if length == 0.0 || !length.is_finite() {
+            return None;
+        }
+        // The column becomes −sign·length along its first place, so that nothing cancels.
+        let end = -length.copysign(a[column][column]);
+        let mut normal: Vec<f64> = a[column..].iter().map(|row| row[column]).collect();
+        normal[0] -= end;
+        let square: f64 = normal.iter().map(|x| x * x).sum();
+        for other in column..columns {
+            let dot: f64 = normal.iter().zip(&a[column..]).map(|(x, row)| x * row[other]).sum();
+            normal.iter().zip(&mut a[column..]).for_each(|(x, row)| row[other] -= 2.0 * dot / square * x);
+        }
+        let dot: f64 = normal.iter().zip(&b[column..]).map(|(x, y)| x * y).sum();
+        normal.iter().zip(&mut b[column..]).for_each(|(x, y)| *y -= 2.0 * dot / square * x);
+    }
+    a.truncate(columns);
+    b.truncate(columns);
+    // Below the diagonal roundings are left.
+    a.iter_mut().enumerate().for_each(|(i, row)| row[..i].fill(0.0));
+    solve(a, b)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -36,5 +67,15 @@ mod tests {
         assert_eq!(solve(a, vec![4.0, 6.0, -2.0]), Some(vec![1.0, 2.0, 3.0]));
         assert_eq!(solve(vec![vec![1.0, 2.0], vec![2.0, 4.0]], vec![1.0, 2.0]), None);
         assert_eq!(solve(Vec::new(), Vec::new()), Some(Vec::new()));
+    }
+
+    #[test]
+    fn a_line_through_points_beside_it() {
+        // y = 1 + 2x with errors of +1, −2, +1, which are orthogonal to 1 and x.
+        let rows = [0.0, 1.0, 2.0].map(|x| vec![1.0, x]).to_vec();
+        let found = least_squares(rows, vec![2.0, 1.0, 6.0]).expect("a line");
+        assert!((found[0] - 1.0).abs() < 1e-14 && (found[1] - 2.0).abs() < 1e-14, "{found:?}");
+        assert_eq!(least_squares(vec![vec![1.0, 1.0]], vec![1.0]), None);
+        assert_eq!(least_squares(vec![vec![0.0], vec![0.0]], vec![1.0, 1.0]), None);
     }
 }

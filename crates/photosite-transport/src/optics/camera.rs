@@ -29,6 +29,7 @@ pub use connection::Connection;
 pub use figures::LensFigures;
 pub use illumination::BeyondImageCircle;
 pub use landings::{Landing, LandingRay, LensRays};
+pub use prescription::PrescriptionFigures;
 pub use ray::{CameraRay, CameraSample};
 
 /// The grid of pixels behind the lens.

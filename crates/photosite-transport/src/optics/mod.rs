@@ -22,7 +22,7 @@ mod stop;
 
 pub use camera::{
     BeyondImageCircle, Camera, CameraRay, CameraSample, Connection, Landing, LandingRay, LensFigures, LensRays,
-    PixelGrid,
+    PixelGrid, PrescriptionFigures,
 };
 pub use description::{AutofocusMethod, ContrastAutofocus, Falloff, Focus, LensDescription, LensKind, Sharpness};
 pub use element::{GroundLens, Power, SupplementaryLens};

@@ -24,7 +24,7 @@ use photosite_lens::{Lens, paraxial::FirstOrder};
 /// Wavelengths, nm, that the table of the pupil holds for: beyond and between them apertures look the same to 2 %, which
 /// the table adds.
 const PUPIL_NM: [f64; 5] = [350.0, 450.0, 550.0, 750.0, 1000.0];
-/// Wavelengths, nm, and weights of the spot that is least in focus.
+/// Wavelengths, nm, and weights of the spot that is least in focus, where the description has none.
 const FOCUS_NM: [(f64, f64); 5] = [(440.0, 1.0), (490.0, 1.0), (540.0, 1.0), (590.0, 1.0), (640.0, 1.0)];
 /// Where chief rays, illumination and a ray without a wavelength are taken, nm: where the eye sees best.
 pub(super) const REFERENCE_NM: f64 = 555.0;
@@ -49,6 +49,8 @@ pub(super) struct PrescribedLens {
     /// as is what rays are drawn and traced by: many cameras are made that take no picture.
     illumination: OnceLock<MonotoneCubic>,
     tables: OnceLock<Tables>,
+    /// Image height up to which chief rays pass all apertures, mm.
+    clear_mm: OnceLock<f64>,
 }
 
 /// What rays are drawn and traced by.
@@ -72,8 +74,9 @@ impl PrescribedLens {
         let lens = stopped(lens, description.f_number)?;
         let curves = GapCurves::of_focus(&lens, &prescription.positions);
         let by = curves.as_ref().map_or(FocusBy::WholeLens, FocusBy::Positions);
+        let spectrum = if description.focus_spectrum.is_empty() { &FOCUS_NM[..] } else { &description.focus_spectrum };
         let focused = |distance: Distance, key: &str| {
-            let focused = lens.focused_by_spot(by, distance, &FOCUS_NM);
+            let focused = lens.focused_by_spot(by, distance, spectrum);
             focused.map_err(|error| Invalid { key: key.to_owned(), ..error })
         };
         let to_autofocus = if autofocus_distance_m.is_finite() {
@@ -109,6 +112,7 @@ impl PrescribedLens {
             focus_distance_m,
             illumination: OnceLock::new(),
             tables: OnceLock::new(),
+            clear_mm: OnceLock::new(),
         })
     }
 
@@ -193,6 +197,23 @@ impl PrescribedLens {
             MonotoneCubic::new(heights.clone(), areas.collect()).expect("heights rise")
         });
         curve.eval(height_mm.min(self.corner_mm)).max(0.0)
+    }
+
+    /// The f-number whose cone of light, 1/(2·sin u′), is as much as comes to the middle of the picture at the reference
+    /// wavelength: |S| = π·sin² u′.
+    pub(super) fn working_f_number(&self) -> f64 {
+        let axis_sr = self.lens.at(REFERENCE_NM).pupil_region(0.0, DIRECTIONS).map_or(0.0, |region| region.area());
+        0.5 / (axis_sr / std::f64::consts::PI).sqrt()
+    }
+
+    /// Image height up to which chief rays pass all apertures, mm; infinite where all of the picture's do.
+    pub(super) fn clear_height_mm(&self) -> f64 {
+        *self.clear_mm.get_or_init(|| self.lens.at(REFERENCE_NM).clear_height_mm(self.chief.widest_stop_rad()))
+    }
+
+    /// From the first vertex to the sensor, m.
+    pub(super) fn length_m(&self) -> f64 {
+        self.lens.sensor_z_mm() * 1e-3
     }
 
     /// The distance mm at which a pinhole has the scale of the picture on the axis: dh/dθ.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec2};
+use glam::{DAffine3, DVec2, DVec3};
 
 use super::{Camera, PixelGrid};
 use crate::geometry::Ray;
@@ -12,7 +12,63 @@ use crate::optics::{Focus, LensDescription, LensKind, Projection};
 use photosite_core::Invalid;
 use photosite_lens::lanes::LaneRay;
 
+/// What a lens from a prescription is as it stands: zoomed, focused and stopped down. To first order at the d line but for
+/// what is traced; lengths are m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrescriptionFigures {
+    /// Effective focal length. Where groups move for the focus, it differs from that at infinity.
+    pub focal_length_m: f64,
+    /// 1/(2·sin u′) of the light that comes to the middle of the picture, traced at 555 nm.
+    pub working_f_number: f64,
+    /// Diameter of the entrance pupil.
+    pub entrance_pupil_m: f64,
+    /// From the entrance pupil, the camera's origin, to the sensor.
+    pub entrance_pupil_to_sensor_m: f64,
+    /// Diameter of the exit pupil.
+    pub exit_pupil_m: f64,
+    /// From the exit pupil to the sensor.
+    pub exit_pupil_to_sensor_m: f64,
+    /// From the first vertex to the sensor.
+    pub length_m: f64,
+    /// Distance from the axis up to which the chief rays of the picture pass every aperture; `None` where all do.
+    pub clear_radius_m: Option<f64>,
+}
+
 impl Camera {
+    /// The figures of a lens from a prescription; `None` of other lenses.
+    pub fn prescription_figures(&self) -> Option<PrescriptionFigures> {
+        let lens = self.prescribed.as_deref()?;
+        let first_order = lens.first_order();
+        let clear_m = lens.clear_height_mm() * 1e-3;
+        Some(PrescriptionFigures {
+            focal_length_m: first_order.efl_mm * 1e-3,
+            working_f_number: lens.working_f_number(),
+            entrance_pupil_m: first_order.entrance_pupil_diameter_mm * 1e-3,
+            entrance_pupil_to_sensor_m: lens.length_m() - first_order.entrance_pupil_mm * 1e-3,
+            exit_pupil_m: first_order.exit_pupil_diameter_mm * 1e-3,
+            exit_pupil_to_sensor_m: lens.last_gap_m() - first_order.exit_pupil_mm * 1e-3,
+            length_m: lens.length_m(),
+            clear_radius_m: clear_m.is_finite().then_some(clear_m),
+        })
+    }
+
+    /// The line along which a pixel position looks, in camera space of glTF: a point of it and its direction, a unit vector. Lines
+    /// of a prescription do not meet in one point: each goes through the entrance pupil of its own field. Of a lens that sees
+    /// less than a half-space, the point lies in the plane of the camera's origin. `None` where the position sees nothing.
+    pub fn line_of_sight(&self, pixel: DVec2) -> Option<(DVec3, DVec3)> {
+        match &self.prescribed {
+            Some(lens) => lens.seen(self.sensor_mm(pixel)).map(|(origin, seen)| (origin, seen.direction)),
+            None => self.seen(pixel).map(|seen| (DVec3::ZERO, seen.direction)),
+        }
+    }
+
+    /// Whether an aperture of a prescription blocks the chief ray of a pixel position, so that its light goes beside the
+    /// middle of the stop. Places and ground truth are those of the chief ray all the same.
+    pub fn is_vignetted(&self, pixel: DVec2) -> bool {
+        let is_beyond = |lens: &PrescribedLens| self.sensor_mm(pixel).length() > lens.clear_height_mm();
+        self.prescribed.as_deref().is_some_and(is_beyond)
+    }
+
     /// The camera of a lens from a prescription. What a photographer asks of it are figures of the pinhole with the same
     /// scale on the axis, and of the entrance pupil.
     pub(super) fn of_prescription(lens: PrescribedLens, grid: &PixelGrid, to_world: DAffine3) -> Result<Self, Invalid> {
