@@ -59,21 +59,25 @@ pub(super) fn for_trace(changes: &Map<String, Value>) -> Result<Vec<String>, Fai
     changes.iter().map(change).collect()
 }
 
-/// A capture file of changes alone, `key=value`: a later one takes the place of an earlier one.
-pub(super) fn to_toml(name: &str, changes: &[String]) -> String {
-    let mut all = toml::Table::new();
+/// A capture file of these tables, which have the changes, `key=value`, or of the changes alone, of which a later one takes
+/// the place of an earlier one. They stand at its head, too.
+pub(super) fn to_toml(name: &str, changes: &[String], tables: Option<toml::Table>) -> String {
+    let mut alone = toml::Table::new();
     for change in changes {
         let Some((key, value)) = change.split_once('=') else { continue };
         if let Ok(one) = toml::from_str::<toml::Table>(&format!("{key} = {value}")) {
-            lay_over(&mut all, one);
+            lay_over(&mut alone, one);
         }
     }
     // A file may be called anything.
     let name = &name.replace(char::is_control, " ");
+    let command = if tables.is_some() { "render" } else { "develop" };
+    let lines: String = changes.iter().map(|change| format!("#   {}\n", change.replacen('=', " = ", 1))).collect();
+    let what = if changes.is_empty() { "# Nothing is changed.\n".to_owned() } else { format!("# Changed:\n{lines}") };
     let options: String = changes.iter().map(|change| format!(" --set {}", in_shell(change))).collect();
+    let all = tables.unwrap_or(alone);
     format!(
-        "# What was changed of {name}, as keys of a capture file. The same on the command line:\n\
-         # photosite render {}{options}\n\n{all}",
+        "# {name}, as photosite view shows it.\n{what}# On the command line: photosite {command} {}{options}\n\n{all}",
         in_shell(name)
     )
 }
@@ -125,13 +129,13 @@ mod tests {
     fn changes_are_keys_of_a_capture_file() {
         let changes =
             ["exposure.time_s=0.02", "lens.f_number=8", "exposure.time_s=0.04", "develop.tone_curve=\"filmic\""];
-        let text = to_toml("a b.toml", &changes.map(str::to_owned));
+        let text = to_toml("a b.toml", &changes.map(str::to_owned), None);
         let table: toml::Table = text.parse().expect("TOML");
         assert_eq!(table["exposure"]["time_s"].as_float(), Some(0.04));
         assert_eq!(table["lens"]["f_number"].as_integer(), Some(8));
-        assert!(text.contains("photosite render 'a b.toml' --set exposure.time_s=0.02"), "{text}");
+        assert!(text.contains("photosite develop 'a b.toml' --set exposure.time_s=0.02"), "{text}");
         assert!(text.contains("--set 'develop.tone_curve=\"filmic\"'"), "{text}");
         // A name cannot add keys.
-        assert_eq!(to_toml("a\n[scene]", &[]).parse::<toml::Table>().expect("TOML").len(), 0);
+        assert_eq!(to_toml("a\n[scene]", &[], None).parse::<toml::Table>().expect("TOML").len(), 0);
     }
 }
