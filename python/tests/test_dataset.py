@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import photosite as ps
 import pytest
-from conftest import ROOT, Command, contents
+from conftest import Command, contents
 
 def test_frames_are_the_commands(command: Command, file: Path, tmp_path: Path) -> None:
     command("dataset", file, "-o", tmp_path / "theirs", "-q")
@@ -241,7 +241,3 @@ def test_what_cannot_be_used(file: Path, tmp_path: Path) -> None:
     again = ps.Dataset(file, output=tmp_path / "out")
     with pytest.warns(ps.PhotositeWarning, match="made again"):
         assert again[0]["left"].electrons.shape == (30, 40, 3)
-
-
-def test_examples_of_the_repository_load() -> None:
-    assert len(ps.Dataset(ROOT / "docs/stereo-calibration/stereo.toml")) == 12

@@ -67,3 +67,27 @@ fn leave_out_nothing(value: &mut Value) {
         Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_given_is_kept_and_paths_are_absolute() {
+        let text = "[scene]\nenvironment = { illuminant = \"D65\", illuminance_lux = 500 }\n[materials.red]\ntype = \"diffuse\"\n\
+                    reflectance = { file = \"red.csv\" }\n[sensor]\npreset = \"sony-imx249-mono\"\n[exposure]\nauto = true\n";
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("red.csv"), "400,0.1\n700,0.5\n").expect("written");
+        let overrides = ["exposure.time_s=0.02", "sensor.resolution_px=[32,24]"].map(str::to_owned);
+        let capture = Capture::parse(text, folder.path(), &overrides).expect("a capture");
+        let table = capture.to_table().expect("tables");
+        assert_eq!(table["sensor"]["preset"].as_str(), Some("sony-imx249-mono"));
+        // A time that is given is no automatic one.
+        assert_eq!(table["exposure"], toml::Value::Table(toml::toml! { time_s = 0.02 }));
+        let file = table["materials"]["red"]["reflectance"]["file"].as_str().expect("a path");
+        assert!(Path::new(file).is_absolute() && file.ends_with("red.csv"), "{file}");
+        let elsewhere = tempfile::tempdir().expect("a folder");
+        let again = Capture::parse(&table.to_string(), elsewhere.path(), &[]).expect("the same capture");
+        assert_eq!(again.to_json(elsewhere.path()).expect("keys"), capture.to_json(elsewhere.path()).expect("keys"));
+    }
+}

@@ -237,6 +237,11 @@ const OF_TEXTURES: [&str; 3] = ["tiles", "filter", "wrap"];
 
 /// Takes out of a table what keys of the one over it take the place of.
 fn give_way(under: &mut Table, over: &Table) {
+    let kind = |table: &Table| table.get("type").and_then(|entry| entry.node.as_str()).map(str::to_owned);
+    // Another kind with keys of its own describes the thing anew; a kind alone may share the keys that are there.
+    if over.len() > 1 && kind(under).zip(kind(over)).is_some_and(|(under, over)| under != over) {
+        under.retain(|key, _| key == "name");
+    }
     let is_colour = |table: &Table| table.keys().all(|key| [COLOURS, OF_TEXTURES].concat().contains(&&**key));
     let is_new = |key: &&str| over.contains_key(*key) && !under.contains_key(*key);
     if is_colour(under) && is_colour(over) && COLOURS.iter().any(is_new) {
@@ -398,6 +403,14 @@ mod tests {
             ("a = [0, 1, 0]", "a.texture = 'y'", "a = { texture = 'y' }"),
             ("l = [{ look_at_m = 1, up = 2 }]", "l.0.direction = 3", "l = [{ up = 2, direction = 3 }]"),
             ("l = [{ rotation_deg = 1 }]", "l.0 = { quaternion_wxyz = 3 }", "l = [{ quaternion_wxyz = 3 }]"),
+            ("m = { type = 'a', x = 1 }", "m = { type = 'b', y = 2 }", "m = { type = 'b', y = 2 }"),
+            ("m = { type = 'a', x = 1 }", "m = { type = 'a', y = 2 }", "m = { type = 'a', x = 1, y = 2 }"),
+            ("m = { type = 'a', x = 1 }", "m.type = 'b'", "m = { type = 'b', x = 1 }"),
+            (
+                "l = [{ name = 'n', type = 'a', x = 1 }]",
+                "l.n = { type = 'b', y = 2 }",
+                "l = [{ name = 'n', type = 'b', y = 2 }]",
+            ),
             ("e = { illuminant = 'A', illuminance_lux = 1 }", "e.rgb = 3", "e = { rgb = 3, illuminance_lux = 1 }"),
         ] {
             let (mut laid, mut expected) = (tree(under), tree(expected));

@@ -141,6 +141,11 @@ impl StoredRender {
         self.stored.capture.source.error(invalid)
     }
 
+    /// The changes to keys that it was read with, `key=value`.
+    pub fn overrides(&self) -> &[String] {
+        &self.overrides
+    }
+
     /// The tables of its capture, as [`Capture::to_table`](crate::capture::Capture::to_table) has them.
     ///
     /// # Errors

@@ -21,7 +21,7 @@ use tokio::time::timeout;
 
 use super::access::Access;
 use super::answer::{Answer, Failure, done, of_bytes, of_json, refused};
-use super::changes::{for_trace, to_toml};
+use super::changes::{for_trace, tables, to_toml};
 use super::connection::Connection;
 use super::controls::{self, Control};
 use super::exposer::Exposer;
@@ -357,7 +357,11 @@ async fn saved(text: &str, shared: &Arc<Shared>) -> Result<Answer, Failure> {
                 let resolution = tracer.and_then(Tracer::lit).map(|lit| lit.prepared.resolution().map(|n| n as usize));
                 let changes = [tracer.map_or_else(Vec::new, Tracer::changes), query.changes(resolution)].concat();
                 let table = capture.with(&changes)?.to_table()?;
-                return Ok(to_toml(name, &changes, Some(table)));
+                // The seed of the page is that of the sensor's noise.
+                let has_seed = changes.iter().any(|change| change.starts_with("render.seed="));
+                let note = "The seed draws the noise of the light anew, too, which the page has left as it was.";
+                let notes = if has_seed { &[note][..] } else { &[] };
+                return Ok(to_toml(name, &table, "render", [capture.overrides(), &changes], notes));
             }
             Viewed::Stored(source) => source.clone(),
             Viewed::InSheet(number) => of_sheet(*number)?,
@@ -365,9 +369,13 @@ async fn saved(text: &str, shared: &Arc<Shared>) -> Result<Answer, Failure> {
         match source {
             Source::Stored(render, _) => {
                 let changes = query.changes(Some(render.sensor().resolution));
-                Ok(to_toml(name, &changes, Some(render.with(&changes)?.to_table()?)))
+                let table = render.with(&changes)?.to_table()?;
+                Ok(to_toml(name, &table, "expose", [render.overrides(), &changes], &[]))
             }
-            Source::File(_) | Source::Traced(_) => Ok(to_toml(name, &query.changes(None), None)),
+            Source::File(_) | Source::Traced(_) => {
+                let changes = query.changes(None);
+                Ok(to_toml(name, &tables(&changes), "develop", [&[], &changes], &[]))
+            }
         }
     })
     .await?;

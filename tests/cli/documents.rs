@@ -1,4 +1,4 @@
-//! The program and what is written about it: the JSON Schema, the scenes, the README.
+//! The program and what is written about it: the JSON Schema, the scenes, the book. `docs/run.py` runs all pages.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -6,18 +6,17 @@ use std::path::{Path, PathBuf};
 
 use boon::{Compiler, Schemas};
 use rstest::rstest;
-use serde_json::{Value, json};
+use serde_json::Value;
 
 use crate::folder::Folder;
-use crate::gltf::triangle;
 use crate::room::CAPTURE;
 
 fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-fn readme() -> String {
-    fs::read_to_string(repository().join("README.md")).expect("README.md")
+fn page(path: &str) -> String {
+    fs::read_to_string(repository().join(path)).expect("a page")
 }
 
 /// What the schema has against a capture file.
@@ -58,12 +57,11 @@ fn the_schemas_are_those_that_are_shipped() {
 
 #[test]
 fn the_data_sets_of_the_documents_fit_their_schema() {
-    let of_readme = readme();
-    let guide = fs::read_to_string(repository().join("docs/data-sets.md")).expect("docs/data-sets.md");
-    let blocks = [&of_readme, &guide].into_iter().flat_map(|text| text.split("```toml\n").skip(1));
-    let examples = blocks.map(|rest| rest.split("```").next().unwrap_or_default());
-    let data_sets: Vec<&str> = examples.filter(|text| text.contains("[[vary]]")).collect();
-    assert!(data_sets.len() >= 2);
+    let pages = ["docs/guides/data-sets.md", "docs/tutorials/calibrate-with-opencv.md"].map(page);
+    let blocks = pages.iter().flat_map(|text| text.split("```toml").skip(1)).filter_map(|rest| rest.split_once('\n'));
+    let examples = blocks.map(|(_, rest)| rest.split("```").next().unwrap_or_default());
+    let data_sets: Vec<&str> = examples.filter(|text| text.contains("frames ")).collect();
+    assert!(data_sets.len() >= 3);
     for data_set in data_sets {
         assert_eq!(complaint_of("dataset", data_set), None, "{data_set}");
     }
@@ -123,24 +121,19 @@ fn the_schema_judges_as_the_program_does(#[case] more: &str, #[case] is_good: bo
 }
 
 #[test]
-fn the_capture_of_the_readme_is_one() {
-    let readme = readme();
-    let capture = readme.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("an example");
+fn the_capture_of_the_guide_is_one() {
+    let guide = page("docs/guides/capture-file.md");
+    let block = guide.split("```toml title=\"everything.toml\"\n").nth(1).and_then(|rest| rest.split("```").next());
+    let capture = block.expect("an example");
     assert_eq!(complaint(capture), None);
-    let room = triangle().with("/materials/0/name", json!("wall"));
-    let folder = Folder::new([
-        ("room.glb", room.binary()),
-        ("vase.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl vase\nf 1 2 3\n".to_vec()),
-        ("capture.toml", capture.into()),
-    ]);
-    let facts: Value = serde_json::from_str(&folder.succeed("info capture.toml --json").stdout).expect("JSON");
-    assert_eq!(facts["materials"], json!(["wall", "vase", "chessboard-white", "chessboard-black", "ground"]));
-    // The example shows every table but [output] and [[lights]].
-    for table in ["scene", "materials.", "camera", "lens", "sensor", "exposure", "render"] {
+    // It shows every table but [[lights]].
+    for table in
+        ["scene", "[targets", "materials.", "camera", "lens", "sensor", "exposure", "output", "develop", "render"]
+    {
         assert!(capture.contains(&format!("[{table}")), "{table}");
     }
     // Each key behind a comment's "or" is one, too: `# or autofocus_px = [320, 240]`.
-    let schema = folder.succeed("schema").stdout;
+    let schema = Folder::new([]).succeed("schema").stdout;
     let alternatives = capture.lines().filter_map(|line| line.split_once("# or ")).map(|(_, alternative)| alternative);
     for key in alternatives.flat_map(|text| text.split([' ', '{', ',', '"'])).filter(|word| word.contains('_')) {
         assert!(schema.contains(&format!("\"{key}\": {{")), "{key} is no key");
@@ -148,34 +141,9 @@ fn the_capture_of_the_readme_is_one() {
 }
 
 #[test]
-fn the_commands_and_options_of_the_readme_exist() {
-    let readme = readme();
-    let rows: Vec<&str> = readme.lines().filter(|line| line.starts_with("| `photosite ")).collect();
-    let commands: BTreeSet<&str> = rows.iter().filter_map(|row| row.split([' ', '`']).nth(3)).collect();
-    let folder = Folder::new([]);
-    let help = folder.succeed("--help").stdout;
-    let listed = help.split("Commands:").nth(1).expect("commands").lines().skip(1).take_while(|line| !line.is_empty());
-    // What a command does may go on in the next line, farther to the right.
-    let names = listed.filter(|line| line.len() - line.trim_start().len() == 2);
-    let listed: BTreeSet<&str> =
-        names.filter_map(|line| line.split_whitespace().next()).filter(|c| *c != "help").collect();
-    assert_eq!(commands, listed);
-    for row in rows {
-        // With a command of its own, as `noise add`: names are not capitals, dots or options.
-        let is_name = |word: &&str| word.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-');
-        let named = row.split('`').nth(1).expect("a command").split(' ').skip(1);
-        let command = named.take_while(|word| is_name(word) && !word.starts_with('-')).collect::<Vec<_>>().join(" ");
-        let help = folder.succeed(&format!("{command} --help")).stdout;
-        for option in row.split(['`', ' ']).filter(|word| word.starts_with('-')) {
-            assert!(help.contains(option), "{command} has no {option}");
-        }
-    }
-}
-
-#[test]
-fn the_files_of_the_readme_appear() {
-    let readme = readme();
-    let rows = readme.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
+fn the_files_of_the_first_picture_appear() {
+    let tutorial = page("docs/tutorials/first-picture.md");
+    let rows = tutorial.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
     let named: BTreeSet<&str> = rows.filter(|name| name.contains('.') && !name.contains(' ')).collect();
     let folder = crate::room::room("[render]\nsamples_per_pixel = 1");
     folder.succeed("render capture.toml -o out");

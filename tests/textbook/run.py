@@ -1,4 +1,4 @@
-"""Measures every row of docs/textbook.md and holds it against what is expected.
+"""Measures every row of docs/theory/textbook.md and holds it against what is expected.
 
 Usage: run.py PHOTOSITE [--write] [FILE…]
 
@@ -15,7 +15,7 @@ from pathlib import Path
 
 from table import FOLDER, ROOT, Tool
 
-PAGE = ROOT / "docs/textbook.md"
+PAGE = ROOT / "docs/theory/textbook.md"
 #: Files of rows in the order of the page, with their headings.
 FILES = {
     "lens": "Lenses",
@@ -89,7 +89,7 @@ def main():
     if arguments.write:
         PAGE.write_text(page)
     elif without_figures(PAGE.read_text()) != without_figures(page):
-        sys.exit("docs/textbook.md has other rows: write it again with --write")
+        sys.exit("docs/theory/textbook.md has other rows: write it again with --write")
 
 
 if __name__ == "__main__":

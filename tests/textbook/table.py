@@ -1,4 +1,4 @@
-"""Rows of docs/textbook.md: an equation, the capture or command that shows it, figures measured and expected."""
+"""Rows of docs/theory/textbook.md: an equation, the capture or command that shows it, figures measured and expected."""
 
 import json
 import subprocess
@@ -9,7 +9,7 @@ import OpenEXR
 
 ROOT = Path(__file__).resolve().parents[2]
 #: Captures and pictures that the page shows.
-FOLDER = ROOT / "docs/textbook"
+FOLDER = ROOT / "docs/theory/textbook"
 
 
 @dataclass
@@ -35,11 +35,11 @@ class Row:
     title: str
     #: In Unicode, as the lecture has it.
     equation: str
-    #: The capture in docs/textbook, or the command, that shows it.
+    #: The capture in docs/theory/textbook, or the command, that shows it.
     shown_by: str
     #: Takes a Tool, gives a list of Figures. May draw the picture at `tool.picture(NAME)`.
     measure: callable
-    #: Name of a PNG in docs/textbook; none where there is nothing to look at.
+    #: Name of a PNG in docs/theory/textbook; none where there is nothing to look at.
     picture: str = ""
 
 
@@ -60,11 +60,11 @@ class Tool:
         return json.loads(self.run(*arguments, "--json"))
 
     def capture(self, name):
-        """A capture of docs/textbook."""
+        """A capture of docs/theory/textbook."""
         return FOLDER / name
 
     def render(self, name, output, *overrides):
-        """Renders a capture of docs/textbook with changes `key=value`; gives the folder of its results."""
+        """Renders a capture of docs/theory/textbook with changes `key=value`; gives the folder of its results."""
         folder = self.scratch / output
         changes = [part for override in overrides for part in ("--set", override)]
         self.run("render", self.capture(name), "-o", folder, "--quiet", "--force", *changes)

@@ -12,6 +12,9 @@ use crate::hull::Hull;
 use crate::pose::Pose;
 use crate::request::Contact;
 
+/// The engine's units of length in a metre: it takes the direction of a contact for the same while its points move by less
+/// than 0.001 units, by which a corner slides off an edge where units are metres.
+const UNITS: f64 = 1000.0;
 /// Earth's, m/s².
 const GRAVITY: f64 = 9.80665;
 /// The gap that the engine keeps between objects that touch, m: so far they may sink into each other and still not meet.
@@ -72,7 +75,7 @@ pub(crate) fn fall(surroundings: &Surroundings<'_>, bodies: &[Body], poses: &[Po
         restitution: surroundings.contact.restitution,
         is_exact: false,
     };
-    let parts = |body: &Body| body.shape.parts().iter().filter_map(|part| convex(part, body.scale)).collect();
+    let parts = |body: &Body| body.shape.parts().iter().filter_map(|part| convex(part, body)).collect();
     let shapes: Vec<Vec<SharedShape>> = bodies.iter().map(parts).collect();
     let mut run = Run::new(surroundings, bodies, poses, &shapes, &manner);
     let mut time = 0.0;
@@ -158,7 +161,8 @@ fn near_triangles(
         };
         let triangles: Vec<[u32; 3]> = body.mesh.indices().iter().filter(|t| is_near(t)).copied().collect();
         // Vertices that are left over do no harm.
-        let mesh = TriMesh::new(body.mesh.vertices().to_vec(), triangles);
+        let vertices = body.mesh.vertices().iter().map(|p| *p * UNITS).collect();
+        let mesh = TriMesh::new(vertices, triangles);
         mesh.into_iter().map(SharedShape::new).collect()
     };
     (0..bodies.len()).map(of).collect()
@@ -172,11 +176,11 @@ impl Run {
         shapes: &[Vec<SharedShape>],
         manner: &Manner,
     ) -> Self {
-        let mut world = PhysicsWorld { gravity: Vector::Y * -GRAVITY, ..PhysicsWorld::default() };
+        let mut world = PhysicsWorld { gravity: Vector::Y * (-GRAVITY * UNITS), ..PhysicsWorld::default() };
         let size = 2.0 * bodies.iter().map(|body| body.radius).fold(f64::INFINITY, f64::min);
         let parameters = &mut world.integration_parameters;
         parameters.dt = manner.time_step;
-        parameters.length_unit = size;
+        parameters.length_unit = size * UNITS;
         parameters.normalized_prediction_distance = manner.prediction / size;
         // As stiff as four iterations a step allow: little sinking under load.
         parameters.num_solver_iterations = 4;
@@ -192,16 +196,20 @@ impl Run {
                 .density(0.0)
                 .friction(surroundings.contact.friction)
                 .restitution(manner.restitution)
-                .contact_skin(manner.gap / 2.0)
+                .contact_skin(manner.gap / 2.0 * UNITS)
         };
         if let Some(height) = surroundings.ground_height {
-            world.insert_collider(collider(SharedShape::halfspace(Vector::Y)).translation(Vector::Y * height), None);
+            world.insert_collider(
+                collider(SharedShape::halfspace(Vector::Y)).translation(Vector::Y * (height * UNITS)),
+                None,
+            );
         }
         for (body, pose) in surroundings.fixed {
             let is_solid = !manner.is_exact && body.shape.is_convex();
-            let solid = is_solid.then(|| convex(&body.shape.hull, body.scale)).flatten();
-            let shape = solid.unwrap_or_else(|| SharedShape(body.mesh.clone()));
-            world.insert_collider(collider(shape).position(pose.to_parry()), None);
+            let solid = is_solid.then(|| convex(&body.shape.hull, body)).flatten();
+            let exact = || SharedShape::new(TriMesh::clone(&body.mesh).scaled(Vector::splat(UNITS)));
+            let shape = solid.unwrap_or_else(exact);
+            world.insert_collider(collider(shape).position(in_units(pose)), None);
         }
         let mut handles = Vec::new();
         let heaviest = bodies.iter().map(|body| mass(body).mass()).fold(0.0, f64::max);
@@ -209,7 +217,7 @@ impl Run {
             let mut mass = mass(body);
             mass.set_mass(mass.mass().max(LIGHTEST * heaviest), true);
             let moving = RigidBodyBuilder::dynamic()
-                .pose(pose.to_parry())
+                .pose(in_units(pose))
                 .can_sleep(false)
                 .additional_mass_properties(mass)
                 .linear_damping(manner.damping[0])
@@ -231,7 +239,7 @@ impl Run {
         let moved = |((before, after), radius): ((&Pose3, &Pose3), &f64)| {
             let turned = before.rotation.inverse() * after.rotation;
             let [x, y, z, _] = turned.to_array();
-            let way = (after.translation - before.translation).length();
+            let way = (after.translation - before.translation).length() / UNITS;
             way + 2.0 * radius * (x * x + y * y + z * z).sqrt()
         };
         before.iter().zip(&self.poses3()).zip(&self.radii).map(moved).collect()
@@ -242,21 +250,27 @@ impl Run {
     }
 
     fn poses(&self) -> Vec<Pose> {
-        self.poses3().iter().map(Pose::from_parry).collect()
+        let in_metres = |pose: Pose3| Pose::from_parry(&Pose3 { translation: pose.translation / UNITS, ..pose });
+        self.poses3().into_iter().map(in_metres).collect()
     }
 }
 
-fn convex(hull: &Hull, scale: f64) -> Option<SharedShape> {
-    SharedShape::convex_mesh(hull.points.iter().map(|p| *p * scale).collect(), &hull.triangles)
+fn in_units(pose: &Pose) -> Pose3 {
+    let pose = pose.to_parry();
+    Pose3 { translation: pose.translation * UNITS, ..pose }
 }
 
-/// Mass, centre and inertia at its size and density.
+fn convex(part: &Hull, body: &Body) -> Option<SharedShape> {
+    SharedShape::convex_mesh(part.points.iter().map(|p| *p * (body.scale * UNITS)).collect(), &part.triangles)
+}
+
+/// Mass, centre and inertia at its size and density, in the engine's units and kg.
 fn mass(body: &Body) -> MassProperties {
-    let (unit, scale) = (&body.shape.mass, body.scale);
+    let unit = &body.shape.mass;
     MassProperties::with_principal_inertia_frame(
-        unit.local_com * scale,
-        unit.mass() * scale.powi(3) * body.density,
-        unit.principal_inertia() * scale.powi(5) * body.density,
+        unit.local_com * (body.scale * UNITS),
+        unit.mass() * body.scale.powi(3) * body.density,
+        unit.principal_inertia() * (body.scale.powi(5) * UNITS.powi(2) * body.density),
         unit.principal_inertia_local_frame,
     )
 }

@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+"""Renders the pictures of docs/gallery.md, each from its capture in scenes/gallery.
+
+    docs/gallery.py                    all, in their full size, to docs/gallery: an hour on two cores
+    docs/gallery.py gem street         the named ones
+    docs/gallery.py --check            all at 64 × 40 pixels, and compares them with the ones that are there: a minute
+
+The program is the `photosite` on the PATH. Needs Pillow.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from PIL import Image, ImageDraw, ImageFont, ImageStat
+
+ROOT = Path(__file__).resolve().parent.parent
+SCENES = ROOT / "scenes/gallery"
+PICTURES = ROOT / "docs/gallery"
+FONT = ROOT / "assets/fonts/DejaVuSans-plots.ttf"
+SMALL = (64, 40)
+# Mean difference of 8-bit codes between a picture and its small render, in blocks of an eighth of their width, past which the
+# capture has changed. Noise of the small renders and what their pixels blur make up to 5.
+SAME = 9.0
+SENSORS = ["generic-cmos-color", "sony-imx249-color", "sony-imx363-color", "automotive-hdr-color", "generic-stacked-color", "generic-three-chip-ccd",
+           "sony-imx249-mono", "sony-imx250-mono", "andor-zyla-55", "onsemi-kai-02170-mono", "textbook-ccd", "swissspad2"]
+ISOS = [100, 200, 400, 800, 1600, 3200, 6400, 12800, 25600]
+# Exposure time of the still life at ISO 1, s.
+ISO_TIME_S = 20.0
+# One-bit frames, and the time that they take together.
+COUNTS = [1, 4, 32, 255]
+
+
+class Maker:
+    """Renders in a folder, in full size or small."""
+
+    def __init__(self, folder: Path, small: bool):
+        self.folder, self.small = folder, small
+        self.size = SMALL if small else (1280, 800)
+
+    def photosite(self, *words: object) -> None:
+        done = subprocess.run(["photosite", *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        if done.returncode:
+            raise SystemExit(f"photosite {' '.join(map(str, words))}\n{done.stderr}")
+
+    def render(self, capture: str, size: "tuple[int, int]", *sets: str) -> Path:
+        scene = SCENES / capture
+        out = self.folder / f"{capture.replace('/', '-').removesuffix('.toml')}-{size[0]}"
+        if not out.exists():
+            subprocess.run([sys.executable, scene.parent / "make.py"], check=True)
+            changes = [word for key in sets for word in ("--set", key)]
+            if size != (1280, 800):
+                changes += ["--size", f"{size[0]}x{size[1]}"]
+            self.photosite("render", scene, "--quiet", "-o", out, *changes)
+        return out
+
+    def expose(self, light: Path, name: str, *sets: str) -> Image.Image:
+        out = self.folder / name
+        self.photosite("expose", light, "--quiet", "-o", out, *(word for key in sets for word in ("--set", key)))
+        return Image.open(out / "image.png").convert("RGB")
+
+    def tiled(self, tiles: "list[tuple[str, Image.Image]]", columns: int) -> Image.Image:
+        """Pictures side by side, each with a line below."""
+        width, height = tiles[0][1].size
+        line = 0 if self.small else 26
+        rows = -(-len(tiles) // columns)
+        whole = Image.new("RGB", (columns * width, rows * (height + line)), "white")
+        for i, (label, tile) in enumerate(tiles):
+            x, y = i % columns * width, i // columns * (height + line)
+            whole.paste(tile, (x, y))
+            if line:
+                font = ImageFont.truetype(str(FONT), 15)
+                ImageDraw.Draw(whole).text((x + width / 2, y + height + line / 2), label, "black", font, "mm")
+        return whole
+
+
+def strips(maker: Maker, pictures: "list[tuple[str, Image.Image]]") -> Image.Image:
+    """One picture of upright strips, each from another one."""
+    width, height = pictures[0][1].size
+    edges = [round(i * width / len(pictures)) for i in range(len(pictures) + 1)]
+    line = 0 if maker.small else 26
+    whole = Image.new("RGB", (width, height + line), "white")
+    for (label, picture), a, b in zip(pictures, edges, edges[1:]):
+        whole.paste(picture.crop((a, 0, b, height)), (a, 0))
+        if line:
+            ImageDraw.Draw(whole).text(((a + b) / 2, height + line / 2), label, "black", ImageFont.truetype(str(FONT), 15), "mm")
+    return whole
+
+
+def plain(capture: str, *small_sets: str):
+    """What a capture makes, as it is; small renders may need other settings to show the same."""
+    def make(maker: Maker) -> Image.Image:
+        folder = maker.render(capture, maker.size, *(small_sets if maker.small else ()))
+        return Image.open(folder / "image.png").convert("RGB")
+    return make
+
+
+def twelve_sensors(maker: Maker) -> Image.Image:
+    tile = (16, 10) if maker.small else (320, 200)
+    light = maker.render("still-life/capture.toml", tile, "output.irradiance={ bands_nm = [380, 1000, 20] }")
+    tiles = []
+    for name in SENSORS:
+        shot = maker.expose(light / "irradiance.exr", f"sensor-{name}", f"sensor.preset={name}", "exposure.auto_mean=0.2", "exposure.max_time_s=0.03", "exposure.max_gain_db=40")
+        # Pixels that are wider than high make a wider picture.
+        tiles.append((name, shot.resize(tile)))
+    return maker.tiled(tiles, 4)
+
+
+def iso(maker: Maker) -> Image.Image:
+    light = maker.render("still-life/capture.toml", maker.size)
+    # A full well that makes ISO 100 the speed without gain: 200 000 electrons, and more in the wider pixels of small renders.
+    full_well_e = 200_000 * (1280 / maker.size[0]) ** 2
+    sensor = [f"sensor.charge.full_well_e={full_well_e:.0f}", "sensor.adc.bits=14", f"sensor.adc.conversion_gain_dn_per_e={15_000 / full_well_e:.9f}"]
+    tiles = []
+    for speed in ISOS:
+        # The same light, for so much less time.
+        tiles.append((f"ISO {speed}", maker.expose(light, f"iso-{speed}", *sensor, f"exposure.iso={speed}", f"exposure.time_s={ISO_TIME_S / speed:.9f}")))
+    return strips(maker, tiles)
+
+
+def counted(maker: Maker) -> Image.Image:
+    light = maker.render("street/spad.toml", maker.size)
+    tiles = []
+    for frames in COUNTS:
+        label = "one frame" if frames == 1 else f"{frames} frames"
+        tiles.append((label, maker.expose(light, f"counted-{frames}", f"sensor.spad.one_bit_frames={frames}", f"sensor.charge.full_well_e={frames}", f"exposure.time_s={0.05 * frames / 255}")))
+    return strips(maker, tiles)
+
+
+GALLERY = {
+    "room-by-day": plain("room/day.toml"),
+    "room-by-sodium": plain("room/sodium.toml"),
+    "gem": plain("gem/capture.toml"),
+    "caustics": plain("caustics/capture.toml"),
+    "lights": plain("lights/capture.toml"),
+    "propeller": plain("propeller/capture.toml", "sensor.shutter.row_time_us=600"),
+    "meadow": plain("trees/colour.toml"),
+    "meadow-in-infrared": plain("trees/infrared.toml"),
+    "still-life": plain("still-life/capture.toml"),
+    "twelve-sensors": twelve_sensors,
+    "iso": iso,
+    "rig": plain("rig/capture.toml"),
+    "street": plain("street/colour.toml"),
+    "street-counted": counted,
+}
+
+
+def blocks(picture: Image.Image) -> Image.Image:
+    return picture.resize((8, 5), Image.Resampling.BOX)
+
+
+def differs(picture: Image.Image, kept: Path) -> "str | None":
+    if not kept.exists():
+        return f"{kept.relative_to(ROOT)} is missing"
+    from PIL import ImageChops
+
+    difference = max(ImageStat.Stat(ImageChops.difference(blocks(picture), blocks(Image.open(kept).convert("RGB")))).mean)
+    return f"{kept.relative_to(ROOT)} is not what its capture makes: mean difference {difference:.1f}" if difference > SAME else None
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(GALLERY))
+    parser.add_argument("--check", action="store_true", help="render small, compare, write nothing")
+    options = parser.parse_args()
+    unknown = [name for name in options.names if name not in GALLERY]
+    if unknown:
+        parser.error(f"there is no picture {unknown[0]!r}; there are {', '.join(GALLERY)}")
+    failed = 0
+    with tempfile.TemporaryDirectory() as folder:
+        maker = Maker(Path(folder), options.check)
+        for name in options.names or GALLERY:
+            begun = time.monotonic()
+            picture = GALLERY[name](maker)
+            wrong = differs(picture, PICTURES / f"{name}.jpg") if options.check else None
+            if not options.check:
+                PICTURES.mkdir(exist_ok=True)
+                quality = 92
+                while True:
+                    picture.save(PICTURES / f"{name}.jpg", quality=quality, optimize=True, progressive=True)
+                    if (PICTURES / f"{name}.jpg").stat().st_size <= 250_000:
+                        break
+                    quality -= 4
+            print(f"{name}: {wrong or ('as before' if options.check else 'written')}, {time.monotonic() - begun:.1f} s", flush=True)
+            failed += bool(wrong)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
