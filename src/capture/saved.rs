@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn what_was_given_is_kept_and_paths_are_absolute() {
-        let text = "[scene]\nenvironment = { illuminant = \"D65\", illuminance_lux = 500 }\n[materials.red]\ntype = \"diffuse\"\n\
+        let text = "[scene]\nenvironment = { illuminant = \"D65\", illuminance_lux = 500 }\n[[scene.spheres]]\nposition_m = [0, 0, 0]\nradius_m = 1\nmaterial = \"red\"\n[materials.red]\ntype = \"diffuse\"\n\
                     reflectance = { file = \"red.csv\" }\n[sensor]\npreset = \"sony-imx249-mono\"\n[exposure]\nauto = true\n";
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join("red.csv"), "400,0.1\n700,0.5\n").expect("written");

@@ -114,7 +114,7 @@ impl Exposer {
             };
             let (picture, place) = query.window.of(picture, plane.is_numbered())?;
             let took = json!({ "plane": plane.name(), "seconds": start.elapsed().as_secs_f64() });
-            Ok(picture.bytes(place, [facts, took]))
+            Ok(picture.bytes([json!(place), facts, took]))
         })
     }
 

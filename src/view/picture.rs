@@ -2,7 +2,6 @@
 
 use serde_json::{Value, json};
 
-use super::window::Place;
 use crate::develop::{Codes, EncodedPicture};
 use crate::image::{Channel, Planes};
 use crate::raw::RawImage;
@@ -74,20 +73,16 @@ impl Picture {
         Some(self.channels.iter().enumerate().map(|(i, name)| (name.as_str(), value(first + i))).collect())
     }
 
-    /// Bytes as they are sent, of pixels at a place: the length of the description, the description with what else is
-    /// said, the values.
-    pub(super) fn bytes<const N: usize>(&self, place: Place, more: [Value; N]) -> Vec<u8> {
+    /// Bytes as they are sent: the length of the description, the description with what else is said, the values.
+    pub(super) fn bytes<const N: usize>(&self, more: [Value; N]) -> Vec<u8> {
         let [width, height] = self.size;
         let kind = match &self.values {
             Values::U8(_) => "u8",
             Values::U16(_) => "u16",
             Values::F32(_) => "f32",
         };
-        let Place { full, at, step, is_mean } = place;
-        let mut description = json!({
-            "width": width, "height": height, "full": full, "at": at, "step": step, "is_mean": is_mean,
-            "channels": self.channels, "type": kind, "unit": self.unit,
-        });
+        let mut description =
+            json!({ "width": width, "height": height, "channels": self.channels, "type": kind, "unit": self.unit });
         for facts in more {
             if let (Value::Object(all), Value::Object(facts)) = (&mut description, facts) {
                 all.extend(facts);
@@ -116,8 +111,7 @@ mod tests {
     fn values_follow_their_description() {
         let picture =
             Picture { size: [2, 1], channels: vec!["DN".to_owned()], unit: "DN", values: Values::U16(vec![1, 0x0203]) };
-        let place = Place { full: [2, 1], at: [0, 0], step: 1, is_mean: false };
-        let bytes = picture.bytes(place, [json!({ "light": 7 })]);
+        let bytes = picture.bytes([json!({ "light": 7 })]);
         let length = u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]) as usize;
         let description: Value = serde_json::from_slice(&bytes[4..4 + length]).expect("JSON");
         assert_eq!((length % 4, &description["type"], &description["light"]), (0, &json!("u16"), &json!(7)));

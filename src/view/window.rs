@@ -2,6 +2,7 @@
 
 use hyper::StatusCode;
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::answer::Failure;
 use super::picture::{Picture, Values};
@@ -21,7 +22,7 @@ pub(super) struct Window {
 }
 
 /// Where the pixels that are sent lie in the picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Place {
     /// Columns and rows of the whole picture.
     pub(super) full: [usize; 2],
