@@ -2,7 +2,7 @@
 """Measures again what docs/benchmarks shows, and writes the tables into the page.
 
     python3 benches/page.py                    # everything, an hour and a half
-    python3 benches/page.py embree             # one section: mitsuba, noise, lens, embree, scale, frames or objects
+    python3 benches/page.py embree             # one section: mitsuba, noise, lens, embree, scale, frames, objects or view
 
 What follows the section's name goes to its program: `page.py mitsuba a --runs 9`. Nothing else should run meanwhile.
 """
@@ -22,6 +22,7 @@ COMMANDS = {
     "embree": ["cargo", "bench", "--quiet", "--bench", "embree"],
     "scale": ["cargo", "bench", "--quiet", "--bench", "scale"],
     "objects": ["python3", "benches/moving_objects.py", "target/release/photosite"],
+    "view": ["node", "benches/view.mjs", "target/release/photosite"],
     "frames": ["python3", "benches/many_frames.py", "target/release/photosite"],
 }
 

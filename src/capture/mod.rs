@@ -57,6 +57,7 @@ mod projection;
 mod quadrics;
 mod reader;
 mod relocate;
+mod saved;
 mod scene;
 mod schema;
 mod sensor;
@@ -369,7 +370,7 @@ impl Capture {
     /// themselves: the sensor is whole and names no preset. Paths become relative to `folder`, where this is going to
     /// be kept.
     pub fn to_json(&self, folder: &Path) -> Result<serde_json::Value> {
-        keys_of(&self.source, &self.sensor.name, folder)
+        keys_of(&self.source, &self.sensor.name, Some(folder))
     }
 
     /// Makes of the tables what they mean.

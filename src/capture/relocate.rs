@@ -10,17 +10,19 @@ use crate::Result;
 
 /// Keys whose text is the path of a file.
 const PATHS: [&str; 3] = ["file", "image", "texture"];
+/// Keys whose text is the path of a file, or the name of something that ships.
+const PATHS_OR_NAMES: [&str; 2] = ["prescription", "preset"];
 
-/// Rewrites every path in `value` that is relative to the folder `from` so that it is relative to `to`. Where there is
-/// no way from one to the other, as between drives, it becomes absolute.
-pub(super) fn relocate(value: &mut Value, from: &Path, to: &Path) {
+/// Rewrites every path in `value` that is relative to the folder `from` so that it is relative to `to`. Where that is no
+/// folder, or there is no way from one to the other, as between drives, it becomes absolute.
+pub(super) fn relocate(value: &mut Value, from: &Path, to: Option<&Path>) {
     match value {
         Value::Object(map) => {
             for (key, value) in map {
                 match value {
                     Value::String(path) if PATHS.contains(&key.as_str()) => *path = relocated(path, from, to),
-                    // A lens that ships goes by its name.
-                    Value::String(path) if key == "prescription" && path.contains('.') => {
+                    // What ships goes by its name.
+                    Value::String(path) if PATHS_OR_NAMES.contains(&key.as_str()) && path.contains('.') => {
                         *path = relocated(path, from, to);
                     }
                     Value::Array(items) if key == "geometry" => {
@@ -40,9 +42,10 @@ pub(super) fn relocate(value: &mut Value, from: &Path, to: &Path) {
     }
 }
 
-fn relocated(path: &str, from: &Path, to: &Path) -> String {
-    let (Some(file), Some(to)) = (whole(&from.join(path)), whole(to)) else { return path.to_owned() };
-    pathdiff::diff_paths(&file, to).unwrap_or(file).to_string_lossy().into_owned()
+fn relocated(path: &str, from: &Path, to: Option<&Path>) -> String {
+    let Some(file) = whole(&from.join(path)) else { return path.to_owned() };
+    let relative = to.and_then(whole).and_then(|to| pathdiff::diff_paths(&file, to));
+    relative.unwrap_or(file).to_string_lossy().into_owned()
 }
 
 /// A path as it reads from a folder, which must exist, however it was typed: the way from the one real folder to the
@@ -80,8 +83,8 @@ fn whole(path: &Path) -> Option<PathBuf> {
     Some(whole)
 }
 
-/// All keys of a capture, with paths relative to the folder `to`.
-pub(super) fn keys_of(source: &CaptureSource, sensor: &str, to: &Path) -> Result<serde_json::Value> {
+/// All keys of a capture, with paths relative to the folder `to`, or absolute ones.
+pub(super) fn keys_of(source: &CaptureSource, sensor: &str, to: Option<&Path>) -> Result<serde_json::Value> {
     let mut keys: serde_json::Value = source.read_whole()?;
     close_sensor(&mut keys["sensor"], sensor);
     for (section, value) in keys.as_object_mut().into_iter().flatten() {
@@ -108,7 +111,11 @@ mod tests {
             "lens": { "prescription": "../50mm.zmx" },
             "other": { "prescription": "double-gauss" },
         });
-        relocate(&mut value, Path::new("scenes/room"), Path::new("out/first"));
+        let mut absolute = value.clone();
+        relocate(&mut absolute, Path::new("/scenes/room"), None);
+        assert_eq!(absolute["scene"]["geometry"][0], "/scenes/room/room.obj");
+        assert_eq!(absolute["materials"]["file"]["reflectance"]["file"], "/scenes/red.csv");
+        relocate(&mut value, Path::new("scenes/room"), Some(Path::new("out/first")));
         assert_eq!(value["scene"]["geometry"][0], "../../scenes/room/room.obj");
         assert!(value["scene"]["geometry"][1].as_str().expect("a path").ends_with("../data/vase.obj"));
         assert_eq!(value["scene"]["environment"]["image"], "../../scenes/room/skies/noon.hdr");

@@ -125,11 +125,27 @@ impl StoredCapture {
 
     /// All keys as they now are, as in [`Capture::to_json`](super::Capture::to_json).
     pub fn to_json(&self, folder: &Path) -> Result<Value> {
-        keys_of(&self.source, &self.sensor.name, folder)
+        keys_of(&self.source, &self.sensor.name, Some(folder))
     }
 }
 
 impl Capture {
+    /// This capture with another f-number, which is all that changes of it.
+    ///
+    /// # Errors
+    ///
+    /// A number that no lens has.
+    pub(crate) fn at_f_number(&self, f_number: f64) -> Result<Self> {
+        let argument = format!("lens.f_number={f_number:?}");
+        let mut changed = self.clone();
+        overrides::set(&mut changed.source, &argument)?;
+        changed.lens.f_number = f_number;
+        let checked = changed.lens.validate().map_err(|invalid| invalid.within("lens"));
+        checked.map_err(|invalid| changed.source.error(invalid))?;
+        changed.origin.iter_mut().for_each(|origin| origin.overrides.push(argument.clone()));
+        Ok(changed)
+    }
+
     /// This capture with changes, `key=value`, to what light leaves open once it is traced: sensor, exposure, development,
     /// output and the seed of the sensor's noise. The scene is not read again, nor is it in the result.
     ///

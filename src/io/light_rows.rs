@@ -5,7 +5,7 @@
 //! pixels (`u32`), then the means of the film's channels and the variances of the first few (`f32`), plane after plane.
 
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use rayon::prelude::*;
 
@@ -27,12 +27,15 @@ const ROWS_AT_ONCE: usize = 32;
 const PIXELS_AT_ONCE: usize = 64;
 
 /// The rows of a picture, as far as they are done.
+#[derive(Clone)]
 pub struct LightRows {
-    store: Mutex<Box<dyn Store>>,
+    store: Arc<Mutex<Box<dyn Store>>>,
     size: [usize; 2],
     channels: Vec<String>,
     /// The channels whose variance is kept are the first so many.
     with_variance: usize,
+    /// What means are multiplied by when they are read.
+    level: f32,
 }
 
 impl LightRows {
@@ -44,7 +47,13 @@ impl LightRows {
     /// Rows of a picture of `size` columns and rows and a film's channels, of the first of which the variance is kept,
     /// too.
     pub fn new(store: Box<dyn Store>, size: [usize; 2], channels: Vec<String>, with_variance: usize) -> Self {
-        Self { store: Mutex::new(store), size, channels, with_variance }
+        Self { store: Arc::new(Mutex::new(store)), size, channels, with_variance, level: 1.0 }
+    }
+
+    /// The same rows, with light of another level: so many times as much.
+    #[must_use]
+    pub fn at_level(&self, factor: f32) -> Self {
+        Self { level: self.level * factor, ..self.clone() }
     }
 
     fn row_bytes(&self) -> usize {
@@ -159,7 +168,10 @@ impl PictureRows for SomeRows<'_> {
     }
 
     fn read_row(&self, plane: usize, row: usize, to: &mut [f32]) -> io::Result<()> {
-        self.of.read(self.planes[plane].1, row, |column, number| to[column] = f32::from_le_bytes(number))
+        let (_, place) = self.planes[plane];
+        let is_variance = place >= COUNTS + self.of.channels.len();
+        let level = if is_variance { self.of.level * self.of.level } else { self.of.level };
+        self.of.read(place, row, |column, number| to[column] = level * f32::from_le_bytes(number))
     }
 }
 
@@ -201,6 +213,12 @@ mod tests {
             assert_eq!(rows.estimate(["G", "absent"]).expect("read"), whole.estimate(["G"]));
             let bands = rows.means(["550", "R"]).to_planes().expect("read");
             assert_eq!(bands, whole.estimate(["550", "R"]).mean);
+            // A quarter is exact.
+            let less = rows.at_level(0.25);
+            let expected = whole.estimate(["G"]);
+            let found = less.estimate(["G"]).expect("read");
+            assert_eq!(found.mean, expected.mean.scaled(0.25));
+            assert_eq!(found.variance, expected.variance.scaled(0.0625));
         }
     }
 }

@@ -71,13 +71,16 @@ pub fn irradiance(picture: ExrPicture) -> Result<Planes, Invalid> {
     bands(picture.planes)
 }
 
+/// The wavelength, nm, of a channel of an EXR file that is a spectral band.
+pub fn band_of_channel(name: &str) -> Option<f64> {
+    name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX)?.replace(',', ".").parse().ok()
+}
+
 /// The planes named as spectral bands, sorted by wavelength, named by their central wavelengths in nm.
 pub(super) fn bands(planes: Planes) -> Result<Planes, Invalid> {
-    let wavelength =
-        |name: &str| -> Option<f64> { name.strip_prefix(PREFIX)?.strip_suffix(SUFFIX)?.replace(',', ".").parse().ok() };
     let (width, height) = (planes.width(), planes.height());
     let mut bands: Vec<(f64, Channel)> =
-        planes.into_channels().into_iter().filter_map(|c| Some((wavelength(&c.name)?, c))).collect();
+        planes.into_channels().into_iter().filter_map(|c| Some((band_of_channel(&c.name)?, c))).collect();
     bands.sort_by(|a, b| a.0.total_cmp(&b.0));
     let channel = |(lambda_nm, c): (f64, Channel)| Channel { name: format!("{lambda_nm}"), data: c.data };
     Planes::new(width, height, bands.into_iter().map(channel).collect())

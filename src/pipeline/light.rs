@@ -4,8 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::camera::pixels;
-use super::chain::{SensorColours, Settings};
+use super::camera::{camera_of, pixels};
+use super::chain::{Optics, SensorColours, Settings};
 use super::checkpoint::{self, Checkpoints};
 use super::completed_rows::CompletedRows;
 use super::ideal;
@@ -18,8 +18,10 @@ use super::trace::{Trace, Traced, trace};
 use crate::capture::{Capture, ExposureSettings, SpectralBands};
 use crate::film::Film;
 use crate::image::{Estimate, Planes};
-use crate::integrator::COARSE_STEP;
+use crate::integrator::{COARSE_STEP, RenderSettings};
 use crate::io::light_rows::LightRows;
+use crate::math::hash::hash64;
+use crate::optics::LensKind;
 use crate::sensor::{Exposure, SensorModel, electron_rates};
 use crate::{Error, Invalid, Result};
 
@@ -43,6 +45,8 @@ pub struct Light {
     bands: Option<SpectralBands>,
     /// Whether the picture of an ideal observer is kept.
     has_ideal: bool,
+    /// The [solid angle](crate::optics::Camera::on_axis_sr) of the opening that it came through.
+    on_axis_sr: f64,
 }
 
 impl Light {
@@ -81,13 +85,20 @@ impl Light {
     }
 }
 
+/// Render settings of the picture of that number, where pictures have light of their own: noise of light that stays in
+/// its place from one to the next would pass for a pattern.
+pub(super) fn settings_of_frame(settings: &RenderSettings, frame: u32) -> RenderSettings {
+    let seed = if frame == 0 { settings.seed } else { hash64(settings.seed, u64::from(frame)) };
+    RenderSettings { seed, ..settings.clone() }
+}
+
 /// Memory takes what it is given, and gives it back.
 fn in_memory(reason: std::io::Error) -> Error {
     Error::io("memory".as_ref(), "read", reason)
 }
 
 impl Prepared {
-    /// Traces the light of the first picture, in memory.
+    /// Traces the light of its picture, in memory.
     ///
     /// # Errors
     ///
@@ -97,10 +108,11 @@ impl Prepared {
         let camera = self.camera();
         let chain = self.chain();
         let is_watched = options.monitor.picture_interval().is_some();
+        let settings = settings_of_frame(&self.capture.render, self.frame);
         let strips = options.film_memory.strips(&self.capture, self.responses.len(), [true, false, is_watched])?;
         let traced = Trace {
             capture: &self.capture,
-            settings: &self.capture.render,
+            settings: &settings,
             scene: &self.scene,
             camera: &camera,
             responses: &self.responses,
@@ -182,6 +194,7 @@ impl Prepared {
             exposure: exposure.clone(),
             bands: output.irradiance,
             has_ideal: output.ideal,
+            on_axis_sr: self.camera.on_axis_sr(),
         })
     }
 
@@ -228,6 +241,36 @@ impl Prepared {
         Ok(changed)
     }
 
+    /// Whether light need not be traced anew for another f-number: the opening of a pinhole without a point spread changes
+    /// the level of light alone.
+    pub fn is_f_number_open(&self) -> bool {
+        let Capture { lens, render, .. } = &self.capture;
+        lens.kind == LensKind::Pinhole && lens.point_spread.is_none() && render.light_paths == 0.0
+    }
+
+    /// This capture at another f-number; `None` where light has to be [traced anew](Self::is_f_number_open) for it.
+    ///
+    /// # Errors
+    ///
+    /// A number that no lens has.
+    pub fn at_f_number(&self, f_number: f64) -> Result<Option<Self>> {
+        if !self.is_f_number_open() {
+            return Ok(None);
+        }
+        let capture = self.capture.at_f_number(f_number)?;
+        let camera = camera_of(&capture.lens, &capture.sensor, self.camera.to_world(), f64::NAN);
+        let camera = camera.map_err(|invalid| capture.source.error(invalid.within("lens")))?;
+        let optics = Optics { f_number: Some(f_number), ..self.optics.clone() };
+        Ok(Some(Self { capture, camera, optics, ..self.clone() }))
+    }
+
+    /// That light through the opening of this capture's pinhole, where it was traced through another one.
+    #[must_use]
+    pub fn at_level(&self, light: &Arc<Light>) -> Arc<Light> {
+        let factor = self.camera.on_axis_sr() / light.on_axis_sr;
+        if factor == 1.0 { Arc::clone(light) } else { Arc::new(light.at_level(factor)) }
+    }
+
     /// The rates at which light frees electrons in this capture's sensor, e⁻/s. Those of another sensor than the light
     /// was traced for come from its irradiance, without a variance, and with warnings about it.
     pub(super) fn rates(&self, light: &Light) -> Result<(Estimate, Vec<String>)> {
@@ -257,6 +300,20 @@ fn fill_gaps(planes: &mut Planes, samples: &[u32]) {
 }
 
 impl Light {
+    /// So many times as much light.
+    fn at_level(&self, factor: f64) -> Self {
+        let Self { samples, sensor, exposure, .. } = self;
+        Self {
+            rows: Arc::new(self.rows.at_level(factor as f32)),
+            rates: self.rates.clone().scaled(factor),
+            samples: samples.clone(),
+            sensor: sensor.clone(),
+            exposure: exposure.clone(),
+            on_axis_sr: self.on_axis_sr * factor,
+            ..*self
+        }
+    }
+
     /// Whether it tells what a sensor sees: as the one that it was traced for, or by its irradiance.
     pub fn tells_of(&self, sensor: &SensorModel) -> bool {
         self.bands.is_some() || self.serves(sensor)

@@ -7,7 +7,6 @@ use super::focusing::{FocusedCamera, focus_camera};
 use super::lens_corrections::KnownGainMap;
 use super::needs;
 use super::responses::{filters, importance, responses, seen_through_lens};
-use crate::Result;
 use crate::calibration::truth::TruthObject;
 use crate::capture::{Capture, NextPicture, OutputSettings};
 use crate::film::Response;
@@ -17,6 +16,7 @@ use crate::report::{FocusStepReport, TruthReport};
 use crate::scene::description::SceneDescription;
 use crate::scene::{self, Scene, spectral_coverage};
 use crate::spectrum::Spectrum;
+use crate::{Error, Result};
 
 /// A capture that is ready to be traced.
 #[derive(Clone)]
@@ -48,6 +48,8 @@ pub struct Prepared {
     pub(super) objects: Arc<Vec<TruthObject>>,
     pub(super) truth: Option<TruthReport>,
     pub(super) warnings: Vec<String>,
+    /// The number of its picture in its series.
+    pub(super) frame: u32,
 }
 
 impl Prepared {
@@ -153,9 +155,35 @@ impl Prepared {
             objects,
             truth,
             warnings,
+            frame: 0,
         };
         prepared.warnings.extend(prepared.chain().picture_warnings());
         Ok(prepared)
+    }
+
+    /// The picture of that number of its series, in which camera or scene have moved on; this is the first. Its light has
+    /// noise of its own.
+    ///
+    /// # Errors
+    ///
+    /// Files of the scene that cannot be read again.
+    pub fn at_frame(&self, frame: u32) -> Result<Self> {
+        let mut capture = self.capture.at_frame(frame).map_err(Error::since_begun)?;
+        let description = capture.take_scene();
+        if !capture.scene_moves {
+            return Ok(Self { capture, frame, ..self.clone() });
+        }
+        let objects = Arc::new(TruthObject::of_scene(&description));
+        let scene = scene::build_after(Arc::unwrap_or_clone(description), &self.importance, Some(&self.scene));
+        // What matters to its pictures is found of its own light, as where it is rendered.
+        let importance_for_all = Arc::default();
+        let (scene, described) = (Arc::new(scene), Weak::new());
+        Ok(Self { capture, scene, described, objects, importance_for_all, frame, ..self.clone() })
+    }
+
+    /// The number of its picture in its series.
+    pub fn frame(&self) -> u32 {
+        self.frame
     }
 
     /// Whether its scene was built of this one.

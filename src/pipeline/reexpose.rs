@@ -141,6 +141,20 @@ impl StoredRender {
         self.stored.capture.source.error(invalid)
     }
 
+    /// The changes to keys that it was read with, `key=value`.
+    pub fn overrides(&self) -> &[String] {
+        &self.overrides
+    }
+
+    /// The tables of its capture, as [`Capture::to_table`](crate::capture::Capture::to_table) has them.
+    ///
+    /// # Errors
+    ///
+    /// As there.
+    pub fn to_table(&self) -> Result<toml::Table> {
+        self.stored.capture.to_table()
+    }
+
     /// Exposes the sensor to it once, so that it can be read out as often as one likes.
     ///
     /// # Errors

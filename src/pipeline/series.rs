@@ -10,6 +10,7 @@ use super::chain::Chain;
 use super::checkpoint::Checkpoints;
 use super::completed_rows::CompletedRows;
 use super::ideal;
+use super::light::settings_of_frame;
 use super::monitor::Event;
 use super::output_folder::OutputFolder;
 use super::prepare::Prepared;
@@ -22,7 +23,6 @@ use crate::calibration::truth::{TruthJob, TruthLayer, TruthObject, View, truth};
 use crate::capture::{Capture, TruthOutput};
 use crate::image::Estimate;
 use crate::io::truth::{TruthFormat, fits_png, lost_in_png};
-use crate::math::hash::hash64;
 use crate::optics::Camera;
 use crate::raw::RawImage;
 use crate::report::{NoiseReport, ObjectsReport, Timings};
@@ -186,11 +186,11 @@ impl Series<'_> {
     ) -> Result<Recorded> {
         let prepared = self.prepared;
         let (capture, chain, monitor) = (&prepared.capture, &prepared.chain(), self.request.monitor);
-        let mut settings = capture.render.clone();
-        if let Frames::One { number: number @ 1.., .. } = frames {
-            // Noise of light that stays in its place from frame to frame would pass for a pattern.
-            settings.seed = hash64(settings.seed, u64::from(number));
-        }
+        let number = match frames {
+            Frames::One { number, .. } => number,
+            Frames::All(_) => 0,
+        };
+        let mut settings = settings_of_frame(&capture.render, number);
         if let LightSource::Part(samples) = &self.request.light {
             settings.part = Some(samples.clone());
         }

@@ -54,7 +54,7 @@ impl<'a> TruthViews<'a> {
 }
 
 impl Prepared {
-    /// Layers of ground truth of the first picture, in the order in which they are asked for.
+    /// Layers of ground truth of its picture, in the order in which they are asked for.
     ///
     /// # Errors
     ///
@@ -94,7 +94,7 @@ impl FirstViews {
         let mut next_scene = None;
         // Only flow looks ahead.
         if let Some(common) = views.common.as_ref().filter(|_| capture.scene_moves) {
-            let mut next = capture.at_frame(1)?;
+            let mut next = capture.at_frame(prepared.frame + 1)?;
             next_scene = Some(common.build(&mut next)?);
             next_recording = next.recording.unwrap_or(next_recording);
         }

@@ -59,8 +59,8 @@ pub(super) fn for_trace(changes: &Map<String, Value>) -> Result<Vec<String>, Fai
     changes.iter().map(change).collect()
 }
 
-/// A capture file of changes alone, `key=value`: a later one takes the place of an earlier one.
-pub(super) fn to_toml(name: &str, changes: &[String]) -> String {
+/// Changes, `key=value`, as tables, of which a later one takes the place of an earlier one.
+pub(super) fn tables(changes: &[String]) -> toml::Table {
     let mut all = toml::Table::new();
     for change in changes {
         let Some((key, value)) = change.split_once('=') else { continue };
@@ -68,12 +68,26 @@ pub(super) fn to_toml(name: &str, changes: &[String]) -> String {
             lay_over(&mut all, one);
         }
     }
+    all
+}
+
+/// A capture file of these tables, with what was changed at its head. `command` does the same of the input with all
+/// overrides, those that it was opened with before those of the page.
+pub(super) fn to_toml(
+    name: &str,
+    tables: &toml::Table,
+    command: &str,
+    [before, changes]: [&[String]; 2],
+    notes: &[&str],
+) -> String {
     // A file may be called anything.
     let name = &name.replace(char::is_control, " ");
-    let options: String = changes.iter().map(|change| format!(" --set {}", in_shell(change))).collect();
+    let lines: String = changes.iter().map(|change| format!("#   {}\n", change.replacen('=', " = ", 1))).collect();
+    let what = if changes.is_empty() { "# Nothing is changed.\n".to_owned() } else { format!("# Changed:\n{lines}") };
+    let notes: String = notes.iter().map(|note| format!("# {note}\n")).collect();
+    let options: String = before.iter().chain(changes).map(|change| format!(" --set {}", in_shell(change))).collect();
     format!(
-        "# What was changed of {name}, as keys of a capture file. The same on the command line:\n\
-         # photosite render {}{options}\n\n{all}",
+        "# {name}, as photosite view shows it.\n{what}{notes}# On the command line: photosite {command} {}{options}\n\n{tables}",
         in_shell(name)
     )
 }
@@ -125,13 +139,16 @@ mod tests {
     fn changes_are_keys_of_a_capture_file() {
         let changes =
             ["exposure.time_s=0.02", "lens.f_number=8", "exposure.time_s=0.04", "develop.tone_curve=\"filmic\""];
-        let text = to_toml("a b.toml", &changes.map(str::to_owned));
+        let (changes, before) = (changes.map(str::to_owned), ["render.samples_per_pixel=4".to_owned()]);
+        let text = to_toml("a b.toml", &tables(&changes), "render", [&before, &changes], &["A note."]);
         let table: toml::Table = text.parse().expect("TOML");
         assert_eq!(table["exposure"]["time_s"].as_float(), Some(0.04));
         assert_eq!(table["lens"]["f_number"].as_integer(), Some(8));
-        assert!(text.contains("photosite render 'a b.toml' --set exposure.time_s=0.02"), "{text}");
+        let command = "photosite render 'a b.toml' --set render.samples_per_pixel=4 --set exposure.time_s=0.02";
+        assert!(text.contains(command) && text.contains("\n# A note.\n"), "{text}");
         assert!(text.contains("--set 'develop.tone_curve=\"filmic\"'"), "{text}");
         // A name cannot add keys.
-        assert_eq!(to_toml("a\n[scene]", &[]).parse::<toml::Table>().expect("TOML").len(), 0);
+        let named = to_toml("a\n[scene]", &toml::Table::new(), "render", [&[], &[]], &[]);
+        assert_eq!(named.parse::<toml::Table>().expect("TOML").len(), 0);
     }
 }

@@ -62,9 +62,10 @@ use Looks::{Choice, Flag, Linear, Logarithmic, Presets, Several, Whole};
 
 /// Groups, keys, labels and units, in the order of the page.
 #[rustfmt::skip]
-const ALL: [(&str, &str, &str, &str, Looks); 22] = [
+const ALL: [(&str, &str, &str, &str, Looks); 23] = [
     ("Exposure", "exposure.auto", "Automatic exposure", "", Flag),
     ("Exposure", "exposure.time_s", "Exposure time", "s", Logarithmic(1e-5, 10.0)),
+    ("Exposure", "lens.f_number", "f-number", "", Logarithmic(0.5, 64.0)),
     ("Exposure", "exposure.gain_db", "Gain", "dB", Linear(0.0, 36.0, 0.1)),
     ("Exposure", "exposure.digital_gain_db", "Digital gain", "dB", Linear(0.0, 24.0, 0.1)),
     ("Exposure", "exposure.temperature_c", "Temperature", "°C", Linear(-40.0, 80.0, 1.0)),

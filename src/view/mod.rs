@@ -22,11 +22,12 @@
 //! | `GET events` | server-sent events: `data:` is the JSON of [`Status`], at once and whenever it changes |
 //! | `GET picture?QUERY` | a picture, see below |
 //! | `GET pixel?x=X&y=Y&QUERY` | JSON of a pixel that sees light, counted from the top left: `electrons` with `[channel, mean, sigma]` each, `raw` and `developed` with `[channel, value]` each; `null` where there is none |
-//! | `GET capture?QUERY` | TOML: what QUERY and the trace have changed, as keys of a capture file |
+//! | `GET noise?QUERY` | JSON `{"noise_ratio"}`: noise of light transport over that of the sensor at the exposure of QUERY; `null` where it is not known |
+//! | `GET capture?QUERY` | TOML: the capture as QUERY and the trace have changed it, with absolute paths, which renders to the picture that is shown; at its head the keys that were changed. Of a raw file the keys of its development |
 //! | `GET sheet` | JSON of a data set: `cameras`; `frames`; `pictures`, in the order of `inputs`, each with `frame`, `camera`, `time_s`, and `facts`, by which they differ; `widths` of small pictures |
 //! | `GET image?input=N&width=W` | a picture of a data set: `image.png`, or without too many pixels as JPEG |
 //! | `GET overlays?input=N` | JSON of what is drawn over it: [`Overlays`](crate::dataset::Overlays) |
-//! | `POST trace` | JSON `{"do": "pause" \| "continue" \| "stop"}`, or `{"do": "start", "changes": {KEY: VALUE, …}}`, which traces anew with these changes in place of earlier ones: poses of `camera`, some of `lens`, `sensor.preset`, `output.irradiance` and `output.ideal`. 204 |
+//! | `POST trace` | JSON `{"do": "pause" \| "continue" \| "stop"}`, or `{"do": "start", "changes": {KEY: VALUE, …}, "frame": N}`, which traces anew with these changes in place of earlier ones: poses of `camera`, some of `lens`, `sensor.preset`, `output.irradiance` and `output.ideal`; `frame`, 0 if left out, is the one whose light is traced where camera or scene move. 204 |
 //!
 //! QUERY names keys of a capture file, `exposure.time_s=0.02&sensor.preset=textbook-ccd`, those of `controls` alone, so
 //! that no file can be named; values of "several" are separated by commas. Besides there are
@@ -34,19 +35,24 @@
 //! | key | means |
 //! |---|---|
 //! | `plane` | one of `planes`: `developed` (left out), `raw`, `electrons:G`, `sigma:G`, `noise:read_noise_e`, `truth:depth`, `irradiance:550`, `ideal` |
-//! | `frame` | number of the frame, 0 if left out |
+//! | `frame` | number of the frame; left out, 0, or that whose light is traced |
 //! | `input` | of several inputs the one of that number, 0 if left out |
+//! | `view` | `x0,y0,x1,y1`: these pixels alone, x1 and y1 excluded |
+//! | `screen` | `columns,rows` that show them: of more than 2^20 pixels means come, as fine as the screen, of instances and materials every few |
+//! | `step` | every so many columns and rows, as they are |
 //!
 //! A picture is four bytes, the length of its description (little endian); the description, JSON filled up with spaces
 //! to a multiple of four; and the values, little endian, row by row from the top, the channels of a pixel together. The
-//! description has `plane`, `width`, `height`, `channels` (names), `type` ("u8", "u16", "f32"), `unit`; `light`, the
+//! description has `plane`, `width`, `height`, and where these pixels lie: `full` (columns and rows of the whole picture), `at` (the first
+//! column and row), `step` (columns and rows from one to the next) and `is_mean`; `channels` (names), `type` ("u8", "u16", "f32"), `unit`; `light`, the
 //! number of the light (see [`Status`]); `planes`, all that there are; `settings`, by the keys of the controls, as they
-//! are; `sensors`, the presets that the light tells of without tracing anew; `raw` with `black_dn`, `white_dn`, `bits`, `active` (column, row, columns and rows of the pixels that see light)
+//! are; `sensors`, the presets that the light tells of without tracing anew; `anew`, keys of controls for which it is traced anew; `raw` with `black_dn`, `white_dn`, `bits`, `active` (column, row, columns and rows of the pixels that see light)
 //! and `tile` (names of the filters, rows of them); `warnings`; and `seconds` that it took. The values of `developed` are
 //! the codes of `image.png`.
 
 mod access;
 mod answer;
+mod beside;
 mod changes;
 mod connection;
 mod controls;
@@ -63,7 +69,9 @@ mod sheet;
 mod source;
 mod status;
 mod tracer;
+mod window;
 
+pub use beside::Beside;
 pub use server::{View, serve};
 pub use source::{Input, OpenFile};
 pub use status::{CameraState, Phase, Status};

@@ -10,11 +10,17 @@ const CSS: &str = "text/css; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
 /// Names, media types and texts of its files.
-const FILES: [(&str, &str, &str); 13] = [
+const FILES: [(&str, &str, &str); 19] = [
     ("", HTML, include_str!("page/index.html")),
     ("look.css", CSS, LOOK),
     ("view.css", CSS, include_str!("page/view.css")),
     ("view.js", SCRIPT, include_str!("page/view.js")),
+    ("session.js", SCRIPT, include_str!("page/session.js")),
+    ("status.js", SCRIPT, include_str!("page/status.js")),
+    ("pictures.js", SCRIPT, include_str!("page/pictures.js")),
+    ("inspect.js", SCRIPT, include_str!("page/inspect.js")),
+    ("light.js", SCRIPT, include_str!("page/light.js")),
+    ("pointer.js", SCRIPT, include_str!("page/pointer.js")),
     ("server.js", SCRIPT, include_str!("page/server.js")),
     ("stage.js", SCRIPT, include_str!("page/stage.js")),
     ("colours.js", SCRIPT, include_str!("page/colours.js")),

@@ -4,7 +4,6 @@ use hyper::StatusCode;
 
 use super::answer::Failure;
 use super::picture::Picture;
-use super::source::Ready;
 use crate::calibration::truth::TruthLayer;
 use crate::image::Planes;
 use crate::pipeline::Shot;
@@ -81,32 +80,44 @@ impl Plane {
         }
     }
 
-    /// All that there are of a shot.
-    pub(super) fn all(ready: &Ready, shot: &Shot) -> Vec<String> {
+    /// All that there are of a shot: those that light and ground truth have, too.
+    pub(super) fn all(shot: &Shot, beside: Vec<Self>) -> Vec<String> {
         let channels = |planes: &Planes| planes.channels().iter().map(|c| c.name.clone()).collect::<Vec<_>>();
         let electrons = channels(&shot.electrons.mean).into_iter().map(Self::Electrons);
         let sigmas = channels(&shot.electrons.variance).into_iter().map(Self::Sigma);
-        let bands = ready.bands().into_iter().map(Self::Irradiance);
-        let ideal = ready.has_ideal().then_some(Self::Ideal);
-        let of_light = electrons.chain(sigmas).chain(ideal).chain(bands);
         let noise = NoiseMap::ALL.into_iter().map(Self::Noise);
-        let truth = ready.layers().into_iter().map(Self::Truth);
-        let all = [Self::Developed, Self::Raw].into_iter().chain(of_light).chain(noise).chain(truth);
+        let all = [Self::Developed, Self::Raw].into_iter().chain(electrons).chain(sigmas).chain(noise).chain(beside);
         all.map(|plane| plane.name()).collect()
     }
 
-    /// The plane of a shot, but for those that are developed or found of the scene.
-    pub(super) fn of_shot(&self, ready: &Ready, shot: &Shot) -> Result<Picture, Failure> {
+    /// Whether its values are names of things, between which there is nothing.
+    pub(super) const fn is_numbered(&self) -> bool {
+        matches!(self, Self::Truth(TruthLayer::Instance | TruthLayer::Material))
+    }
+
+    /// The unit of planes of light and ground truth.
+    pub(super) const fn unit(&self) -> &'static str {
+        match self {
+            Self::Truth(layer) => unit_of(*layer),
+            Self::Irradiance(_) => "W·m⁻²·nm⁻¹",
+            Self::Electrons(_) | Self::Sigma(_) => "e⁻",
+            Self::Raw => "DN",
+            Self::Developed | Self::Noise(_) | Self::Ideal => "",
+        }
+    }
+
+    /// The plane of a shot, but for what is developed, and for light and ground truth.
+    pub(super) fn of_shot(&self, shot: &Shot) -> Result<Picture, Failure> {
         let missing = || no_plane(&self.name());
-        let one = |planes: &Planes, name: &str, unit: &'static str, value: fn(f32) -> f32| {
+        let one = |planes: &Planes, name: &str, value: fn(f32) -> f32| {
             let size = [planes.width(), planes.height()];
             let channel = planes.channels().iter().find(|channel| channel.name == name);
-            channel.map(|channel| Picture::of_plane(size, channel, unit, value)).ok_or_else(missing)
+            channel.map(|channel| Picture::of_plane(size, channel, self.unit(), value)).ok_or_else(missing)
         };
         match self {
             Self::Raw => Ok(Picture::of_raw(&shot.raw)),
-            Self::Electrons(name) => one(&shot.electrons.mean, name, "e⁻", |mean| mean),
-            Self::Sigma(name) => one(&shot.electrons.variance, name, "e⁻", f32::sqrt),
+            Self::Electrons(name) => one(&shot.electrons.mean, name, |mean| mean),
+            Self::Sigma(name) => one(&shot.electrons.variance, name, f32::sqrt),
             Self::Noise(map) => {
                 let unit = match map.unit() {
                     MapUnit::Electrons => "e⁻",
@@ -115,18 +126,13 @@ impl Plane {
                 };
                 Ok(Picture::of_planes(&shot.noise_maps.planes, unit))
             }
-            Self::Irradiance(name) => one(&ready.irradiance().ok_or_else(missing)?, name, "W·m⁻²·nm⁻¹", |e| e),
-            Self::Ideal => {
-                let ideal = ready.ideal(&shot.exposure)?.ok_or_else(missing)?;
-                Ok(Picture::of_planes(&ideal, ""))
-            }
-            Self::Developed | Self::Truth(_) => Err(missing()),
+            Self::Developed | Self::Irradiance(_) | Self::Ideal | Self::Truth(_) => Err(missing()),
         }
     }
 }
 
 /// The unit of a layer of ground truth.
-pub(super) fn unit_of(layer: TruthLayer) -> &'static str {
+const fn unit_of(layer: TruthLayer) -> &'static str {
     match layer {
         TruthLayer::Depth | TruthLayer::Distance | TruthLayer::Position | TruthLayer::ObjectPosition => "m",
         TruthLayer::Flow | TruthLayer::Disparity => "px",

@@ -5,30 +5,46 @@ use percent_encoding::percent_decode_str;
 
 use super::answer::Failure;
 use super::controls::Control;
+use super::window::Window;
 
 /// Most frames, as those before may have to be read out, too.
-const MOST_FRAMES: u32 = 1000;
+pub(super) const MOST_FRAMES: u32 = 1000;
+/// The key of the f-number.
+pub(super) const F_NUMBER: &str = "lens.f_number";
 /// Longest query. Settings of all controls take less.
 const LONGEST: usize = 4096;
 
 /// A picture that is asked for.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Query {
     pub(super) plane: String,
-    pub(super) frame: u32,
+    /// The number of the frame, where one is asked for.
+    pub(super) frame: Option<u32>,
     pub(super) input: usize,
+    /// The f-number, where it is changed.
+    pub(super) f_number: Option<f64>,
     /// Changes to keys, `key=value`: those of the sensor, of what else light leaves open, and of development.
     pub(super) sensor: Vec<String>,
     pub(super) exposure: Vec<String>,
     pub(super) develop: Vec<String>,
     /// A pixel of the sensor, of which something is asked.
     pub(super) pixel: [usize; 2],
+    /// Which pixels are sent.
+    pub(super) window: Window,
 }
 
 impl Query {
-    /// All changes to keys.
-    pub(super) fn changes(&self) -> Vec<String> {
-        [&self.sensor[..], &self.exposure, &self.develop].concat()
+    /// Changes to the sensor: another one has the pixels that light was traced for.
+    pub(super) fn sensor_of(&self, resolution: [usize; 2]) -> Vec<String> {
+        let pixels = (!self.sensor.is_empty()).then(|| format!("sensor.resolution_px={resolution:?}"));
+        self.sensor.iter().cloned().chain(pixels).collect()
+    }
+
+    /// All changes to keys, of light of so many columns and rows.
+    pub(super) fn changes(&self, resolution: Option<[usize; 2]>) -> Vec<String> {
+        let lens: Vec<String> = self.f_number.iter().map(|n| format!("{F_NUMBER}={n:?}")).collect();
+        let sensor = resolution.map_or_else(|| self.sensor.clone(), |resolution| self.sensor_of(resolution));
+        [&lens[..], &sensor, &self.exposure, &self.develop].concat()
     }
 
     /// Reads `key=value&key=value`, of which keys of captures are those of controls alone.
@@ -39,12 +55,14 @@ impl Query {
         }
         let mut query = Self {
             plane: "developed".to_owned(),
-            frame: 0,
+            frame: None,
             input: 0,
+            f_number: None,
             sensor: Vec::new(),
             exposure: Vec::new(),
             develop: Vec::new(),
             pixel: [0, 0],
+            window: Window::default(),
         };
         for part in text.split('&').filter(|part| !part.is_empty()) {
             let (key, value) = part.split_once('=').ok_or_else(|| bad(format!("{part:?} has no value")))?;
@@ -57,11 +75,15 @@ impl Query {
             match key.as_str() {
                 "plane" => query.plane = value,
                 "frame" => {
-                    query.frame = whole()?;
-                    if query.frame >= MOST_FRAMES {
+                    let frame = whole()?;
+                    if frame >= MOST_FRAMES {
                         return Err(bad(format!("frame: {value} is not below {MOST_FRAMES}")));
                     }
+                    query.frame = Some(frame);
                 }
+                "view" => query.window.view = Some(wholes(&key, &value)?),
+                "screen" => query.window.screen = Some(wholes(&key, &value)?),
+                "step" => query.window.step = Some(whole()?.max(1) as usize),
                 "input" => query.input = whole()? as usize,
                 "x" => query.pixel[0] = whole()? as usize,
                 "y" => query.pixel[1] = whole()? as usize,
@@ -73,6 +95,7 @@ impl Query {
                     })?;
                     let change = control.change(&value)?;
                     match key.split_once('.') {
+                        Some(("lens", _)) => query.f_number = value.parse().ok(),
                         Some(("sensor", _)) => query.sensor.push(change),
                         Some(("develop", _)) => query.develop.push(change),
                         Some(_) | None => query.exposure.push(change),
@@ -82,6 +105,15 @@ impl Query {
         }
         Ok(query)
     }
+}
+
+/// Whole numbers between commas.
+fn wholes<const N: usize>(key: &str, value: &str) -> Result<[usize; N], Failure> {
+    let all: Option<Vec<usize>> = value.split(',').map(|part| part.parse::<u32>().ok().map(|n| n as usize)).collect();
+    all.and_then(|all| all.try_into().ok()).ok_or_else(|| {
+        let words = format!("{key}: {value:?} is not {N} whole numbers with commas between them");
+        Failure::new(StatusCode::BAD_REQUEST, words)
+    })
 }
 
 #[cfg(test)]
@@ -98,7 +130,7 @@ mod tests {
         let query =
             parse("plane=raw&frame=3&exposure.time_s=0.02&develop.tone_curve=filmic&sensor.preset=textbook-ccd");
         let query = query.expect("a query");
-        assert_eq!((query.plane.as_str(), query.frame, query.input), ("raw", 3, 0));
+        assert_eq!((query.plane.as_str(), query.frame, query.input), ("raw", Some(3), 0));
         assert_eq!(query.exposure, ["exposure.time_s=0.02"]);
         assert_eq!(query.develop, ["develop.tone_curve=\"filmic\""]);
         assert_eq!(query.sensor, ["sensor.preset=\"textbook-ccd\""]);
@@ -118,6 +150,10 @@ mod tests {
             "render.seed=-1",
             "frame=x",
             "exposure.stages_off=read-noise%22%5D",
+            "lens.f_number=0%0A",
+            "view=0,0,1",
+            "view=0,0,1,-1",
+            "screen=",
             "plane",
             "%ff=1",
         ] {

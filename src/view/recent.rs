@@ -1,16 +1,15 @@
 //! The most recently used of few values.
 
-/// Values that are kept: two pictures may be looked at side by side.
-const KEPT: usize = 4;
-
 /// The most recently used of few values, by their keys.
 pub(super) struct Recent<K, V> {
     values: Vec<(K, V)>,
+    most: usize,
 }
 
 impl<K: PartialEq, V: Clone> Recent<K, V> {
-    pub(super) const fn new() -> Self {
-        Self { values: Vec::new() }
+    /// Keeps so many.
+    pub(super) const fn new(most: usize) -> Self {
+        Self { values: Vec::new(), most }
     }
 
     /// The value of a key, made where it is not kept.
@@ -19,7 +18,7 @@ impl<K: PartialEq, V: Clone> Recent<K, V> {
             Some(place) => self.values.remove(place).1,
             None => make()?,
         };
-        self.values.truncate(KEPT - 1);
+        self.values.truncate(self.most - 1);
         self.values.insert(0, (key, value.clone()));
         Ok(value)
     }
@@ -36,7 +35,7 @@ mod tests {
 
     #[test]
     fn the_last_few_are_kept() {
-        let mut recent = Recent::new();
+        let mut recent = Recent::new(4);
         let mut get = |key: u32| {
             let mut is_made = false;
             let value = recent.get_or_make(key, || {

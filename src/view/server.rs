@@ -21,16 +21,17 @@ use tokio::time::timeout;
 
 use super::access::Access;
 use super::answer::{Answer, Failure, done, of_bytes, of_json, refused};
-use super::changes::{for_trace, to_toml};
+use super::changes::{for_trace, tables, to_toml};
 use super::connection::Connection;
 use super::controls::{self, Control};
 use super::exposer::Exposer;
-use super::query::Query;
+use super::query::{MOST_FRAMES, Query};
 use super::sheet::ContactSheet;
 use super::source::{Input, Source};
 use super::status::{Phase, Status};
-use super::tracer::{Outside, Tracer};
+use super::tracer::{Outside, Tracer, Wanted};
 use super::{events, page};
+use crate::capture::Capture;
 use crate::pipeline::FilmMemory;
 use crate::{Error, Result};
 
@@ -64,8 +65,8 @@ pub struct View {
 
 /// An input that is being viewed.
 enum Viewed {
-    /// The light of the tracer.
-    Scene,
+    /// The light of the tracer, and the capture as it was given.
+    Scene(Box<Capture>),
     /// What does not change.
     Stored(Source),
     /// A picture of the data set.
@@ -98,6 +99,8 @@ enum Order {
     Start {
         #[serde(default)]
         changes: Map<String, Value>,
+        #[serde(default)]
+        frame: u32,
     },
 }
 
@@ -117,15 +120,15 @@ pub fn serve(view: View, outside: &Outside, ready: impl FnOnce(&str)) -> Result<
         let kind = input.kind();
         let input = match input {
             Input::Scene(capture) if scene.is_none() => {
-                scene = Some(capture);
-                Viewed::Scene
+                scene = Some(capture.clone());
+                Viewed::Scene(capture)
             }
             Input::Scene(_) => {
                 let help = "render the other one, and give its folder".into();
                 let message = "one scene is traced at a time, and there are two".to_owned();
                 return Err(Error::Usage { message, help: Some(help) });
             }
-            Input::Light(render) => Viewed::Stored(Source::Stored(Arc::from(render))),
+            Input::Light(render, beside) => Viewed::Stored(Source::Stored(Arc::from(render), beside)),
             Input::File(file) => Viewed::Stored(Source::File(Arc::new(file))),
             Input::DataSet(_) if of_several => {
                 let help = "give it alone: any two of its pictures can be compared on the page".into();
@@ -238,7 +241,11 @@ async fn answer(request: Request<Incoming>, shared: Arc<Shared>) -> Answer {
                 |shared: &Shared, source: &Source, query: &Query| shared.exposer.pixel(source, query, query.pixel);
             made(text, &shared, pixel).await.map(|(pixel, _place)| of_json(&pixel))
         }
-        (&Method::GET, "capture") => changes(text, &shared),
+        (&Method::GET, "noise") => {
+            let noise = |shared: &Shared, source: &Source, query: &Query| shared.exposer.noise(source, query);
+            made(text, &shared, noise).await.map(|(noise, _place)| of_json(&json!({ "noise_ratio": noise })))
+        }
+        (&Method::GET, "capture") => saved(text, &shared).await,
         (&Method::POST, "trace") => order(request, &shared).await,
         (&Method::GET, "sheet") => {
             of_sheet(&shared, |sheet| Ok(sheet.list())).await.map(|(list, _place)| of_json(&list))
@@ -306,7 +313,7 @@ async fn made<T: Send + 'static>(
                 let source = shared.sheet.as_ref().ok_or_else(|| no_input(query.input))?.source(*number)?;
                 make(shared, &source, &query)
             }
-            Viewed::Scene => {
+            Viewed::Scene(_) => {
                 let lit = shared.tracer.as_deref().and_then(Tracer::lit);
                 let lit = lit.ok_or_else(|| Failure::new(StatusCode::CONFLICT, "there is no light yet"))?;
                 make(shared, &Source::Traced(lit), &query)
@@ -338,16 +345,41 @@ async fn aside<T: Send + 'static>(
     made.await.map_err(failed)?
 }
 
-/// What has been changed, as a capture file.
-fn changes(text: &str, shared: &Shared) -> Result<Answer, Failure> {
+/// The capture as it is set, as a capture file.
+async fn saved(text: &str, shared: &Arc<Shared>) -> Result<Answer, Failure> {
     let query = Query::parse(text, &shared.controls)?;
-    let (name, _, viewed) = shared.inputs.get(query.input).ok_or_else(|| no_input(query.input))?;
-    let of_trace = match viewed {
-        Viewed::Scene => shared.tracer.as_deref().map_or_else(Vec::new, Tracer::changes),
-        Viewed::Stored(_) | Viewed::InSheet(_) => Vec::new(),
-    };
-    let all = [of_trace, query.changes()].concat();
-    Ok(of_bytes("application/toml; charset=utf-8", to_toml(name, &all)))
+    let (text, _place) = aside(shared, move |shared| {
+        let (name, _, viewed) = shared.inputs.get(query.input).ok_or_else(|| no_input(query.input))?;
+        let of_sheet = |number: usize| shared.sheet.as_ref().ok_or_else(|| no_input(query.input))?.source(number);
+        let source = match viewed {
+            Viewed::Scene(capture) => {
+                let tracer = shared.tracer.as_deref();
+                let resolution = tracer.and_then(Tracer::lit).map(|lit| lit.prepared.resolution().map(|n| n as usize));
+                let changes = [tracer.map_or_else(Vec::new, Tracer::changes), query.changes(resolution)].concat();
+                let table = capture.with(&changes)?.to_table()?;
+                // The seed of the page is that of the sensor's noise.
+                let has_seed = changes.iter().any(|change| change.starts_with("render.seed="));
+                let note = "The seed draws the noise of the light anew, too, which the page has left as it was.";
+                let notes = if has_seed { &[note][..] } else { &[] };
+                return Ok(to_toml(name, &table, "render", [capture.overrides(), &changes], notes));
+            }
+            Viewed::Stored(source) => source.clone(),
+            Viewed::InSheet(number) => of_sheet(*number)?,
+        };
+        match source {
+            Source::Stored(render, _) => {
+                let changes = query.changes(Some(render.sensor().resolution));
+                let table = render.with(&changes)?.to_table()?;
+                Ok(to_toml(name, &table, "expose", [render.overrides(), &changes], &[]))
+            }
+            Source::File(_) | Source::Traced(_) => {
+                let changes = query.changes(None);
+                Ok(to_toml(name, &tables(&changes), "develop", [&[], &changes], &[]))
+            }
+        }
+    })
+    .await?;
+    Ok(of_bytes("application/toml; charset=utf-8", text))
 }
 
 async fn order(request: Request<Incoming>, shared: &Shared) -> Result<Answer, Failure> {
@@ -362,7 +394,11 @@ async fn order(request: Request<Incoming>, shared: &Shared) -> Result<Answer, Fa
         Order::Pause {} => tracer.pause(true),
         Order::Continue {} => tracer.pause(false),
         Order::Stop {} => tracer.stop(),
-        Order::Start { changes } => tracer.start(for_trace(&changes)?),
+        Order::Start { frame, .. } if frame >= MOST_FRAMES => {
+            let message = format!("frame: {frame} is not below {MOST_FRAMES}");
+            return Err(Failure::new(StatusCode::BAD_REQUEST, message));
+        }
+        Order::Start { changes, frame } => tracer.start(Wanted { changes: for_trace(&changes)?, frame }),
     }
     Ok(done())
 }

@@ -2,12 +2,13 @@
 
 use serde_json::{Map, Value, json};
 
+use super::query::F_NUMBER;
 use super::source::Ready;
 use crate::capture::ExposureTime;
 use crate::develop::DevelopSettings;
 use crate::sensor::{Exposure, Stage};
 
-/// Those of sensor and exposure.
+/// Those of lens, sensor and exposure.
 pub(super) fn of_exposure(ready: &Ready, exposure: &Exposure) -> Map<String, Value> {
     let (sensor, wanted, seed) = ready.settings();
     let is_automatic = matches!(wanted.time, ExposureTime::Auto(_));
@@ -22,7 +23,8 @@ pub(super) fn of_exposure(ready: &Ready, exposure: &Exposure) -> Map<String, Val
         ("render.seed", json!(seed)),
         ("sensor.preset", json!(sensor.name)),
     ];
-    all.into_iter().map(|(key, value)| (key.to_owned(), value)).collect()
+    let f_number = ready.f_number().map(|n| (F_NUMBER, json!(n)));
+    all.into_iter().chain(f_number).map(|(key, value)| (key.to_owned(), value)).collect()
 }
 
 /// Those of development.

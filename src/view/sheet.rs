@@ -18,6 +18,8 @@ use crate::{Error, Sandbox};
 
 /// Widths of small pictures, px.
 const WIDTHS: [u32; 3] = [160, 320, 640];
+/// Pictures whose light stays in memory: two that are compared.
+const OPENED: usize = 2;
 /// Most memory that a picture takes while it is made small, bytes.
 const MOST: u64 = 1 << 30;
 
@@ -33,7 +35,7 @@ type Image = (&'static str, Vec<u8>);
 
 impl ContactSheet {
     pub(super) fn new(sheet: Sheet, sandbox: Sandbox) -> Self {
-        Self { sheet, sandbox, opened: Mutex::new(Recent::new()) }
+        Self { sheet, sandbox, opened: Mutex::new(Recent::new(OPENED)) }
     }
 
     /// Names of its pictures.
@@ -51,7 +53,7 @@ impl ContactSheet {
     pub(super) fn source(&self, number: usize) -> Result<Source, Failure> {
         let folder = self.sheet.folder_of(number).ok_or_else(no_picture)?;
         locked(&self.opened).get_or_make(number, || match Input::open(&self.sandbox, &folder, &[])? {
-            Input::Light(render) => Ok(Source::Stored(render.into())),
+            Input::Light(render, beside) => Ok(Source::Stored(render.into(), beside)),
             Input::File(file) => Ok(Source::File(file.into())),
             Input::Scene(_) | Input::DataSet(_) => Err(no_picture()),
         })

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::beside::Beside;
+use super::plane::Plane;
 use crate::calibration::truth::TruthLayer;
 use crate::capture::{Capture, ExposureSettings, FileKind, read_develop_settings};
 use crate::dataset::Sheet;
@@ -20,8 +22,8 @@ use crate::{Error, Invalid, Picture, Result, Sandbox};
 pub enum Input {
     /// A scene, whose light is traced.
     Scene(Box<Capture>),
-    /// Light that a render has stored.
-    Light(Box<StoredRender>),
+    /// Light that a render has stored, and what its folder holds beside it.
+    Light(Box<StoredRender>, Beside),
     /// A raw file, or a picture of light.
     File(OpenFile),
     /// The folder of a data set, whose files must lie where the sandbox allows.
@@ -34,6 +36,7 @@ pub struct OpenFile {
     holds: Developable,
     /// The report that says how it is developed.
     report: Option<PathBuf>,
+    beside: Beside,
 }
 
 impl Input {
@@ -64,7 +67,7 @@ impl Input {
         }
         match FileKind::of_name(path) {
             Some(FileKind::Light) if extension == "exr" => match StoredRender::read(sandbox, path, overrides) {
-                Ok(light) => Ok(Self::Light(Box::new(light))),
+                Ok(light) => Ok(Self::Light(Box::new(light), Beside::default())),
                 Err(not_stored) => OpenFile::open(path, None).map_err(|_| not_stored).map(Self::File),
             },
             Some(FileKind::Raw | FileKind::Numbers | FileKind::Light | FileKind::Picture) => {
@@ -87,9 +90,12 @@ impl Input {
             Some(raw) if !has_light => {
                 refuse_overrides(path, overrides)?;
                 let report = Some(path.join(REPORT)).filter(|report| report.exists());
-                OpenFile::open(&path.join(raw), report).map(Self::File)
+                let file = OpenFile::open(&path.join(raw), report)?;
+                Ok(Self::File(OpenFile { beside: Beside::new(path), ..file }))
             }
-            Some(_) | None => Ok(Self::Light(Box::new(StoredRender::read(sandbox, path, overrides)?))),
+            Some(_) | None => {
+                Ok(Self::Light(Box::new(StoredRender::read(sandbox, path, overrides)?), Beside::new(path)))
+            }
         }
     }
 
@@ -97,7 +103,7 @@ impl Input {
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Self::Scene(_) => "scene",
-            Self::Light(_) => "light",
+            Self::Light(..) => "light",
             Self::File(_) => "file",
             Self::DataSet(_) => "data set",
         }
@@ -114,7 +120,13 @@ fn refuse_overrides(path: &Path, overrides: &[String]) -> Result<()> {
 
 impl OpenFile {
     fn open(path: &Path, report: Option<PathBuf>) -> Result<Self> {
-        Ok(Self { path: path.to_owned(), holds: read_developable(path)?, report })
+        let beside = Beside::default();
+        Ok(Self { path: path.to_owned(), holds: read_developable(path)?, report, beside })
+    }
+
+    /// What its folder holds beside it, where that is one of a render.
+    pub(super) fn beside(&self) -> &Beside {
+        &self.beside
     }
 
     /// What it holds.
@@ -152,7 +164,7 @@ pub(super) struct Lit {
 #[derive(Clone)]
 pub(super) enum Source {
     Traced(Lit),
-    Stored(Arc<StoredRender>),
+    Stored(Arc<StoredRender>, Beside),
     File(Arc<OpenFile>),
 }
 
@@ -160,22 +172,27 @@ pub(super) enum Source {
 #[derive(Clone)]
 pub(super) enum Ready {
     Traced(Arc<Prepared>, Arc<Light>),
-    Stored(Arc<ExposedRender>, Arc<StoredRender>),
+    Stored(Arc<ExposedRender>, Arc<StoredRender>, Beside),
 }
 
 impl Ready {
     fn expose_after(&self, frame: u32, before: Option<LeftCharge>, maps: &[NoiseMap]) -> Result<Shot> {
         match self {
             Self::Traced(prepared, light) => prepared.expose_with_maps(light, frame, before, maps),
-            Self::Stored(render, _) => render.read_out(frame, before, maps),
+            Self::Stored(render, ..) => render.read_out(frame, before, maps),
         }
     }
 
     /// Reads out a frame. Of a sensor that keeps charge from one frame to the next, all frames before it are read out,
-    /// too.
+    /// too, where they have seen the same light.
     pub(super) fn expose(&self, frame: u32, maps: &[NoiseMap]) -> Result<Shot> {
-        let alone = self.expose_after(frame, None, maps)?;
+        let mut alone = self.expose_after(frame, None, maps)?;
         if frame == 0 || alone.left.is_none() {
+            return Ok(alone);
+        }
+        if self.has_light_of_one_frame() {
+            let message = "this sensor keeps charge of the frames before, whose light is not traced: it is left out";
+            alone.warnings.push(message.to_owned());
             return Ok(alone);
         }
         let mut before = None;
@@ -190,8 +207,8 @@ impl Ready {
         match self {
             Self::Traced(prepared, _) if changes.is_empty() => Ok(prepared.capture().develop.clone()),
             Self::Traced(prepared, _) => Ok(prepared.capture().for_traced_light(changes)?.develop),
-            Self::Stored(_, stored) if changes.is_empty() => Ok(stored.develop_settings().clone()),
-            Self::Stored(_, stored) => Ok(stored.with(changes)?.develop_settings().clone()),
+            Self::Stored(_, stored, _) if changes.is_empty() => Ok(stored.develop_settings().clone()),
+            Self::Stored(_, stored, _) => Ok(stored.with(changes)?.develop_settings().clone()),
         }
     }
 
@@ -200,7 +217,7 @@ impl Ready {
         let in_file = |invalid: Invalid| -> Error {
             match self {
                 Self::Traced(prepared, _) => prepared.capture().source.error(invalid.within("develop")),
-                Self::Stored(_, stored) => stored.error(invalid.within("develop")),
+                Self::Stored(_, stored, _) => stored.error(invalid.within("develop")),
             }
         };
         develop(&shot.raw, settings).map_err(in_file)
@@ -213,7 +230,7 @@ impl Ready {
                 let Capture { sensor, exposure, render, .. } = prepared.capture();
                 (sensor, exposure, render.seed)
             }
-            Self::Stored(_, stored) => (stored.sensor(), stored.exposure(), stored.seed()),
+            Self::Stored(_, stored, _) => (stored.sensor(), stored.exposure(), stored.seed()),
         }
     }
 
@@ -221,15 +238,31 @@ impl Ready {
     pub(super) fn tells_of(&self, sensor: &SensorModel) -> bool {
         match self {
             Self::Traced(_, light) => light.tells_of(sensor),
-            Self::Stored(_, stored) => stored.tells_of(sensor),
+            Self::Stored(_, stored, _) => stored.tells_of(sensor),
         }
     }
 
-    /// Whether frames have light of their own, of which that of the first is traced alone.
-    pub(super) fn has_first_frame_alone(&self) -> bool {
+    /// Whether frames have light of their own, of which that of one is there.
+    fn has_light_of_one_frame(&self) -> bool {
         match self {
             Self::Traced(prepared, _) => prepared.capture().recording.is_some(),
             Self::Stored(..) => false,
+        }
+    }
+
+    /// The f-number of the lens, where it can be changed.
+    pub(super) fn f_number(&self) -> Option<f64> {
+        match self {
+            Self::Traced(prepared, _) => prepared.camera().makes_picture().then_some(prepared.capture().lens.f_number),
+            Self::Stored(..) => None,
+        }
+    }
+
+    /// Noise of light over that of the sensor, where that is known.
+    pub(super) fn noise_ratio(&self) -> Option<f64> {
+        match self {
+            Self::Traced(prepared, light) => prepared.noise_ratio(light),
+            Self::Stored(..) => None,
         }
     }
 
@@ -237,73 +270,63 @@ impl Ready {
     pub(super) fn warnings(&self) -> &[String] {
         match self {
             Self::Traced(prepared, _) => prepared.warnings(),
-            Self::Stored(render, _) => render.warnings(),
+            Self::Stored(render, ..) => render.warnings(),
         }
     }
 
-    /// Irradiance in bands, where it is kept.
-    pub(super) fn irradiance(&self) -> Option<Planes> {
-        match self {
-            Self::Traced(_, light) => light.irradiance(),
-            Self::Stored(..) => None,
-        }
-    }
-
-    /// The names of these bands.
-    pub(super) fn bands(&self) -> Vec<String> {
-        match self {
-            Self::Traced(_, light) => light.bands(),
-            Self::Stored(..) => Vec::new(),
-        }
-    }
-
-    /// Whether the picture of an ideal observer is kept.
-    pub(super) fn has_ideal(&self) -> bool {
-        match self {
-            Self::Traced(_, light) => light.has_ideal(),
-            Self::Stored(..) => false,
-        }
-    }
-
-    /// The picture of an ideal observer, where it is kept.
-    pub(super) fn ideal(&self, exposure: &Exposure) -> Result<Option<Planes>> {
-        match self {
-            Self::Traced(prepared, light) => prepared.ideal(light, exposure),
-            Self::Stored(..) => Ok(None),
-        }
-    }
-
-    /// The layers of ground truth that there are.
-    pub(super) fn layers(&self) -> Vec<TruthLayer> {
-        let Self::Traced(prepared, _) = self else { return Vec::new() };
-        let capture = prepared.capture();
-        let has_partner = capture.output.truth.partner.is_some();
-        let is_there = |layer: &TruthLayer| match layer {
-            TruthLayer::Disparity => has_partner,
-            TruthLayer::Flow => capture.recording.is_some(),
-            TruthLayer::Depth
-            | TruthLayer::Distance
-            | TruthLayer::Position
-            | TruthLayer::Normal
-            | TruthLayer::ShadingNormal
-            | TruthLayer::Uv
-            | TruthLayer::Albedo
-            | TruthLayer::ObjectPosition
-            | TruthLayer::Nocs
-            | TruthLayer::Instance
-            | TruthLayer::Material => true,
+    /// The planes of light and of ground truth that there are of a frame, beside electrons.
+    pub(super) fn planes(&self, frame: u32) -> Result<Vec<Plane>> {
+        let (prepared, light) = match self {
+            Self::Traced(prepared, light) => (prepared, light),
+            Self::Stored(_, _, beside) => return beside.planes(frame),
         };
-        if capture.lens.kind == LensKind::Bare {
-            return Vec::new();
-        }
-        TruthLayer::ALL.into_iter().filter(is_there).collect()
+        let ideal = light.has_ideal().then_some(Plane::Ideal);
+        let bands = light.bands().into_iter().map(Plane::Irradiance);
+        Ok(ideal.into_iter().chain(bands).chain(layers(prepared).into_iter().map(Plane::Truth)).collect())
     }
 
-    /// A layer of ground truth.
-    pub(super) fn truth(&self, layer: TruthLayer) -> Result<Option<Planes>> {
+    /// One of these planes; `None` where it is not there.
+    pub(super) fn plane(&self, plane: &Plane, frame: u32, exposure: &Exposure) -> Result<Option<Planes>> {
         match self {
-            Self::Traced(prepared, _) => prepared.truth(&[layer]).map(Some),
-            Self::Stored(..) => Ok(None),
+            Self::Stored(_, _, beside) => beside.read(plane, frame),
+            Self::Traced(prepared, light) => match plane {
+                Plane::Truth(layer) => prepared.truth(&[*layer]).map(Some),
+                Plane::Ideal => prepared.ideal(light, exposure),
+                Plane::Irradiance(band) => Ok(light.irradiance().and_then(|bands| alone(bands, band))),
+                Plane::Developed | Plane::Raw | Plane::Electrons(_) | Plane::Sigma(_) | Plane::Noise(_) => Ok(None),
+            },
         }
     }
+}
+
+/// One of several planes.
+fn alone(planes: Planes, name: &str) -> Option<Planes> {
+    let [width, height] = [planes.width(), planes.height()];
+    let channel = planes.into_channels().into_iter().find(|channel| channel.name == name)?;
+    Planes::new(width, height, vec![channel]).ok()
+}
+
+/// The layers of ground truth that there are of a capture.
+fn layers(prepared: &Prepared) -> Vec<TruthLayer> {
+    let capture = prepared.capture();
+    let has_partner = capture.output.truth.partner.is_some();
+    let is_there = |layer: &TruthLayer| match layer {
+        TruthLayer::Disparity => has_partner,
+        TruthLayer::Flow => capture.recording.is_some(),
+        TruthLayer::Depth
+        | TruthLayer::Distance
+        | TruthLayer::Position
+        | TruthLayer::Normal
+        | TruthLayer::ShadingNormal
+        | TruthLayer::Uv
+        | TruthLayer::Albedo
+        | TruthLayer::ObjectPosition
+        | TruthLayer::Nocs
+        | TruthLayer::Instance
+        | TruthLayer::Material => true,
+    };
+    if capture.lens.kind == LensKind::Bare {
+        return Vec::new();
+    }
+    TruthLayer::ALL.into_iter().filter(is_there).collect()
 }

@@ -42,8 +42,6 @@ pub struct CameraState {
     pub pivot_m: f64,
     /// Focal length, mm.
     pub focal_length_mm: f64,
-    /// f-number.
-    pub f_number: f64,
     /// Whether it moves while light is traced, and so cannot be placed by the page.
     pub moves: bool,
 }
@@ -66,7 +64,6 @@ impl CameraState {
             focus_distance_m: (focus.is_finite() && focus > 0.0).then_some(focus),
             pivot_m: distance_ahead_m(prepared, &camera).unwrap_or(1.0),
             focal_length_mm: capture.lens.focal_length_m * 1e3,
-            f_number: capture.lens.f_number,
             moves: camera.moves(),
         })
     }
@@ -98,8 +95,8 @@ pub struct Status {
     pub elapsed_s: f64,
     /// Seconds until all is traced, where that can be said.
     pub left_s: Option<f64>,
-    /// Noise of light transport over the sensor's noise, at the exposure of the capture.
-    pub noise_ratio: Option<f64>,
+    /// The number of the frame, where camera or scene move and so each has light of its own.
+    pub frame: Option<u32>,
     /// Where the camera stands, and its lens.
     pub camera: Option<CameraState>,
     /// Warnings about the capture.
@@ -120,7 +117,7 @@ impl Status {
             expected_paths: 0,
             elapsed_s: 0.0,
             left_s: None,
-            noise_ratio: None,
+            frame: None,
             camera: None,
             warnings: Vec::new(),
             message: None,

@@ -26,10 +26,19 @@ pub type Outside = Arc<dyn Monitor + Send + Sync>;
 /// What is to be done.
 #[derive(Default)]
 struct Orders {
-    /// Changes to the capture of a trace that is to begin.
-    next: Option<Vec<String>>,
+    /// The trace that is to begin.
+    next: Option<Wanted>,
     is_paused: bool,
     is_stopped: bool,
+}
+
+/// What is to be traced.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wanted {
+    /// Changes to the capture.
+    pub(super) changes: Vec<String>,
+    /// The number of the frame, where frames have light of their own.
+    pub(super) frame: u32,
 }
 
 /// Traces on a thread of its own.
@@ -38,8 +47,8 @@ pub(super) struct Tracer {
     changed: Condvar,
     status: watch::Sender<Status>,
     lit: Mutex<Option<Lit>>,
-    /// Changes of the newest trace.
-    traced_with: Mutex<Vec<String>>,
+    /// The newest trace.
+    wanted: Mutex<Wanted>,
     /// Pictures that are being made, for which tracing waits.
     pictures: AtomicUsize,
     outside: Outside,
@@ -61,7 +70,7 @@ impl Tracer {
             changed: Condvar::new(),
             status,
             lit: Mutex::new(None),
-            traced_with: Mutex::default(),
+            wanted: Mutex::default(),
             pictures: AtomicUsize::new(0),
             outside,
             film_memory,
@@ -74,9 +83,9 @@ impl Tracer {
         locked(&self.lit).clone()
     }
 
-    /// Begins anew with these changes to the capture.
-    pub(super) fn start(&self, changes: Vec<String>) {
-        *locked(&self.orders) = Orders { next: Some(changes), ..Orders::default() };
+    /// Begins anew.
+    pub(super) fn start(&self, wanted: Wanted) {
+        *locked(&self.orders) = Orders { next: Some(wanted), ..Orders::default() };
         self.changed.notify_all();
     }
 
@@ -109,9 +118,9 @@ impl Tracer {
     /// Traces what is ordered until the program is asked to end; the error says how the work goes on.
     pub(super) fn run(&self, capture: &Capture) -> Error {
         let mut earlier: Option<Prepared> = None;
-        let mut changes = Vec::new();
+        let mut wanted = Wanted::default();
         loop {
-            let traced = self.trace(capture, &changes, &mut earlier);
+            let traced = self.trace(capture, &wanted, &mut earlier);
             match traced {
                 Ok(()) => self.status.send_modify(|status| (status.phase, status.left_s) = (Phase::Done, Some(0.0))),
                 Err(error @ Error::Cancelled { .. }) if self.outside.is_cancelled() => return error,
@@ -125,39 +134,43 @@ impl Tracer {
                     status.message = Some(error.to_string());
                 }),
             }
-            changes = self.next();
-            locked(&self.traced_with).clone_from(&changes);
+            wanted = self.next();
+            locked(&self.wanted).clone_from(&wanted);
         }
     }
 
     /// Changes to the capture that the newest trace was begun with.
     pub(super) fn changes(&self) -> Vec<String> {
-        locked(&self.traced_with).clone()
+        locked(&self.wanted).changes.clone()
     }
 
     /// Waits for the next order to trace.
-    fn next(&self) -> Vec<String> {
+    fn next(&self) -> Wanted {
         let mut orders = locked(&self.orders);
         loop {
-            if let Some(changes) = orders.next.take() {
-                return changes;
+            if let Some(wanted) = orders.next.take() {
+                return wanted;
             }
             orders = self.changed.wait(orders).unwrap_or_else(std::sync::PoisonError::into_inner);
         }
     }
 
-    fn trace(&self, capture: &Capture, changes: &[String], earlier: &mut Option<Prepared>) -> Result<()> {
+    fn trace(&self, capture: &Capture, wanted: &Wanted, earlier: &mut Option<Prepared>) -> Result<()> {
+        let Wanted { changes, frame } = wanted;
         self.status.send_modify(|status| {
             let camera = status.camera.take();
             *status = Status { trace: status.trace + 1, light: status.light, camera, ..Status::new(Phase::Preparing) };
         });
         let changed = if changes.is_empty() { capture.clone() } else { capture.with(changes)? };
-        let prepared = Arc::new(Prepared::after(earlier.take(), changed)?);
-        *earlier = Some(Prepared::clone(&prepared));
+        let first = Prepared::after(earlier.take(), changed)?;
+        let moves = first.capture().recording.is_some();
+        let prepared = Arc::new(if moves && *frame > 0 { first.at_frame(*frame)? } else { first.clone() });
+        *earlier = Some(first);
         self.status.send_modify(|status| {
             status.phase = Phase::Tracing;
             status.warnings = prepared.warnings().to_vec();
             status.camera = CameraState::new(&prepared);
+            status.frame = moves.then_some(prepared.frame());
         });
         prepared.warnings().iter().for_each(|warning| self.outside.report(Event::Warning(warning)));
         let job = Job {
@@ -167,7 +180,7 @@ impl Tracer {
             paths: AtomicU64::new(0),
             rest: Mutex::new(Rest { since: None, spent: Duration::ZERO, published: None }),
         };
-        let checkpoint = self.checkpoint.as_deref().filter(|_| changes.is_empty());
+        let checkpoint = self.checkpoint.as_deref().filter(|_| changes.is_empty() && prepared.frame() == 0);
         let light = prepared.trace(Options {
             monitor: &job,
             film_memory: self.film_memory,
@@ -180,11 +193,9 @@ impl Tracer {
 
     /// Makes a light the newest.
     fn publish(&self, prepared: &Arc<Prepared>, light: Light) {
-        let noise_ratio = prepared.noise_ratio(&light);
         let mut lit = locked(&self.lit);
         self.status.send_modify(|status| {
             status.light += 1;
-            status.noise_ratio = noise_ratio;
             let (number, trace) = (status.light, status.trace);
             *lit = Some(Lit { prepared: Arc::clone(prepared), light: Arc::new(light), number, trace });
         });

@@ -93,10 +93,10 @@ export function readPng(path) {
   return { width, height, channels, values };
 }
 
-/** Numbers of a NPY file of `uint16` or `float32`. */
+/** Numbers of a NPY file of `uint16`, `uint32` or `float32`. */
 export function readNpy(path) {
   const file = readFileSync(path), length = file.readUInt16LE(8), head = file.toString("latin1", 10, 10 + length);
-  const Kind = { "<u2": Uint16Array, "<f4": Float32Array }[/'descr': '([^']+)'/.exec(head)[1]];
+  const Kind = { "<u2": Uint16Array, "<u4": Uint32Array, "<f4": Float32Array }[/'descr': '([^']+)'/.exec(head)[1]];
   const bytes = file.subarray(10 + length);
   return new Kind(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
 }

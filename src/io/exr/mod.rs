@@ -210,6 +210,14 @@ impl SamplesWriter for Rows<'_> {
     }
 }
 
+/// The names of the channels of an OpenEXR file, of which its head alone is read.
+pub fn channel_names(path: &Path) -> Result<Vec<String>> {
+    let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let meta = exr::meta::MetaData::read_from_buffered(BufReader::new(file), false)
+        .map_err(|error| Invalid::new("", format!("cannot read it as OpenEXR: {error}")).in_file(path))?;
+    Ok(meta.headers.iter().flat_map(|header| &header.channels.list).map(|channel| channel.name.to_string()).collect())
+}
+
 /// Reads a file, as [`read_exr`] does.
 pub fn read_exr_file(path: &Path) -> Result<ExrPicture> {
     let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;

@@ -45,13 +45,15 @@ export class Controls {
     const undo = element("button", { className: "undo", type: "button", textContent: "↺", title: `Reset ${label}`, ariaLabel: `Reset ${label}`, hidden: true });
     undo.onclick = () => changed(undefined);
     const name = element("label", { className: "name", htmlFor: id, textContent: label });
-    const head = element("div", { className: "head" }, name, output, undo);
+    const anew = element("small", { className: "anew", textContent: "traces anew", hidden: true });
+    const head = element("div", { className: "head" }, name, anew, output, undo);
     let show;
     if (kind === "linear" || kind === "logarithmic") {
       const [min, max] = kind === "linear" ? [control.min, control.max] : [Math.log2(control.min), Math.log2(control.max)];
       const input = element("input", { id, type: "range", min, max, step: kind === "linear" ? control.step : 1 / 12, ariaLabel: label });
       const value = () => kind === "linear" ? +input.value : 2 ** +input.value;
-      const text = v => v === null || v === undefined ? "" : key.endsWith("time_s") ? time(v) : `${readable(v)} ${unit}`;
+      const inWords = v => key.endsWith("time_s") ? time(v) : key === "lens.f_number" ? `f/${readable(v, 3)}` : `${readable(v)} ${unit}`;
+      const text = v => v === null || v === undefined ? "" : inWords(v);
       input.oninput = () => { output.value = text(value()); input.ariaValueText = output.value; changed(+value().toPrecision(6)); };
       show = v => {
         const isUnset = v === null || v === undefined;
@@ -97,7 +99,7 @@ export class Controls {
       head.replaceChildren(undo);
       root.append(element("details", {}, element("summary", { textContent: label }), list, head));
     }
-    return { root, show, undo, control };
+    return { root, show, undo, anew };
   }
 
   /** Shows values as they are, and which of them are changed. */
@@ -111,9 +113,15 @@ export class Controls {
     }
   }
 
+  /** The keys of all controls. */
+  keys() {
+    return this.controls.keys();
+  }
+
   /** Marks a control whose value needs light to be traced anew. */
   mark(key, isAnew) {
-    this.controls.get(key)?.root.classList.toggle("anew", isAnew);
+    const made = this.controls.get(key);
+    if (made) made.anew.hidden = !isAnew;
   }
 }
 

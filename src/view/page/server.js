@@ -21,13 +21,14 @@ async function asked(path, options) {
 
 export const about = async () => (await asked("about")).json();
 export const pixel = async query => (await asked("pixel?" + new URLSearchParams(query))).json();
-export const changes = async query => (await asked("capture?" + new URLSearchParams(query))).text();
+export const noise = async query => (await asked("noise?" + new URLSearchParams(query))).json();
+export const capture = async query => (await asked("capture?" + new URLSearchParams(query))).text();
 
-/** Pauses, continues, stops tracing, or starts it with changes to the capture. */
-export const order = (what, changes) => asked("trace", {
+/** Pauses, continues, stops tracing, or starts it with changes to the capture, of a frame. */
+export const order = (what, changes, frame) => asked("trace", {
   method: "POST",
   headers: { "content-type": "application/json" },
-  body: JSON.stringify(changes ? { do: what, changes } : { do: what }),
+  body: JSON.stringify(changes ? { do: what, changes, frame } : { do: what }),
 });
 
 export const sheet = async () => (await asked("sheet")).json();

@@ -14,18 +14,31 @@ export class Stage {
     new ResizeObserver(() => { if (this.isFitted) this.fit(); else this.draw(); }).observe(canvas);
   }
 
-  /** The picture of a side as it is shown. */
-  put(side, image) {
-    const kept = this.images[side];
+  /** The picture of a side as it is shown: all of it, or what has come of it. */
+  put(side, image, { full, at, step }) {
+    const kept = this.images[side]?.canvas;
     const canvas = kept?.width === image.width && kept?.height === image.height ? kept : new OffscreenCanvas(image.width, image.height);
     canvas.getContext("2d").putImageData(image, 0, 0);
-    this.images[side] = canvas;
+    this.images[side] = { canvas, full, at, step };
     if (this.isFitted && side === 0) this.fit(); else this.draw();
   }
 
+  /** Columns and rows of the picture. */
   get size() {
-    const image = this.images[0] ?? this.images[1];
-    return image ? [image.width, image.height] : [1, 1];
+    return (this.images[0] ?? this.images[1])?.full ?? [1, 1];
+  }
+
+  /** The part of a picture of that size that is seen, and a quarter more on each side: first columns and rows, and those
+   * behind the last. */
+  seen(full) {
+    const { clientWidth, clientHeight } = this.canvas, size = this.size;
+    const ends = [clientWidth, clientHeight].map((length, i) => [-0.25, 1.25].map(end => {
+      const at = (end * length - this.offset[i]) / this.scale * full[i] / size[i];
+      return Math.min(Math.max(end < 0 ? Math.floor(at) : Math.ceil(at), 0), full[i]);
+    }));
+    // Of a picture that is out of sight a pixel remains.
+    const [[x0, x1], [y0, y1]] = ends.map(([low, high], i) => low < high ? [low, high] : [Math.min(low, full[i] - 1), Math.min(low, full[i] - 1) + 1]);
+    return [x0, y0, x1, y1];
   }
 
   /** All of the picture, in the middle. */
@@ -80,8 +93,8 @@ export class Stage {
       context.rect(from, 0, to - from, canvas.clientHeight);
       context.clip();
       // Another number of pixels shows the same view.
-      const [w, h] = this.size;
-      context.drawImage(image, x, y, w * scale, h * scale);
+      const [fx, fy] = this.size.map((length, i) => length / image.full[i] * scale), { at, step, canvas: drawn } = image;
+      context.drawImage(drawn, x + at[0] * fx, y + at[1] * fy, drawn.width * step * fx, drawn.height * step * fy);
       context.restore();
     };
     const middle = this.split === null ? canvas.clientWidth : this.split * canvas.clientWidth;
