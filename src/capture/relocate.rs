@@ -44,7 +44,12 @@ pub(super) fn relocate(value: &mut Value, from: &Path, to: Option<&Path>) {
 
 fn relocated(path: &str, from: &Path, to: Option<&Path>) -> String {
     let Some(file) = whole(&from.join(path)) else { return path.to_owned() };
-    let relative = to.and_then(whole).and_then(|to| pathdiff::diff_paths(&file, to));
+    let relative = match to.map(whole) {
+        Some(Some(to)) => pathdiff::diff_paths(&file, to),
+        // The working folder, from which paths are read as they stand.
+        Some(None) => return path.to_owned(),
+        None => None,
+    };
     relative.unwrap_or(file).to_string_lossy().into_owned()
 }
 
@@ -115,6 +120,9 @@ mod tests {
         relocate(&mut absolute, Path::new("/scenes/room"), None);
         assert_eq!(absolute["scene"]["geometry"][0], "/scenes/room/room.obj");
         assert_eq!(absolute["materials"]["file"]["reflectance"]["file"], "/scenes/red.csv");
+        let mut as_it_stands = value.clone();
+        relocate(&mut as_it_stands, Path::new(""), Some(Path::new("")));
+        assert_eq!(as_it_stands, value);
         relocate(&mut value, Path::new("scenes/room"), Some(Path::new("out/first")));
         assert_eq!(value["scene"]["geometry"][0], "../../scenes/room/room.obj");
         assert!(value["scene"]["geometry"][1].as_str().expect("a path").ends_with("../data/vase.obj"));

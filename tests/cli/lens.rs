@@ -329,14 +329,27 @@ fn a_picture_beyond_the_image_circle_is_black_and_that_is_said(#[case] pitch_mm:
     let report = folder.report("out");
     let said = report["warnings"].as_array().expect("a list").iter().filter_map(Value::as_str);
     let said: Vec<&str> = said.filter(|warning| warning.contains("image circle")).collect();
-    let dark = folder.electrons("out").mean.channels()[0].data.iter().filter(|light| **light == 0.0).count();
+    let electrons = folder.electrons("out");
+    let light = &electrons.mean.channels()[0].data;
+    let dark = light.iter().filter(|light| **light == 0.0).count();
     if is_said {
-        let percent = 100.0 * dark as f64 / 192.0;
-        assert!(percent > 40.0, "{percent}");
-        // A pixel on the circle is partly lit: 8 such pixels at most are to either side of it.
         let [stated] = said[..] else { panic!("{said:?}") };
-        let share: f64 = stated.split(' ').nth(1).and_then(|number| number.parse().ok()).expect("a number");
-        assert!((share - percent).abs() < 100.0 * 8.0 / 192.0, "{stated} {percent}");
+        let number_after = |words: &str| -> f64 {
+            let rest = stated.split(words).nth(1).and_then(|rest| rest.split(' ').find(|word| !word.is_empty()));
+            rest.and_then(|number| number.parse().ok()).unwrap_or_else(|| panic!("{words}: {stated}"))
+        };
+        let lit_mm = number_after("light comes as far as");
+        let mut beyond = 0;
+        for (i, light) in light.iter().enumerate() {
+            let from_axis = |place: usize, pixels: f64| (place as f64 + 0.5 - pixels / 2.0).abs();
+            let (x, y) = (from_axis(i % 16, 16.0), from_axis(i / 16, 12.0));
+            let away_mm = |moved: f64| f64::hypot(x + moved, y + moved) * pitch_mm;
+            beyond += u32::from(away_mm(0.0) > lit_mm);
+            // Its nearest corner, and its farthest.
+            assert!(if *light > 0.0 { away_mm(-0.5) < lit_mm } else { away_mm(0.5) > lit_mm }, "{i}: {light} {stated}");
+        }
+        let percent = 100.0 * f64::from(beyond) / 192.0;
+        assert!((number_after("lens.prescription:") - percent).abs() <= 0.5, "{stated} {percent}");
         assert!(outcome.text().contains("from corner to corner, or another lens"), "{}", outcome.stderr);
     } else {
         assert!(said.is_empty() && dark == 0, "{said:?} {dark}");
