@@ -5,6 +5,7 @@
     docs/run.py tutorials/first-picture    the named ones
     docs/run.py --keep DIR …               leaves the folders of the pages in DIR
     docs/run.py --figures …                and takes over the pictures that the pages show
+    docs/run.py --list                     prints the names of the pages
 
 The program is the `photosite` on the PATH; Python blocks run in the Python that runs this script, which needs
 docs/requirements-run.txt and, for pages that import it, the package photosite.
@@ -280,11 +281,15 @@ def main() -> int:
     parser.add_argument("--without", nargs="+", default=[], metavar="PAGE", help="all but these")
     parser.add_argument("--keep", type=Path, metavar="DIR", help="leave the folders of the pages there")
     parser.add_argument("--figures", action="store_true", help="take over the figures that the pages have made")
+    parser.add_argument("--list", action="store_true", help="print the names of the pages")
     options = parser.parse_args()
     names = {str(page.relative_to(DOCS if DOCS in page.parents else ROOT).with_suffix("")): page for page in PAGES}
     for name in [*options.pages, *options.without]:
         if name not in names:
             parser.error(f"there is no page {name!r}; there are {', '.join(names)}")
+    if options.list:
+        print("\n".join(names))
+        return 0
     os.environ.setdefault("MPLBACKEND", "Agg")
     failed = 0
     for name in options.pages or [name for name in names if name not in options.without]:
