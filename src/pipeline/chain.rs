@@ -7,7 +7,6 @@ use crate::develop::{DevelopSettings, EncodedPicture, Resampling, SensorCalibrat
 use crate::image::{Estimate, Planes};
 use crate::integrator::WavelengthChoice;
 use crate::io::developed::PictureFormat;
-use crate::optics::{Camera, LensDescription};
 use crate::raw::RawImage;
 use crate::scene::Scene;
 use crate::sensor::{
@@ -18,7 +17,7 @@ use crate::spectrum::{Spectrum, illuminant};
 use crate::units::{Decibels, Seconds};
 use crate::{Error, Invalid, Result};
 
-use super::lens_corrections::{KnownGainMap, LensSeen};
+use super::lens_corrections::{LensSeen, SeenLens};
 use crate::report::{ExposureReport, ImageReport, NoiseReport, SensorReport};
 
 /// What the chain needs of a capture.
@@ -80,11 +79,8 @@ pub(super) struct Chain<'a> {
     optics: &'a Optics,
     colours: &'a SensorColours,
     /// What raw files say of falloff and distortion comes from these.
-    lens: Option<SeenLens<'a>>,
+    lens: Option<SeenLens<'a, 'a>>,
 }
-
-/// A lens, where it stands, and what is known of its falloff.
-pub(super) type SeenLens<'a> = (&'a LensDescription, &'a Camera, &'a KnownGainMap);
 
 /// What the sensor counts on average during an exposure.
 #[derive(Clone)]
@@ -144,7 +140,7 @@ impl<'a> Chain<'a> {
         settings: Settings<'a>,
         optics: &'a Optics,
         colours: &'a SensorColours,
-        lens: Option<SeenLens<'a>>,
+        lens: Option<SeenLens<'a, 'a>>,
     ) -> Self {
         Self { settings, optics, colours, lens }
     }
@@ -152,7 +148,7 @@ impl<'a> Chain<'a> {
     /// Warnings about what images and raw files do not show of the lens, and what images do not hold.
     pub(super) fn picture_warnings(&self) -> Vec<String> {
         let Settings { sensor, output, exposure, develop, .. } = self.settings;
-        let seen = self.lens.map(|(lens, camera, _)| LensSeen::new(lens, camera, sensor, &exposure.region));
+        let seen = self.lens.map(|lens| LensSeen::knowing(lens, sensor, &exposure.region));
         let mut warnings = seen.map_or_else(Vec::new, |seen| seen.warnings(develop, output));
         if !output.image {
             return warnings;
@@ -173,13 +169,12 @@ impl<'a> Chain<'a> {
     pub(super) fn image_report(&self) -> Option<ImageReport> {
         let Settings { sensor, exposure, develop, output, .. } = self.settings;
         let lens = self.lens.filter(|_| output.image);
-        lens.map(|(lens, camera, _)| LensSeen::new(lens, camera, sensor, &exposure.region).image_report(develop))
+        lens.map(|lens| LensSeen::knowing(lens, sensor, &exposure.region).image_report(develop))
     }
 
     /// How the grid of the whole sensor becomes that of the ideal picture, where it does not stay.
     pub(super) fn ideal_resampling(&self) -> Option<Resampling> {
-        let (lens, camera, _) = self.lens?;
-        LensSeen::new(lens, camera, self.settings.sensor, &RegionOfInterest::WHOLE).resampling(self.settings.develop)
+        LensSeen::knowing(self.lens?, self.settings.sensor, &RegionOfInterest::WHOLE).resampling(self.settings.develop)
     }
 
     /// Names of the sensor's channels, of which films and stored rows have the electron rates (e⁻/s).
@@ -247,8 +242,8 @@ impl<'a> Chain<'a> {
             colour.write_to(&mut raw.metadata);
         }
         raw.metadata.baseline_exposure_ev = self.settings.output.dng_baseline_exposure_ev;
-        if let Some((lens, camera, known)) = self.lens {
-            LensSeen::new(lens, camera, sensor, &exposure.region).write_to(&mut raw.metadata, known);
+        if let Some(lens @ (_, _, known)) = self.lens {
+            LensSeen::knowing(lens, sensor, &exposure.region).write_to(&mut raw.metadata, known);
         }
         Ok((raw, maps))
     }

@@ -9,7 +9,7 @@ use glam::DAffine3;
 
 use super::camera::camera_of;
 use super::chain::{Chain, Exposed, Optics, SensorColours, Settings};
-use super::lens_corrections::KnownGainMap;
+use super::lens_corrections::KnownCorrections;
 use super::monitor::{Event, Monitor};
 use super::needs::Needs;
 use super::output_folder::OutputFolder;
@@ -50,7 +50,7 @@ struct ReadySensor {
     optics: Optics,
     colours: SensorColours,
     placed: Option<(LensDescription, Camera)>,
-    gain_map: Arc<KnownGainMap>,
+    corrections: Arc<KnownCorrections>,
     /// What automatic exposure found when this was exposed before.
     known_gains: Option<[Decibels; 2]>,
 }
@@ -194,7 +194,7 @@ impl ReadySensor {
             specimen == capture.sensor && r.exposure.is_like(&capture.exposure)
         });
         let known_gains = gains.filter(|_| same);
-        let ready = Self { stored, white, optics, colours, placed, gain_map: Arc::default(), known_gains };
+        let ready = Self { stored, white, optics, colours, placed, corrections: Arc::default(), known_gains };
         warnings.extend(ready.chain().picture_warnings());
         let Stored { capture, recorded, traced, .. } = &ready.stored;
         if let Some(recorded) = recorded.as_ref().filter(|r| r.sensor.pixel_pitch_m != capture.sensor.pixel_pitch_m) {
@@ -211,7 +211,7 @@ impl ReadySensor {
     }
 
     fn chain(&self) -> Chain<'_> {
-        let lens = self.placed.as_ref().map(|(lens, camera)| (lens, camera, &*self.gain_map));
+        let lens = self.placed.as_ref().map(|(lens, camera)| (lens, camera, &*self.corrections));
         Chain::new(Settings::from(&self.stored.capture), &self.optics, &self.colours, lens)
     }
 

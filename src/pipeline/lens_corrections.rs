@@ -7,7 +7,7 @@ use crate::optics::{Camera, Falloff, Intrinsics, LensDescription, LensKind, Proj
 use crate::raw::{Distortion, GainMap, LensModel, PixelArea, RawMetadata, Warp};
 use crate::sensor::{RegionOfInterest, SensorModel};
 use glam::DVec2;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use crate::report::ImageReport;
 
@@ -36,14 +36,22 @@ pub struct LensSeen<'a> {
     is_staggered: bool,
 }
 
-/// The gain map of a lens through the window that it was asked for last: it takes longer than a small exposure.
-#[derive(Debug, Default)]
-pub(super) struct KnownGainMap(Mutex<Option<([f64; 4], Option<GainMap>)>>);
+/// A lens, where it stands, and what is known of it.
+pub(super) type SeenLens<'a, 'k> = (&'a LensDescription, &'a Camera, &'k KnownCorrections);
 
-impl KnownGainMap {
-    fn of(&self, seen: &LensSeen<'_>) -> Option<GainMap> {
+/// What takes longer to find of a lens than a small exposure, and is found once.
+#[derive(Debug, Default)]
+pub(super) struct KnownCorrections {
+    /// The gain map through the window that it was asked for last.
+    gain_map: Mutex<Option<([f64; 4], Option<GainMap>)>>,
+    /// What stands for a lens from a prescription.
+    fitted: OnceLock<Option<FittedLens>>,
+}
+
+impl KnownCorrections {
+    fn gain_map(&self, seen: &LensSeen<'_>) -> Option<GainMap> {
         let window = seen.window_px();
-        let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut known = self.gain_map.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, map)) = known.as_ref().filter(|(of, _)| *of == window) {
             return map.clone();
         }
@@ -64,6 +72,15 @@ pub struct Resampled {
 impl<'a> LensSeen<'a> {
     /// A lens as a window of a sensor sees through it.
     pub fn new(lens: &'a LensDescription, camera: &'a Camera, sensor: &SensorModel, region: &RegionOfInterest) -> Self {
+        Self::knowing((lens, camera, &KnownCorrections::default()), sensor, region)
+    }
+
+    /// As [`new`](Self::new), with what is known of this lens.
+    pub(super) fn knowing(
+        (lens, camera, known): SeenLens<'a, '_>,
+        sensor: &SensorModel,
+        region: &RegionOfInterest,
+    ) -> Self {
         let [width, height] = sensor.resolution;
         let area = region.pixels.unwrap_or(PixelArea { x: 0, y: 0, width, height });
         let (size_px, factor) = match &sensor.frame_grabber {
@@ -74,16 +91,16 @@ impl<'a> LensSeen<'a> {
             }
         };
         let pitch_m = [0, 1].map(|axis| sensor.pixel_pitch_m[axis] * factor[axis]);
-        let is_traced = lens.kind == LensKind::Prescription;
-        let fitted = if is_traced { FittedLens::new(camera, Models::Rational) } else { None };
+        let fit = || FittedLens::new(camera, Models::Rational);
+        let fitted = if lens.kind == LensKind::Prescription { *known.fitted.get_or_init(fit) } else { None };
         Self { lens, camera, fitted, area, size_px, factor, pitch_m, is_staggered: sensor.cells.is_staggered() }
     }
 
     /// Writes falloff and distortion into the metadata of a raw image of this window. `known` is of this lens.
-    pub(super) fn write_to(&self, metadata: &mut RawMetadata, known: &KnownGainMap) {
+    pub(super) fn write_to(&self, metadata: &mut RawMetadata, known: &KnownCorrections) {
         metadata.gain_map = match self.lens.falloff {
             Falloff::None if self.lens.stops.is_empty() => None,
-            Falloff::None | Falloff::Cos4 => known.of(self),
+            Falloff::None | Falloff::Cos4 => known.gain_map(self),
         };
         metadata.distortion = self.model().map(Distortion::Lens);
     }
@@ -337,7 +354,7 @@ mod tests {
     fn the_gains_undo_cos4() {
         let (lens, camera) = camera(Projection::Perspective, 22.0, [6e-6; 2]);
         let mut metadata = RawMetadata::default();
-        seen(&lens, &camera, RegionOfInterest::WHOLE, [6e-6; 2]).write_to(&mut metadata, &KnownGainMap::default());
+        seen(&lens, &camera, RegionOfInterest::WHOLE, [6e-6; 2]).write_to(&mut metadata, &KnownCorrections::default());
         let map = metadata.gain_map.expect("falloff");
         for (x, y) in [(0.0, 0.0), (0.5, 0.5), (1.0, 0.25), (0.73, 0.4)] {
             let across = DVec2::new((x - 0.5) * 640.0, (y - 0.5) * 480.0) * 6e-6 / 0.004;

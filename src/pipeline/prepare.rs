@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock, Weak};
 
 use super::chain::{Chain, Optics, SensorColours, Settings, scene_light};
 use super::focusing::{FocusedCamera, focus_camera};
-use super::lens_corrections::KnownGainMap;
+use super::lens_corrections::KnownCorrections;
 use super::needs;
 use super::responses::{filters, importance, responses, seen_through_lens};
 use crate::calibration::truth::TruthObject;
@@ -41,7 +41,7 @@ pub struct Prepared {
     pub(super) light: Spectrum,
     pub(super) optics: Optics,
     pub(super) colours: Arc<SensorColours>,
-    pub(super) gain_map: Arc<KnownGainMap>,
+    pub(super) corrections: Arc<KnownCorrections>,
     /// Of the [surfaces](crate::scene::description::SceneDescription::surfaces) that flow follows.
     pub(super) surfaces: u64,
     /// Those of the first picture's scene.
@@ -133,7 +133,7 @@ impl Prepared {
             same_sensor.as_ref().filter(|earlier| kept(&earlier.capture.output) == kept(&capture.output));
         let importance_for_all =
             same_responses.map_or_else(Arc::default, |earlier| Arc::clone(&earlier.importance_for_all));
-        let same_falloff = same_sensor.filter(|earlier| {
+        let same_lens = same_sensor.filter(|earlier| {
             let focus = |camera: &Camera| [camera.focus_distance_m(), camera.image_distance_m()].map(f64::to_bits);
             earlier.capture.lens == capture.lens && focus(&earlier.camera) == focus(&camera)
         });
@@ -150,7 +150,7 @@ impl Prepared {
             light,
             optics,
             colours,
-            gain_map: same_falloff.map_or_else(Arc::default, |earlier| earlier.gain_map),
+            corrections: same_lens.map_or_else(Arc::default, |earlier| earlier.corrections),
             surfaces,
             objects,
             truth,
@@ -217,7 +217,7 @@ impl Prepared {
     /// The steps after light transport.
     pub(super) fn chain(&self) -> Chain<'_> {
         // Of a bare sensor there is nothing to correct.
-        let lens = self.camera.makes_picture().then_some((&self.capture.lens, &self.camera, &*self.gain_map));
+        let lens = self.camera.makes_picture().then_some((&self.capture.lens, &self.camera, &*self.corrections));
         Chain::new((&self.capture).into(), &self.optics, &self.colours, lens)
     }
 }
