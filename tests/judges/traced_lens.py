@@ -34,6 +34,13 @@ class Lens:
             self.semi[self.stop] = stop_radius
         self.z = np.concatenate([[0.0], np.cumsum(self.gaps)])
 
+    @classmethod
+    def stopped_down(cls, name, last_gap, f_number):
+        """The stop is that of the focal length and the pupil at infinity."""
+        lens = cls(name)
+        efl, _, diameter = lens.first_order()
+        return cls(name, last_gap, lens.semi[lens.stop] * efl / diameter / f_number)
+
     @property
     def sensor_z(self):
         return self.z[-1]
