@@ -3,7 +3,7 @@
 Usage: lens_as_glass.py PHOTOSITE [cooke-triplet] [double-gauss] [--times N]
 
 Surfaces of a lens become meshes of glass before a camera that has no optics but a round hole behind the last of them. Black
-rings around each surface stop what its semi-aperture stops. What is seen through them is a chequered wall in focus, with
+rings around each surface stop what its semi-aperture stops, of the double Gauss with a stop of five blades. What is seen through them is a chequered wall in focus, with
 small lamps far out of focus before it, in light of 550 nm. The same camera with `lens.prescription` must take the same
 picture: z, the difference over its standard deviation, follows N(0, 1) over all pixels, and so do sums over blocks of them.
 
@@ -35,8 +35,8 @@ RINGS, AZIMUTHS = 32, 360
 AS_LARGE = math.sqrt(2 * math.pi / AZIMUTHS / math.sin(2 * math.pi / AZIMUTHS))
 SIZE = (48, 32)
 BLOCK = 4
-# Pitch in mm, and samples of a pixel through glass: a minute each on two cores.
-LENSES = {"cooke-triplet": (0.6, 8192), "double-gauss": (0.85, 8192)}
+# Pitch in mm, samples of a pixel through glass (a minute each on two cores), and blades of the stop with their rotation.
+LENSES = {"cooke-triplet": (0.6, 8192, None), "double-gauss": (0.85, 8192, (5, 10))}
 # Of one z among all; of the mean and of spreads. One lens in 400 fails by chance.
 Z_ONE, Z_ALL = 5, 3.5
 complaints = []
@@ -72,7 +72,7 @@ class Turned:
                 j = (i + 1) % AZIMUTHS
                 inner, outer = ring * AZIMUTHS, (ring + 1) * AZIMUTHS
                 corners = [inner + i, inner + j, outer + j, outer + i]
-                if profile[ring][0] == 0:
+                if np.all(profile[ring][0] == 0):
                     del corners[1]
                 names = [f"{self.points + k + 1}" for k in corners]
                 if centre is not None:
@@ -82,7 +82,13 @@ class Turned:
         self.normals += 0 if centre is None else len(points)
 
 
-def glass(lens, path):
+def polygon(radius, blades, rotation_deg):
+    """Distances from the axis, at all azimuths, of the edges of a regular polygon in a circle."""
+    from_corner = (2 * np.pi * np.arange(AZIMUTHS) / AZIMUTHS - math.radians(rotation_deg)) % (2 * np.pi / blades)
+    return radius * math.cos(np.pi / blades) / np.cos(from_corner - np.pi / blades)
+
+
+def glass(lens, blades, path):
     """Writes a lens as meshes and gives their materials, how many surfaces refract, and the hole's z and radius."""
     meshes, index, materials = Turned(lens.first_order()[1]), lens.index(NM), ["black = { type = 'diffuse', reflectance = 0 }"]
     barrel, black = 1.2 * max(lens.semi) + 1, []
@@ -97,6 +103,10 @@ def glass(lens, path):
             # A plane is a sphere with its centre far away.
             meshes.add(f"glass-{i}", [*profile[:-1], rim], lens.z[i] + min(lens.radii[i], 1e9))
             materials.append(f"glass-{i} = {{ type = 'dielectric', index = {index[i + 1] / index[i]} }}")
+        if i == lens.stop and blades:
+            # In air, since glass would have to end with the blades.
+            assert index[i] == index[i + 1] == 1
+            rim = polygon(semi, *blades), rim[1]
         meshes.add("black", [rim, (barrel, rim[1])])
         black.append(rim[1])
     hole = max(lens.z[-2], black[-1]) + 0.1
@@ -110,7 +120,8 @@ def scene(lens, pitch, folder):
     efl, pupil, diameter = lens.first_order()
     far = lens.object_distance() + pupil
     near = 1 / (1 / far + 6 * pitch / diameter / efl)
-    random, squares = np.random.default_rng(1), {30: [], 100: [], 300: [], 1000: [], 3000: []}
+    # Were they darker, a few rays that meet a brighter one would decide about pixels at its edge, and z would not be normal.
+    random, squares = np.random.default_rng(1), {200: [], 300: [], 600: [], 1000: [], 2000: []}
 
     def add(luminance, distance, middle, size):
         """In a plane across the axis; where the middle of the lens sees it in the picture, px."""
@@ -121,9 +132,9 @@ def scene(lens, pitch, folder):
     cell = 2.9
     for a in range(-11, 12):
         for b in range(-8, 9):
-            add([(30, 100), (300, 1000)][(a + b) % 2][random.integers(2)], far, (a * cell, b * cell), (cell, cell))
+            add([(200, 300), (600, 1000)][(a + b) % 2][random.integers(2)], far, (a * cell, b * cell), (cell, cell))
     for middle in [(0.7, 0.4), (-14.2, 9.1), (17.5, 10.8), (12.3, -8.6), (-18.1, -10.2)]:
-        add(3000, near, middle, (2, 2))
+        add(2000, near, middle, (2, 2))
     materials = ""
     for luminance, corners in squares.items():
         quads(folder / f"{luminance}.obj", corners, f"lamp-{luminance}")
@@ -132,13 +143,14 @@ def scene(lens, pitch, folder):
 
 
 def judge(photosite, folder, name, times):
-    pitch, samples = LENSES[name]
+    pitch, samples, blades = LENSES[name]
     # Focused on about 20 times the focal length.
     open_lens = Lens(name)
     lens = Lens(name, open_lens.gaps[-1] + open_lens.first_order()[0] / 19)
     bare(name, folder / "bare.toml")
     geometry, of_scene = scene(lens, pitch, folder)
-    of_lens, surfaces, hole, hole_radius = glass(lens, folder / "lens.obj")
+    of_lens, surfaces, hole, hole_radius = glass(lens, blades, folder / "lens.obj")
+    of_stop = "blades = {}\nblade_rotation_deg = {}\n".format(*blades) if blades else ""
 
     def picture(kind, geometry, materials, position_mm, optics, depth, samples, seed):
         out = render(
@@ -152,12 +164,13 @@ def judge(photosite, folder, name, times):
         return out / "electrons.exr"
 
     traced = picture(
-        "prescription", geometry, of_scene, 0, f"prescription = '{folder / 'bare.toml'}'\nimage_distance_mm = {lens.gaps[-1]}", 1, 4 * samples * times, 1
+        "prescription", geometry, of_scene, 0,
+        f"prescription = '{folder / 'bare.toml'}'\nimage_distance_mm = {lens.gaps[-1]}\n{of_stop}", 1, 4 * samples * times, 1
     )
     behind = lens.sensor_z - hole
     seen = picture(
         "glass", [*geometry, "lens.obj"], of_scene + of_lens, hole - lens.first_order()[1],
-        f"type = 'hole'\nimage_distance_mm = {behind}\nf_number = {behind / 2 / hole_radius}", surfaces + 1, samples * times, 2
+        f"type = 'hole'\nimage_distance_mm = {behind}\nf_number = {behind / 2 / hole_radius}", surfaces + 1, samples * times, 3
     )
     a, b = channels(traced), channels(seen)
     difference, variance = a["Y"] - b["Y"], a["variance.Y"] + b["variance.Y"]
