@@ -28,7 +28,7 @@ SCHEMAS = {
                 "[The capture file](../guides/capture-file.md) shows one with comments."),
     "data-set": ("Data set file: all keys", "dataset", "A data set file names a capture and says what differs from frame to frame. "
                  "[Data sets](../guides/data-sets.md) shows how."),
-    "sensor": ("Sensor file: all keys", "sensor", "A sensor file describes a sensor in the words of EMVA 1288. The same keys follow "
+    "sensor": ("Sensor file: all keys", "sensor", "A sensor file describes a sensor by the parameters of EMVA 1288. The same keys follow "
                "`preset` in `[sensor]` of a capture. [Sensors](../guides/sensors.md) shows how."),
     "noise": ("Noise to add: all keys", "noise", "What `photosite noise add` takes after `--set`."),
     "report": ("capture.json: all keys", "report", "What `capture.json` holds, which each render leaves beside its pictures: all that is "
