@@ -7,7 +7,7 @@
     docs/run.py --figures …                and takes over the pictures that the pages show
     docs/run.py --list                     prints the names of the pages
 
-The program is the `photosite` on the PATH; Python blocks run in the Python that runs this script, which needs
+The program is the `photosite` on the PATH; Python blocks, and `python` in commands, run in the Python that runs this script, which needs
 docs/requirements-run.txt and, for pages that import it, the package photosite.
 
 What the kinds of fenced blocks mean:
@@ -197,7 +197,8 @@ class Run:
     def shell(self, block_text: str) -> None:
         # Functions stay from block to block.
         functions = shlex.quote(str(self.functions))
-        text = f"source {functions}; trap 'declare -f >{functions}' EXIT\n{block_text}"
+        python = f'python() {{ {shlex.quote(sys.executable)} "$@"; }}'
+        text = f"{python}; source {functions}; trap 'declare -f >{functions}' EXIT\n{block_text}"
         done = subprocess.run(["bash", "-euo", "pipefail", "-c", text], cwd=self.folder, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True)
         self.took(done.stdout)

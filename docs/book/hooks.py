@@ -18,6 +18,7 @@ BOOK = Path(__file__).resolve().parent
 ROOT = BOOK.parents[1]
 sys.path.insert(0, str(BOOK))
 import command_pages  # noqa: E402
+from key_examples import Examples  # noqa: E402
 import python_page  # noqa: E402
 import schema_pages  # noqa: E402
 
@@ -28,7 +29,7 @@ SCHEMAS = {
                 "[The capture file](../guides/capture-file.md) shows one with comments."),
     "data-set": ("Data set file: all keys", "dataset", "A data set file names a capture and says what differs from frame to frame. "
                  "[Data sets](../guides/data-sets.md) shows how."),
-    "sensor": ("Sensor file: all keys", "sensor", "A sensor file describes a sensor in the words of EMVA 1288. The same keys follow "
+    "sensor": ("Sensor file: all keys", "sensor", "A sensor file describes a sensor by the parameters of EMVA 1288. The same keys follow "
                "`preset` in `[sensor]` of a capture. [Sensors](../guides/sensors.md) shows how."),
     "noise": ("Noise to add: all keys", "noise", "What `photosite noise add` takes after `--set`."),
     "report": ("capture.json: all keys", "report", "What `capture.json` holds, which each render leaves beside its pictures: all that is "
@@ -39,9 +40,10 @@ SCHEMAS = {
 def on_files(files, config):
     """Adds the pages that are made of schemas, of --help, of docstrings, and of CONTRIBUTING.md."""
     pages = {"reference/commands.md": command_pages.page(), "reference/python.md": python_page.page()}
+    examples = Examples()
     for name, (title, kind, beginning) in SCHEMAS.items():
         schema = (ROOT / f"assets/{kind}.schema.json").read_text(encoding="utf-8")
-        pages[f"reference/{name}.md"] = schema_pages.page(title, beginning, schema)
+        pages[f"reference/{name}.md"] = schema_pages.page(title, beginning, kind, schema, None if kind == "report" else examples)
     pages["contributing.md"] = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     for path, content in pages.items():
         files.append(File.generated(config, path, content=content))

@@ -1,9 +1,11 @@
-"""Pages of the reference that are made of JSON Schemas: every key with its type, unit, default and meaning."""
+"""Pages of the reference that are made of JSON Schemas: every key with its type, unit, default, an example and its meaning."""
 
 from __future__ import annotations
 
 import json
 import re
+
+from key_examples import Examples
 
 UNITS = {
     "m": "m", "mm": "mm", "um": "µm", "nm": "nm", "px": "px", "deg": "°", "s": "s", "ms": "ms", "us": "µs", "ns": "ns",
@@ -36,7 +38,8 @@ def value(default: object) -> str:
 class Page:
     """One schema as Markdown: a section for each table, in the order in which keys lead to them."""
 
-    def __init__(self, schema: dict):
+    def __init__(self, schema: dict, kind: str, examples: "Examples | None"):
+        self.kind, self.examples = kind, examples
         self.definitions = schema.get("$defs", {})
         self.described: "set[str]" = set()
         self.waiting: "list[tuple[str, str]]" = []
@@ -106,7 +109,8 @@ class Page:
                 self.lines += [f"*As {self.type_of(alternative, path)}.* {alternative.get('description', '')}", ""]
 
     def keys(self, properties: dict, required: "list[str]", path: str) -> None:
-        self.lines += ["| key | type | unit | default | meaning |", "|---|---|---|---|---|"]
+        example = "" if self.examples is None else " example |"
+        self.lines += [f"| key | type | unit | default |{example} meaning |", "|---|---|---|---|---|" + "---|" * bool(example)]
         for key, at in properties.items():
             text = one_line(at.get("description", ""))
             default = value(at.get("default"))
@@ -116,7 +120,12 @@ class Page:
                 text = text.replace(left_out[0], "", 1).strip()
             if key in required:
                 default = "*needed*"
-            self.lines.append(f"| `{key}` | {self.type_of(at, f'{path}.{key}' if path else key)} | {unit(key)} | {default} | {text} |")
+            whole = f"{path}.{key}" if path else key
+            what = self.type_of(at, whole)
+            if self.examples is not None:
+                found = one_line(self.examples.find(self.kind, whole, what))
+                text = (f"`{found}` | " if found else " | ") + text
+            self.lines.append(f"| `{key}` | {what} | {unit(key)} | {default} | {text} |")
         self.lines.append("")
 
     def type_of(self, at: "dict | bool", path: str) -> str:
@@ -173,8 +182,10 @@ class Page:
         return "".join(f" or {name}" for name in names) if any("properties" in a or "$ref" in a for a in alternatives) else ""
 
 
-def page(title: str, beginning: str, schema_text: str) -> str:
+def page(title: str, beginning: str, kind: str, schema_text: str, examples: "Examples | None") -> str:
+    """The page of a schema; without `examples` for files that only photosite writes."""
     schema = json.loads(schema_text)
-    text = f"# {title}\n\n{beginning}\n\n{Page(schema).of(schema)}\n"
+    text = f"# {title}\n\n{beginning}\n\n{Page(schema, kind, examples).of(schema)}\n"
     # Of links into the documentation of the crates, the words stay.
-    return re.sub(r"\[([^\[\]]+)\]\(\w+::[\w:#]+\)", r"\1", text)
+    text = re.sub(r"\[([^\[\]]+)\]\(\w+::[\w:#]+\)", r"\1", text)
+    return re.sub(r"\[(`[\w:]+`)\](?![(\[])", r"\1", text)

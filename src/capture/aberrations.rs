@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use super::colour::Finder;
-use super::settings::positive_number;
+use super::numbers::positive_number;
 use super::tables::{KernelOrigin, LateralColourTable, PointSpreadTable, StopTable};
 use crate::Invalid;
 use crate::optics::{Kernel, KernelField, LateralColour, PointSpread, Stop};

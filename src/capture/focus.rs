@@ -1,6 +1,6 @@
 //! What a lens is focused on: from the keys to a [`Focus`].
 
-use super::settings::positive_number;
+use super::numbers::positive_number;
 use super::tables::{
     AutofocusMethodName, AutofocusSearchTable, AutofocusTable, FocusDistance, LensTable, SharpnessName,
 };

@@ -15,7 +15,7 @@
 //! | `[materials.NAME]` | materials in place of the geometry's | `material.rs`, `kept_material.rs` |
 //! | `[camera]`, `[lens]` | pose, optics | `camera.rs`, `lens.rs`, `focus.rs`, `lens_elements.rs`, `projection.rs`, `aberrations.rs` |
 //! | `[sensor]` | a preset and changes to it | `sensor.rs` |
-//! | `[exposure]`, `[render]`, `[output]` | settings | `settings.rs` |
+//! | `[exposure]`, `[render]`, `[output]` | settings | `exposure.rs`, `render.rs`, `output.rs` |
 //! | `[develop]` | settings | [`DevelopSettings`], `develop.rs` |
 //!
 //! The keys are documented where they are declared, in `tables/`; [`capture_schema`] makes a JSON Schema of that.
@@ -30,6 +30,7 @@ mod dataset;
 mod default_light;
 mod develop;
 mod environment;
+mod exposure;
 mod extent;
 mod file;
 mod file_kind;
@@ -48,21 +49,23 @@ mod material;
 mod models;
 mod moments;
 mod motion;
+mod numbers;
 mod object_pose;
 mod object_track;
 mod objects;
+mod output;
 mod overrides;
 mod prescription;
 mod projection;
 mod quadrics;
 mod reader;
 mod relocate;
+mod render;
 mod saved;
 mod scene;
 mod schema;
 mod sensor;
 mod sensor_size;
-mod settings;
 mod source;
 mod stored;
 mod stored_report;
@@ -108,12 +111,11 @@ use target::place_targets;
 
 pub use dataset::DatasetFile;
 pub use develop::read_develop_settings;
+pub use exposure::{Bracket, ExposureSettings, ExposureTime};
 pub(crate) use file_kind::FileKind;
+pub use output::{NextPicture, NoiseOutput, OutputSettings, SpectralBands, TruthOutput};
 pub use schema::{capture_schema, dataset_schema, noise_schema, sensor_schema};
 pub use sensor::{NamedSensor, read_named_sensor, read_sensor_file};
-pub use settings::{
-    Bracket, ExposureSettings, ExposureTime, NextPicture, NoiseOutput, OutputSettings, SpectralBands, TruthOutput,
-};
 pub use source::CaptureSource;
 pub use stored::StoredCapture;
 pub use stored_report::StoredReport;
@@ -388,7 +390,7 @@ impl Capture {
         let mut warnings = Warnings::default();
         source.displaced().iter().for_each(|message| warnings.once(message));
         let (camera_to_world, lens) = place_camera(file, motion.as_ref(), &finder, &scene, &sensor, &mut warnings)?;
-        let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
+        let exposure = exposure::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
         let scene_mover = file.scene.mover();
         let scene_moves = scene_mover.is_some();
         let moves = motion.is_some() || scene_moves;
@@ -406,13 +408,13 @@ impl Capture {
             let of_file = motion::motion_of_file(&file.camera, &scene.cameras, &recording);
             Recording { motion: recording.motion.clone().or(of_file), ..recording }
         });
-        let output = settings::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?;
+        let output = output::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?;
         if output.truth.next != NextPicture::OfSeries && exposure.frames != 1 {
             let invalid =
                 Invalid::new("truth_next", "cannot go with exposure.frames: pictures of a series are the next");
             return Err(invalid.help("remove it, or exposure.frames").within("output"));
         }
-        let render = settings::render(&file.render).map_err(|invalid| invalid.within("render"))?;
+        let render = render::render(&file.render).map_err(|invalid| invalid.within("render"))?;
         let still_only = [("light_paths", render.light_paths > 0.0), ("reuse", render.reuse > 1)];
         if let (true, Some((key, _))) = (moves, still_only.into_iter().find(|(_, is_set)| *is_set)) {
             let invalid = Invalid::new(key, "cannot go with a camera or a scene that moves");

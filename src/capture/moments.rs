@@ -1,7 +1,7 @@
 //! When a picture is taken, and how much of that time each row sees.
 
+use super::exposure::{self, ExposureSettings, ExposureTime};
 use super::sensor::sensor_model;
-use super::settings::{self, ExposureSettings, ExposureTime};
 use super::tables::{CaptureFile, ObjectTable, SceneTable};
 use crate::Invalid;
 use crate::geometry::Trajectory;
@@ -49,7 +49,7 @@ impl Moments {
         };
         let start_s = finite("scene.time_s", time_s.unwrap_or(0.0))?;
         let sensor = sensor_model(&file.sensor, sandbox).map_err(|invalid| invalid.within("sensor"))?;
-        let exposure = settings::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
+        let exposure = exposure::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
         let taken = recording(&mover, None, &exposure, &sensor)?.later(frame);
         let span = Span { start_s: start_s + taken.start_s, duration_s: taken.duration_s };
         let of_object = |(i, object): (usize, &ObjectTable)| {

@@ -10,16 +10,18 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::colour::Finder;
+use super::exposure::{self, ExposureSettings};
 use super::file::refuse_unknown_sections;
 use super::lens::describe_lens;
+use super::output::{self, OutputSettings};
 use super::prescription::Prescribed;
 use super::relocate::keys_of;
+use super::render;
 use super::sensor::{anchor_files, read_sensor, sensor_model};
-use super::settings::{ExposureSettings, OutputSettings};
 use super::source::{CaptureSource, shown};
 use super::stored_report::StoredReport;
 use super::tables::{LensTable, SECTIONS};
-use super::{Capture, develop, overrides, settings};
+use super::{Capture, develop, overrides};
 use crate::develop::DevelopSettings;
 use crate::integrator::RenderSettings;
 use crate::optics::{Focus, LensDescription};
@@ -94,7 +96,7 @@ impl StoredCapture {
         refuse_unknown_sections(&source)?;
         let merged = read_sensor(&mut source, Path::new(""))?;
         let lens: LensTable = source.read("lens")?.unwrap_or_default();
-        let render = settings::render(&source.read("render")?.unwrap_or_default());
+        let render = render::render(&source.read("render")?.unwrap_or_default());
         let (exposure, output) =
             (source.read("exposure")?.unwrap_or_default(), source.read("output")?.unwrap_or_default());
         let finder = Finder::new(source.path().parent().unwrap_or(Path::new("")), source.sandbox(), Vec::new());
@@ -108,12 +110,12 @@ impl StoredCapture {
         let prescribed = Prescribed::of(&finder, &lens, &mut given).map_err(at("lens"))?;
         let lens = describe_lens(&finder, &lens, prescribed, &sensor, None, Some(Focus::Infinity), &mut given);
         let lens = lens.map_err(at("lens"))?;
-        let exposure = settings::exposure(&exposure, &sensor).map_err(at("exposure"))?;
+        let exposure = exposure::exposure(&exposure, &sensor).map_err(at("exposure"))?;
         let of_settings = sensor.warnings().into_iter().chain(exposure.warning());
         let warnings = source.displaced().iter().chain(&merged.warnings).cloned().chain(of_settings).collect();
         Ok(Self {
             exposure,
-            output: settings::output(&output, &sensor).map_err(at("output"))?,
+            output: output::output(&output, &sensor).map_err(at("output"))?,
             develop: develop::checked(&source.read("develop")?.unwrap_or_default()).map_err(|e| source.error(e))?,
             seed: render.map_err(at("render"))?.seed,
             sensor,
