@@ -3,9 +3,10 @@
 Usage: lens_as_glass.py PHOTOSITE [cooke-triplet] [double-gauss] [--times N]
 
 Surfaces of a lens become meshes of glass before a camera that has no optics but a round hole behind the last of them. Black
-rings around each surface stop what its semi-aperture stops, of the double Gauss with a stop of five blades. What is seen through them is a chequered wall in focus, with
-small lamps far out of focus before it, in light of 550 nm. The same camera with `lens.prescription` must take the same
-picture: z, the difference over its standard deviation, follows N(0, 1) over all pixels, and so do sums over blocks of them.
+rings around each surface stop what its semi-aperture stops, and the stop of the double Gauss has five blades. What is seen
+through them is a chequered wall in focus, with small lamps far out of focus before it, in light of 550 nm. The same camera
+with `lens.prescription` must take the same picture: z, the difference over its standard deviation, follows N(0, 1) over all
+pixels, and so do sums over blocks of them.
 
 Paths end with the segment that meets a lamp if all surfaces let them through: light that surfaces reflect to and fro, which
 a prescription does not have, would take more segments. Lenses have no coatings, and lose what Fresnel's equations say.

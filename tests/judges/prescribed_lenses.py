@@ -32,6 +32,17 @@ def check(is_well, message):
         complaints.append(message)
 
 
+def picture(photosite, folder, lamps, name, f_number, gap, seen_by, samples, render_keys=""):
+    """Of lamps in an OBJ file through a lens that ships, with the tables of a sensor: the folder of its results."""
+    return render(
+        photosite, folder,
+        f"[scene]\ngeometry = ['{lamps}']\n[materials.lamp]\ntype = 'diffuse'\nreflectance = 0\ndouble_sided = true\n"
+        "emission = { spectrum = 'illuminants/d65', luminance_nit = 1000 }\n"
+        + CAMERA + f"[lens]\nprescription = '{name}'\nf_number = {f_number}\nimage_distance_mm = {gap}\n" + seen_by
+        + f"[render]\nsamples_per_pixel = {samples}\nmax_depth = 1\n{render_keys}[output]\nimage = false\nraw = []\n",
+    )
+
+
 def grid(photosite, folder):
     name, f_number = "retrofocus", 22
     gap = Lens(name).gaps[-1] + 1.0
@@ -47,12 +58,7 @@ def grid(photosite, folder):
     quads(folder / "lamps.obj", [[(x * 1e-3 + a, y * 1e-3 + b, -distance * 1e-3) for a, b in corners] for x, y in lamps])
     worst, shifts, wanted_shifts = 0.0, {}, {}
     for nm in (450, 550, 650):
-        out = render(
-            photosite, folder,
-            "[scene]\ngeometry = ['lamps.obj']\n[materials.lamp]\ntype = 'diffuse'\nreflectance = 0\ndouble_sided = true\nemission = { spectrum = 'illuminants/d65', luminance_nit = 1000 }\n"
-            + CAMERA + f"[lens]\nprescription = '{name}'\nf_number = {f_number}\nimage_distance_mm = {gap}\n" + sensor(folder, size, pitch * 1e3, nm)
-            + "[render]\nsamples_per_pixel = 1024\nmax_depth = 1\n[output]\nimage = false\nraw = []\n",
-        )
+        out = picture(photosite, folder, "lamps.obj", name, f_number, gap, sensor(folder, size, pitch * 1e3, nm), 1024)
         light = channels(out / "electrons.exr")["Y"]
         shifts[nm], wanted_shifts[nm] = [], []
         for x, y in lamps:
@@ -84,13 +90,7 @@ def edge(photosite, folder):
     along, across = np.array([math.sin(turn), math.cos(turn), 0]) * far, np.array([math.cos(turn), -math.sin(turn), 0]) * far
     middle = np.array([0, 0, -distance * 1e-3])
     quads(folder / "edge.obj", [[middle + along, middle - along, middle - along + across, middle + along + across]])
-    out = render(
-        photosite, folder,
-        "[scene]\ngeometry = ['edge.obj']\n[materials.lamp]\ntype = 'diffuse'\nreflectance = 0\ndouble_sided = true\n"
-        "emission = { spectrum = 'illuminants/d65', luminance_nit = 1000 }\n"
-        + CAMERA + f"[lens]\nprescription = '{name}'\nf_number = {f_number}\nimage_distance_mm = {gap}\n" + sensor(folder, size, pitch * 1e3, nm)
-        + "[render]\nsamples_per_pixel = 2048\nmax_depth = 1\n[output]\nimage = false\nraw = []\n",
-    )
+    out = picture(photosite, folder, "edge.obj", name, f_number, gap, sensor(folder, size, pitch * 1e3, nm), 2048)
     found = json.loads(run(photosite, "measure", "mtf", out / "electrons.exr", "--channel", "Y", "--json").stdout)
     reach = 0.6 * diameter / math.hypot(diameter, distance)
     landings, left = beam(lens, np.array([0.0, 0.0, pupil - distance]), nm, np.zeros(2), reach)
@@ -122,14 +122,9 @@ def off_axis(photosite, folder):
         corners = [along, -along, across - along, across + along]
         squares.append([(long * corner + [side * object_height, 0, z - pupil]) * 1e-3 for corner in corners])
     quads(folder / "edges.obj", squares)
-    out = render(
-        photosite, folder,
-        "[scene]\ngeometry = ['edges.obj']\n[materials.lamp]\ntype = 'diffuse'\nreflectance = 0\ndouble_sided = true\n"
-        "emission = { spectrum = 'illuminants/d65', luminance_nit = 1000 }\n"
-        + CAMERA + f"[lens]\nprescription = '{name}'\nf_number = {f_number}\nimage_distance_mm = {gap}\n" + sensor(folder, size, pitch * 1e3, nm)
-        # Black pixels between the edges end early by the target, which no other reaches.
-        + "[render]\nsamples_per_pixel = 2048\nmax_depth = 1\nnoise_target = 1e-6\n[output]\nimage = false\nraw = []\n",
-    )
+    # Black pixels between the edges end early by the target, which no other reaches.
+    seen_by = sensor(folder, size, pitch * 1e3, nm)
+    out = picture(photosite, folder, "edges.obj", name, f_number, gap, seen_by, 2048, "noise_target = 1e-6\n")
     for kind, (side, along) in edges.items():
         width, rows = (half, 2 * half) if kind == "tangential" else (2 * half, half)
         region = [size[0] // 2 + side * column - width // 2, (size[1] - rows) // 2, width, rows]
