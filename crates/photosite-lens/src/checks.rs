@@ -295,7 +295,10 @@ fn check_gaps(lens: &Lens) -> Result<(), Invalid> {
                     "surface {number} runs through {behind}: at {r:.3} mm from the axis, within both semi-apertures, \
                      {left:.4} mm are left between them"
                 );
-                return Err(Invalid::new(key, message).help("check the gap, the radii and the semi-apertures"));
+                let help = format!(
+                    "make the smaller of their semi-apertures less than {r:.3} mm, unless the gap or a radius is wrong"
+                );
+                return Err(Invalid::new(key, message).help(help));
             }
         }
     }

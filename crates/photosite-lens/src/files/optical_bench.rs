@@ -93,7 +93,7 @@ fn sections<'a>(text: &'a str, draft: &mut Draft) -> Read<BTreeMap<String, Vec<C
 #[derive(Debug)]
 struct Distance {
     line: usize,
-    /// `None` is infinity.
+    /// `None` is infinity, or what the file leaves undefined.
     columns: Vec<Option<f64>>,
 }
 
@@ -103,7 +103,7 @@ fn distances(lines: &[Cells]) -> Read<BTreeMap<String, Distance>> {
         let column =
             |cell: &&str| match *cell {
                 "" => None,
-                text if text.eq_ignore_ascii_case("infinity") || text == "∞" => Some(Ok(None)),
+                text if text.eq_ignore_ascii_case("infinity") || text == "∞" || text == "undefined" => Some(Ok(None)),
                 text => Some(number(text).map(Some).ok_or_else(|| {
                     Fault::at(*line, format!("[variable distances] {}: {text} is no number", cells[0]))
                 })),
@@ -163,7 +163,7 @@ fn row(line: usize, cells: &[&str], distances: &BTreeMap<String, Distance>, draf
         Some(text) => match (number(text), distances.get(text)) {
             (Some(thickness), _) => thickness,
             (None, Some(distance)) => distance.columns.first().copied().flatten().ok_or_else(|| {
-                Fault::at(distance.line, format!("{text}: the gap behind {name} is infinite or missing"))
+                Fault::at(distance.line, format!("{text}: the gap behind {name} is infinite, undefined or missing"))
             })?,
             (None, None) => {
                 return Err(Fault::at(line, format!("{name}: the thickness {text} is not in [variable distances]"))
@@ -282,7 +282,10 @@ fn settings(draft: &mut Draft, names: &[&str], rows: &[Cells], distances: &BTree
             Some((row, name, distances.get(name)?))
         })
         .collect();
-    let count = distances.values().map(|distance| distance.columns.len()).max().unwrap_or(1);
+    // Of other rows, such as diameters of the stop, it does not matter how many columns they have.
+    let figures = ["Focal Length", "Angle of View", "F-Number", "d0"].map(|name| figure(distances, name));
+    let read = variable.iter().map(|(.., distance)| *distance).chain(figures.into_iter().flatten());
+    let count = read.map(|distance| distance.columns.len()).max().unwrap_or(1);
     if count <= 1 {
         return Ok(());
     }
@@ -304,7 +307,10 @@ fn settings(draft: &mut Draft, names: &[&str], rows: &[Cells], distances: &BTree
                 Fault::at(distance.line, message).help("give a column for each position")
             })?;
             let gap = gap.ok_or_else(|| {
-                Fault::at(distance.line, format!("{name}: the gap behind surface {} is infinite", names[row]))
+                Fault::at(
+                    distance.line,
+                    format!("{name}: the gap behind surface {} is infinite or undefined", names[row]),
+                )
             })?;
             gaps.push((row, gap));
         }

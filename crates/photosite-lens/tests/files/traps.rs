@@ -181,6 +181,17 @@ fn orders_of_the_optical_bench() {
 }
 
 #[test]
+fn the_optical_bench_leaves_undefined_what_a_patent_does_not_say() {
+    let text = "[variable distances]\nFocal Length\t96.7\tundefined\nF-Number\t9.7\tundefined\nAngle of View\t10\tundefined\n\
+                Total Length\tundefined\tundefined\nP\t1\t2\t3\nd0\tInfinity\t900\nd2\t90\t100\n[lens data]\n\
+                1\t50\t4\t1.5168\t16\t64.2\n2\tInfinity\td2\t\t16\n3\tAS\t5\t\t30\n";
+    let lens = reading("a.txt", text);
+    let labels: Vec<_> = lens.prescription.positions.iter().map(|position| position.label.as_str()).collect();
+    assert_eq!(labels, ["96.7 mm", "object at 900 mm"]);
+    assert_eq!(lens.prescription.claims.focal_length_mm, Some(96.7));
+}
+
+#[test]
 fn what_a_file_claims_and_its_lens_does_not_keep_is_warned_of() {
     let claim = "unit = \"mm\"\nfocal_length = 100\nsurfaces = [{ radius = 50, thickness = 4, glass = \"N-BK7\", semi_aperture = 8, stop = true },\
                  { thickness = 94, semi_aperture = 8 }]\n";

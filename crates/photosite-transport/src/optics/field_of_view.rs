@@ -44,8 +44,10 @@ impl FieldOfView {
         let reach_rad = camera.reach().angle;
         let rim = reach_rad * (1.0 - 1e-12);
         let ends = (0..720).filter_map(|step| {
-            let about = DVec2::from_angle(TAU * f64::from(step) / 720.0) * rim.sin();
-            camera.project_camera(about.extend(-rim.cos())).map(|pixel| (pixel - centre).length())
+            let about = DVec2::from_angle(TAU * f64::from(step) / 720.0);
+            let point = (about * rim.sin()).extend(-rim.cos());
+            let end = camera.rim_of_prescription(about).or_else(|| camera.project_camera(point));
+            end.map(|pixel| (pixel - centre).length())
         });
         let [low, high] = ends.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], r| [low.min(r), high.max(r)]);
         // What is seen has no holes, so that its edge tells of all of the picture.

@@ -247,6 +247,11 @@ impl PrescribedLens {
         self.chief.widest_rad()
     }
 
+    /// The image height at that angle, mm.
+    pub(super) fn highest_mm(&self) -> f64 {
+        self.chief.highest_mm()
+    }
+
     /// From mm of the prescription to m about the entrance pupil.
     fn to_camera(&self, point: DVec3) -> DVec3 {
         (point - DVec3::new(0.0, 0.0, self.first_order.entrance_pupil_mm)) * 1e-3

@@ -69,6 +69,12 @@ impl Camera {
         self.prescribed.as_deref().is_some_and(is_beyond)
     }
 
+    /// Where the reach of a prescription ends in a direction about the axis. Its chief rays cross the axis in different
+    /// points, so that the angle of the reach alone does not lead there.
+    pub(in crate::optics) fn rim_of_prescription(&self, about: DVec2) -> Option<DVec2> {
+        self.prescribed.as_deref().map(|lens| self.pixel_of(about * lens.highest_mm()))
+    }
+
     /// The camera of a lens from a prescription. What a photographer asks of it are figures of the pinhole with the same
     /// scale on the axis, and of the entrance pupil.
     pub(super) fn of_prescription(lens: PrescribedLens, grid: &PixelGrid, to_world: DAffine3) -> Result<Self, Invalid> {
