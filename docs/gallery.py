@@ -23,7 +23,7 @@ from PIL import Image, ImageDraw, ImageFont
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ROOT / "scenes/gallery"
 PICTURES = ROOT / "docs/gallery"
-FONT = ROOT / "assets/fonts/DejaVuSans-plots.ttf"
+FONT = ROOT / "crates/photosite-imaging/assets/fonts/DejaVuSans-plots.ttf"
 SMALL = (64, 40)
 # Mean difference of 8-bit codes between a picture and its small render, in blocks of an eighth of their width, past which the
 # capture has changed. Noise of the small renders and what their pixels blur make up to 5.

@@ -9,7 +9,7 @@ Usage: prescribed_lenses.py PHOTOSITE [grid] [edge] [light]
 - light: uniform light at three stops: irradiance over radiance is the projected solid angle that passes all apertures times
   what Fresnel's equations leave, over the field, within 0.3 %.
 
-Lenses are read from assets/lenses, by Python's tomllib. Exit status 0 where all is well.
+Lenses are read from crates/photosite-lens/assets/lenses, by Python's tomllib. Exit status 0 where all is well.
 """
 
 import json
@@ -38,7 +38,7 @@ class Lens:
     """Spheres and planes, mm; z = 0 at the first vertex, +z towards the sensor."""
 
     def __init__(self, name, last_gap=None, stop_radius=None):
-        file = tomllib.loads((ROOT / f"assets/lenses/{name}.toml").read_text())
+        file = tomllib.loads((ROOT / f"crates/photosite-lens/assets/lenses/{name}.toml").read_text())
         self.surfaces = file["surfaces"]
         self.glasses = file["glasses"]
         assert not any(key in surface for surface in self.surfaces for key in ("conic", "asphere"))
@@ -349,7 +349,7 @@ def main():
 
 def bare(name, path):
     """The lens without coatings, whose losses are those of Fresnel's equations."""
-    text = (ROOT / f"assets/lenses/{name}.toml").read_text()
+    text = (ROOT / f"crates/photosite-lens/assets/lenses/{name}.toml").read_text()
     path.write_text(text.replace("semi_aperture =", 'coating = "none", semi_aperture ='))
 
 
