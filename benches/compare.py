@@ -8,7 +8,7 @@ Mitsuba is installed on the first run, into target/benches-venv; its LLVM varian
 install libllvm19). What the scenes are says benches/comparison/scenes.py. Both programs get the same shapes, spectra,
 camera, depth, roulette and sensor. The balls of b are true spheres; with --triangles they are made of triangles. With
 --avx2 Mitsuba's kernels are those of a machine without AVX-512. 256 × 256 pixels, box filter, four wavelengths a path, in
-the response functions of photosite's sensor, so that both estimate the same three numbers a pixel, electrons.
+the response functions of photosite's sensor, so that both estimate the same three numbers per pixel, electrons.
 "Splitting 4" is photosite with `render.splitting = 4`: as many samples, each with four paths from the first rough surface
 on; "reuse 16" and "light paths 1" are `render.reuse` and `render.light_paths`. Runs of all alternate. Mitsuba is warm: its kernel is compiled before the measurement. Times are those of light transport alone:
 photosite's `trace_s`, Mitsuba's time in `render`. Loading, sensor and files are left out on both sides.
@@ -44,7 +44,7 @@ def arguments():
     parser.add_argument("--photosite", type=Path, default=ROOT / "target" / "release" / "photosite", metavar="FILE")
     parser.add_argument("--before", type=Path, metavar="FILE", help="another build of photosite, rendered beside for the ratio to it")
     parser.add_argument("--runs", type=int, default=5, help="measured renders of each program (default: %(default)s)")
-    parser.add_argument("--samples", type=int, nargs="+", default=[64], help="samples a pixel (default: 64)")
+    parser.add_argument("--samples", type=int, nargs="+", default=[64], help="samples per pixel (default: 64)")
     parser.add_argument("--reference", type=int, default=4096, help="samples of the references (default: %(default)s)")
     parser.add_argument("--cache", type=Path, default=ROOT / "target" / "benches-references", metavar="FOLDER",
                         help="where references are kept (default: %(default)s)")
@@ -138,7 +138,7 @@ def report(key, result):
     print(f"\n### {key}: {scenes.SCENES[key][0]}")
     for samples, runs in result["samples"].items():
         base = runs[best(runs, "Mitsuba")]
-        print(f"\n{samples} samples a pixel; ratios to {best(runs, 'Mitsuba')}.\n")
+        print(f"\n{samples} samples per pixel; ratios to {best(runs, 'Mitsuba')}.\n")
         print("| | Mpaths/s | ratio | by processor time | relMSE | efficiency | ratio | by processor time | relMSE of the sum | ratio by processor time |")
         print("|---|---|---|---|---|---|---|---|---|---|")
         for name, r in runs.items():

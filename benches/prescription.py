@@ -86,7 +86,7 @@ def main():
         return float(np.mean(0.5 * (a - b) ** 2 / ((0.5 * (a + b)) ** 2 + 0.01)))
 
     reached = True
-    print(f"{options.samples} samples a pixel, {options.runs} runs of each\n")
+    print(f"{options.samples} samples per pixel, {options.runs} runs of each\n")
     print("| scene | lens | Mpaths/s a core, thin | prescription | time of a path | relMSE, thin | prescription | noise of a path | time to equal noise |")
     print("|---|---|---|---|---|---|---|---|---|")
     for scene, lens in CASES:

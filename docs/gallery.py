@@ -23,7 +23,7 @@ from PIL import Image, ImageDraw, ImageFont
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ROOT / "scenes/gallery"
 PICTURES = ROOT / "docs/gallery"
-FONT = ROOT / "assets/fonts/DejaVuSans-plots.ttf"
+FONT = ROOT / "crates/photosite-imaging/assets/fonts/DejaVuSans-plots.ttf"
 SMALL = (64, 40)
 # Mean difference of 8-bit codes between a picture and its small render, in blocks of an eighth of their width, past which the
 # capture has changed. Measured with three seeds: 1.1 (still-life) to 8.1 (meadow, whose leaves are finer than the small pixels),

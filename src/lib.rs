@@ -69,6 +69,7 @@ mod picture;
 pub mod pipeline;
 pub mod report;
 pub mod schedulers;
+mod schema_links;
 pub mod sight;
 #[cfg(feature = "view")]
 pub mod view;

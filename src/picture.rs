@@ -48,7 +48,7 @@ impl Picture {
         (format, output): (PictureFormat, &Path),
     ) -> Result<DevelopedFile> {
         let no_part = |keys: Vec<&str>, of: &str| {
-            keys.iter().map(|key| format!("develop.{key} has no part in {of}")).collect::<Vec<_>>()
+            keys.iter().map(|key| format!("develop.{key} does not affect {of}")).collect::<Vec<_>>()
         };
         let mut warnings = no_part(format.unused_keys(settings), &output.display().to_string());
         let mut assumed = None;

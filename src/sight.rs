@@ -35,7 +35,7 @@ impl Sight {
     pub fn new(capture: &Capture, space: Space) -> Result<Self> {
         if capture.lens.kind == LensKind::Bare {
             let message = "no point has a place on a bare sensor: each of its pixels sees everything";
-            return Err(capture.source.error(Invalid::new("lens.type", message).help("take a lens")));
+            return Err(capture.source.error(Invalid::new("lens.type", message).help("use a lens")));
         }
         Ok(Self { camera: standalone_recording_camera(capture)?, space })
     }

@@ -204,7 +204,7 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=8)
     parser.add_argument("--frames", type=int, default=200)
     parser.add_argument("--kills", type=int, default=1000)
-    parser.add_argument("--samples", type=int, default=4000, help="samples a pixel: how long a frame takes")
+    parser.add_argument("--samples", type=int, default=4000, help="samples per pixel: how long a frame takes")
     parser.add_argument("--pause-s", type=float, default=0.05, help="mean time between two disturbances")
     parser.add_argument("--limit-s", type=float, default=3600, help="give up after this time")
     parser.add_argument("--seed", type=int, default=None)

@@ -140,7 +140,7 @@ class Set:
         return {line["process"]: line["folder"] for line in running if alive(line["process"])}
 
     def done(self) -> int:
-        """How many pictures are there; each is remembered."""
+        """How many pictures exist; each is remembered."""
         there = {str(path.relative_to(self.output)): path.stat().st_ino for path in self.output.glob("*/[0-9]*")}
         for name, inode in there.items():
             self.seen.setdefault(name, inode)
@@ -384,7 +384,7 @@ def main() -> None:
     parser.add_argument("--engine", choices=["slurm", "openjd"], required=True)
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--kills", type=int, default=10)
-    parser.add_argument("--samples", type=int, default=300, help="samples a pixel: how long a frame takes")
+    parser.add_argument("--samples", type=int, default=300, help="samples per pixel: how long a frame takes")
     parser.add_argument("--limit-s", type=float, default=600, help="give up after this time")
     parser.add_argument("--seed", type=int, default=1)
     options = parser.parse_args()

@@ -169,7 +169,7 @@ class Test:
         return (self.folder / f"driver-{self.drivers}.log").read_text(errors="replace")
 
     def disturb(self) -> None:
-        """Kills workers, and the driver in between, each when so many pictures are there."""
+        """Kills workers, and the driver in between, each when so many pictures exist."""
         pictures = self.options.frames * len(CAMERAS)
         # Some moments before the end: whoever is killed is to be at work.
         moments = sorted(random.sample(range(2, pictures - 3 * WORKERS), self.options.kills + 1))
@@ -229,7 +229,7 @@ def main() -> None:
     parser.add_argument("--split", choices=["frames", "samples"], default="frames")
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--kills", type=int, default=10)
-    parser.add_argument("--samples", type=int, default=125, help="samples a pixel: how long a frame takes")
+    parser.add_argument("--samples", type=int, default=125, help="samples per pixel: how long a frame takes")
     parser.add_argument("--seed", type=int, default=34)
     parser.add_argument("--limit-s", type=float, default=120, help="longest wait for a picture")
     options = parser.parse_args()

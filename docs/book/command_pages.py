@@ -29,8 +29,9 @@ def help_of(command: "list[str]") -> str:
 
 
 def subcommands(text: str) -> "list[str]":
-    listed = re.search(r"^Commands:\n(.*?)(?:\n\n|\Z)", text, re.DOTALL | re.MULTILINE)
-    names = re.findall(r"^  ([a-z][\w-]*)", listed[1], re.MULTILINE) if listed else []
+    # Those of the program itself come in groups with other headings.
+    listed = text.split("\nOptions:\n")[0].split("Usage: ")[-1]
+    names = re.findall(r"^  ([a-z][\w-]*)(?:  |$)", listed, re.MULTILINE)
     return [name for name in names if name != "help"]
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 # Where captures, data sets and sensors lie, those first that a reader is most likely to open.
-FILES = ["scenes/*/capture*.toml", "scenes/**/*.toml", "docs/theory/textbook/*.toml", "assets/sensors/*.toml", "crates/*/assets/sensors/*.toml",
+FILES = ["scenes/*/capture*.toml", "scenes/**/*.toml", "docs/theory/textbook/*.toml", "crates/*/assets/sensors/*.toml",
          "tests/**/*.toml"]
 PAGES = ["docs/guides/*.md", "docs/tutorials/*.md", "README.md", "docs/reference/examples.md"]
 FENCE = re.compile(r"^ *```(\w+)[^\n]*\n(.*?)^ *```$", re.DOTALL | re.MULTILINE)

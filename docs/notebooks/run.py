@@ -7,7 +7,7 @@
     run.py --write                  and keeps what they print and draw in their files
 
 A notebook fails where a cell raises an exception, or where one prints to standard error, as warnings do. Progress does too,
-and is let through; it is no part of what --write keeps, since its times differ from run to run. What --write keeps is small:
+and is let through; it is not a part of what --write keeps, since its times differ from run to run. What --write keeps is small:
 pictures have at most 100 KB, for which those with much noise become JPEG files, and all notebooks 1.5 MB.
 """
 

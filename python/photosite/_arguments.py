@@ -41,7 +41,7 @@ def path_of(name: str, value: object) -> str:
     try:
         os.fsencode(path)
     except UnicodeEncodeError:
-        raise invalid(name, f"{path!r} is no name that a file can have") from None
+        raise invalid(name, f"{path!r} is not a name that a file can have") from None
     return path
 
 
@@ -102,7 +102,7 @@ def assignments(keys: Mapping[str, Any], prefix: str = "") -> "list[str]":
         raise invalid("set", f"expected a dictionary of values by their keys, got {type(keys).__name__}")
     for key in keys:
         if not isinstance(cast(object, key), str) or not _KEY.fullmatch(key):
-            raise invalid("set", f"{key!r} is no key", 'write keys as in {"exposure.time_s": 0.02}')
+            raise invalid("set", f"{key!r} is not a key", 'write keys as in {"exposure.time_s": 0.02}')
     return [f"{prefix}{key}={toml(f'{prefix}{key}', value)}" for key, value in keys.items()]
 
 

@@ -116,7 +116,7 @@ def compare(
             of a, or the path of an EXR file whose channel ``variance.X``, or else ``X``, is that of ``X``; without, what
             the file of a says.
         variance_b: the same of b.
-        samples_a: samples a pixel whose second moments ``m2_X`` stand beside ``X`` in a, as of Mitsuba's integrator
+        samples_a: samples per pixel whose second moments ``m2_X`` stand beside ``X`` in a, as of Mitsuba's integrator
             ``moment``, in place of a variance.
         samples_b: the same of b.
         channels: compare these channels only; of a mosaic ``raw``, or ``R``, ``G``, ``B``.

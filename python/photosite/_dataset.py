@@ -366,7 +366,7 @@ class Dataset(Sequence[Frame]):
         """Writes ``manifest.jsonl``, calibration files and ``README.md``, as the command does at its end.
 
         Returns:
-            How many pictures are there.
+            How many pictures exist.
         """
         present, _ = self._compiled.write_index(os.fspath(self._folder))
         return present

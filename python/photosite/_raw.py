@@ -279,7 +279,7 @@ class Raw:
 
     @property
     def linearisation(self) -> "Optional[npt.NDArray[np.uint16]]":
-        """For each digital number one in proportion to light, the last for all beyond; None where they are linear."""
+        """For each digital number one proportional to light, the last for all beyond; None where they are linear."""
         table = self._known["linearisation"]
         return None if table is None else np.array(table, np.uint16)
 

@@ -38,7 +38,7 @@ def to_rerun(dataset: Union[Dataset, Path], path: Path, /) -> None:
 
     Raises:
         Error: rerun-sdk is not installed.
-        InputError: the folder holds no data set.
+        InputError: the folder does not contain a data set.
         FileError: a file cannot be read or written.
     """
     rerun = _rerun()

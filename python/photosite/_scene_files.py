@@ -51,14 +51,14 @@ class SceneFiles:
             entries = cast("Mapping[Any, Any]", value)
             for name in entries:
                 if not isinstance(name, str):
-                    raise invalid(path or "capture", f"a key is {name!r}, which is no text")
+                    raise invalid(path or "capture", f"a key is {name!r}, which is not text")
             join = f"{path}." if path else ""
             return {name: self.plain(item, f"{join}{name}", name) for name, item in entries.items()}
         if isinstance(value, (list, tuple)):
             elements = cast("Sequence[Any]", value)
             return [self.plain(item, f"{path}[{i}]") for i, item in enumerate(elements)]
         if isinstance(value, float) and not np.isfinite(value):
-            raise invalid(path, f"{value} is no number that a capture can hold")
+            raise invalid(path, f"{value} is not a number that a capture can hold")
         if isinstance(value, (bool, int, float, str)):
             return value
         if value is None:
@@ -116,7 +116,7 @@ class SceneFiles:
         known = {"positions", "triangles", "normals", "uvs", "material", "name"}
         unknown = sorted(set(mesh) - known)
         if unknown:
-            raise invalid(f"{path}.{unknown[0]}", "is no part of a mesh", f"its parts are {', '.join(sorted(known))}")
+            raise invalid(f"{path}.{unknown[0]}", "is not part of a mesh", f"its parts are {', '.join(sorted(known))}")
         for part in ("positions", "triangles"):
             if part not in mesh:
                 raise invalid(f"{path}.{part}", "is missing: a mesh is made of positions (N, 3) and triangles (M, 3)")

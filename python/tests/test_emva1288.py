@@ -46,7 +46,7 @@ def test_the_command_measures_the_same(command: Command, tmp_path: Path) -> None
     assert again[0].measured.dsnu_e.row == expected[0]["measured"]["dsnu_e"]["row"]
     descriptor = ps.emva1288_report(next((tmp_path / "theirs").rglob("emva1288.txt")))
     assert descriptor[0].expected is None and descriptor[0].measured == again[0].measured
-    with pytest.raises(ps.InputError, match="image sets already"):
+    with pytest.raises(ps.InputError, match="already contains image sets"):
         ps.emva1288("sony-imx249-mono", output=tmp_path / "ours", **SMALL)  # type: ignore[arg-type]
 
 

@@ -172,12 +172,12 @@ def test_places_that_cannot_be_used(file: Path, tmp_path: Path) -> None:
     dataset = ps.Dataset(file)
     ps.Dataset(file, set={"render.samples_per_pixel": 1}).run(tmp_path / "other", frames=[0], workers=1)
     before = contents(tmp_path / "other")
-    with pytest.raises(ps.InputError, match="holds another data set"):
+    with pytest.raises(ps.InputError, match="contains another data set"):
         dataset.run(tmp_path / "other")
     assert contents(tmp_path / "other") == before
     (tmp_path / "full").mkdir()
     (tmp_path / "full/letter.txt").write_text("dear")
-    with pytest.raises(ps.InputError, match="holds no data set"):
+    with pytest.raises(ps.InputError, match="does not contain a data set"):
         dataset.run(tmp_path / "full")
     with pytest.raises(ps.InputError, match="is a file"):
         dataset.run(file)
@@ -230,7 +230,7 @@ def test_a_machine_without_the_file(file: Path, tmp_path: Path) -> None:
 def test_a_machine_with_another_file(file: Path, tmp_path: Path) -> None:
     dataset = ps.Dataset(file)
     file.write_text(file.read_text().replace("seed = 1", "seed = 2"))
-    with pytest.raises(ps.InputError, match="holds another data set"):
+    with pytest.raises(ps.InputError, match="contains another data set"):
         dataset.run(tmp_path / "out", workers=1)
 
 
@@ -316,9 +316,9 @@ class TestStores:
     def test_stores_that_cannot_be_used(self, file: Path, tmp_path: Path) -> None:
         url = f"file://{tmp_path}/store"
         ps.Dataset(file, set={"render.samples_per_pixel": 1}).run(url, frames=[0], workers=1)
-        with pytest.raises(ps.InputError, match="file://.*/store holds another data set"):
+        with pytest.raises(ps.InputError, match="file://.*/store contains another data set"):
             ps.Dataset(file).run(url)
-        with pytest.raises(ps.InputError, match="holds no data set"):
+        with pytest.raises(ps.InputError, match="does not contain a data set"):
             ps.Dataset(file).run(f"file://{tmp_path}")
         with pytest.raises(ps.InputError, match="no store that fsspec knows"):
             ps.Dataset(file).run("nowhere://set")

@@ -223,7 +223,7 @@ def test_ctrl_c_leaves_a_checkpoint_from_which_the_same_call_goes_on(
     time.sleep(0.3)
     process.send_signal(signal.SIGINT)
     out, _ = process.communicate(timeout=60)
-    assert out.startswith("stopped: give the same command again, and it goes on from") and process.returncode == 0
+    assert out.startswith("stopped: run the same command again, and it continues from") and process.returncode == 0
     assert list(place.glob("checkpoint*"))
 
     # What was kept is what was traced: a short render of the same samples goes on, and gives what one at a stretch does.

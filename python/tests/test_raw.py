@@ -182,7 +182,7 @@ def test_raw_of_an_array() -> None:
 @pytest.mark.parametrize("name", ["missing.dng", "folder", "text.dng", "empty.dng", "half.dng"])
 def test_files_that_are_none(rendered: Path, tmp_path: Path, name: str) -> None:
     (tmp_path / "folder").mkdir()
-    (tmp_path / "text.dng").write_text("no raw file")
+    (tmp_path / "text.dng").write_text("not a raw file")
     (tmp_path / "empty.dng").write_bytes(b"")
     whole = (rendered / "raw.dng").read_bytes()
     (tmp_path / "half.dng").write_bytes(whole[: len(whole) // 2])

@@ -13,7 +13,7 @@ COLUMNS, ROWS = 6, 4
 WALL = 3000.0
 
 HERE = Path(__file__).resolve().parent
-SPECTRA = HERE.parents[1] / "assets" / "spectra"
+SPECTRA = HERE.parents[1] / "crates" / "photosite-core" / "assets" / "spectra"
 NAMES = sorted(path.stem for path in (SPECTRA / "colour-checker").glob("*.csv"))
 
 

@@ -58,7 +58,7 @@ fn shift_warning(kernels: &[(DVec2, Kernel)], pixel_pitch_m: [f64; 2]) -> Option
     let place = parts.into_iter().flatten().collect::<Vec<_>>().join(" and ");
     (shift.length() > SEEN_SHIFT_PX).then(|| {
         format!(
-            "lens.psf: the light of kernels[{number}] is in the mean {place} its middle, and shifts the picture by as much against ground truth; write origin = \"centroid\" for a picture \
+            "lens.psf: the light of kernels[{number}] is on average {place} its middle, which shifts the picture by as much relative to ground truth; write origin = \"centroid\" for a picture \
              that stays in its place, or origin = \"centre\" if this is meant"
         )
     })
@@ -69,12 +69,12 @@ fn measured(finder: &Finder<'_>, file: &str, pitch_m: f64) -> Result<Kernel, Inv
     let path = finder.path(file).map_err(|invalid| invalid.within("file"))?;
     let wrong = |message: String| Invalid::new("file", format!("{}: {message}", path.display()));
     let text = input::read_text(&path, input::TABLE_BYTES).map_err(|reason| {
-        wrong(format!("cannot be read: {reason}")).help("paths are relative to the file that they are written in")
+        wrong(format!("cannot be read: {reason}")).help("paths are relative to the file that contains them")
     })?;
     let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.split('#').next().unwrap_or_default().trim()));
     let row = |(number, line): (usize, &str)| {
         let values: Result<Vec<f32>, _> = line.split(',').map(|value| value.trim().parse()).collect();
-        values.map_err(|_| wrong(format!("line {number} is no row of numbers: {line}")).help("write 0.1, 0.5, 0.1"))
+        values.map_err(|_| wrong(format!("line {number} is not a row of numbers: {line}")).help("write 0.1, 0.5, 0.1"))
     };
     let rows = lines.filter(|(_, line)| !line.is_empty()).map(row).collect::<Result<Vec<_>, _>>()?;
     Kernel::new(&rows, pitch_m).map_err(|invalid| Invalid {

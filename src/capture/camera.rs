@@ -91,7 +91,7 @@ fn pose(table: &CameraTable, cameras: &[CameraDescription]) -> Result<Option<Pos
             ("up", table.up.is_some()),
         ] {
             if is_given {
-                return Err(Invalid::new(key, "cannot go with gltf_camera").help("remove one of them"));
+                return Err(Invalid::new(key, "cannot be combined with gltf_camera").help("remove one of them"));
             }
         }
         let names = || cameras.iter().map(|camera| camera.name.as_str());

@@ -60,7 +60,7 @@ impl<'a> Finder<'a> {
         let path = self.path(file)?;
         let text = input::read_text(&path, input::TABLE_BYTES).map_err(|source| {
             Invalid::new("", format!("cannot read {}: {source}", path.display()))
-                .help("paths are relative to the file that they are written in")
+                .help("paths are relative to the file that contains them")
         })?;
         SpectralTable::parse(&text, outside).map_err(|error| in_csv(&path, error.into()))
     }
@@ -93,12 +93,27 @@ impl<'a> Finder<'a> {
 
     /// What part of the light a surface reflects, and the texture that scales it.
     pub(super) fn reflectance(&mut self, source: &ReflectanceSource) -> Result<TexturedColour, Invalid> {
+        self.part_of_light(source, library::reflectances)
+    }
+
+    /// What part of the light a surface lets through, likewise.
+    pub(super) fn transmittance(&mut self, source: &ReflectanceSource) -> Result<TexturedColour, Invalid> {
+        self.part_of_light(source, library::transmittances)
+    }
+
+    /// A part of the light; names are those of the library that `known` gives.
+    fn part_of_light<N: Iterator<Item = &'static str>>(
+        &mut self,
+        source: &ReflectanceSource,
+        known: impl Fn() -> N,
+    ) -> Result<TexturedColour, Invalid> {
         let colour = match source {
             ReflectanceSource::Number(value) => Colour::Spectrum(self.fraction(&SpectrumSource::Number(*value))?),
             ReflectanceSource::File(curve) => Colour::Spectrum(self.fraction(&SpectrumSource::File(curve.clone()))?),
-            ReflectanceSource::Name(name) => Colour::Spectrum(
-                library::reflectance(name).ok_or_else(|| unknown_spectrum(name, library::reflectances))?,
-            ),
+            ReflectanceSource::Name(name) => {
+                let found = known().find(|known| known.eq_ignore_ascii_case(name)).and_then(library::spectrum);
+                Colour::Spectrum(found.ok_or_else(|| unknown_spectrum(name, known))?)
+            }
             ReflectanceSource::Rgb(rgb) => Colour::Rgb(decoded(unit_rgb(*rgb)?)),
             ReflectanceSource::Linear(linear) => {
                 Colour::Rgb(unit_rgb(linear.linear_rgb).map_err(|e| e.within("linear_rgb"))?.map(|c| c as f32))
@@ -149,7 +164,7 @@ impl<'a> Finder<'a> {
         ];
         let given: Vec<&str> = given.iter().filter(|(_, is_given)| *is_given).map(|(key, _)| *key).collect();
         if let [first, second, ..] = given[..] {
-            return Err(Invalid::new(second, format!("cannot go with {first}"))
+            return Err(Invalid::new(second, format!("cannot be combined with {first}"))
                 .help("a light has one colour: keep one of them"));
         }
         if let Some(spectrum) = keys.spectrum {
@@ -171,7 +186,7 @@ impl<'a> Finder<'a> {
             let names: Vec<String> = illuminant::names().collect();
             let names = names.iter().map(String::as_str);
             Invalid::new("illuminant", format!("there is no illuminant {name:?}{}", did_you_mean(name, names.clone())))
-                .help(format!("known are {}, daylight as D40–D250 and blackbodies as 3000K", list(name, names)))
+                .help(format!("known names are {}, daylight as D40–D250 and blackbodies as 3000K", list(name, names)))
         })?;
         // Of the named lights, blackbodies alone are physical; all others are tables relative to 560 nm.
         let is_absolute = name.to_ascii_lowercase().ends_with('k');
@@ -187,7 +202,7 @@ fn in_csv(path: &Path, invalid: Invalid) -> Invalid {
 fn unknown_spectrum<N: Iterator<Item = &'static str>>(name: &str, names: impl Fn() -> N) -> Invalid {
     let message = format!("photosite has no spectrum called {name:?} of this kind{}", did_you_mean(name, names()));
     Invalid::new("", message)
-        .help(format!("known are {}; a file is written as {{ file = \"{name}.csv\" }}", list(name, names())))
+        .help(format!("known names are {}; write a file as {{ file = \"{name}.csv\" }}", list(name, names())))
 }
 
 /// A number 0–1.

@@ -1,6 +1,6 @@
 //! Data set files, with the errors of capture files: every one names the file, the key and its line.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::file_kind::FileKind;
 use super::source::CaptureSource;
@@ -23,6 +23,11 @@ impl DatasetFile {
     /// Where it was read from.
     pub fn path(&self) -> &Path {
         self.source.path()
+    }
+
+    /// The capture that all frames are made from.
+    pub fn capture(&self) -> PathBuf {
+        self.path().parent().unwrap_or(Path::new("")).join(&self.description.capture)
     }
 
     /// Reads a data set file.

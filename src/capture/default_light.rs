@@ -24,9 +24,12 @@ const TURBIDITY: f64 = 3.0;
 /// What automatic exposure aims at, a part of saturation.
 const MEAN: f64 = 0.2;
 
-/// Gives a capture this light, unless it has an environment; the ground comes with the sky.
+/// Gives a capture this light, unless it has an environment; the ground comes with the sky. Where an override changes
+/// keys of the sky without a place for the sun, the others are those of this light.
 pub(super) fn set(source: &mut CaptureSource, scene: &SceneDescription) {
-    if source.has("scene.environment") {
+    const SKY: &str = "scene.environment.sky";
+    let places_sun = ["sun_elevation_deg", "date_time"].iter().any(|key| source.has(&format!("{SKY}.{key}")));
+    if source.has("scene.environment") && (places_sun || !source.has(SKY)) {
         return;
     }
     let sky = json!({
@@ -35,7 +38,11 @@ pub(super) fn set(source: &mut CaptureSource, scene: &SceneDescription) {
         "turbidity": TURBIDITY,
         "ground_albedo": GROUND_REFLECTANCE,
     });
-    source.set_default("scene", "environment", &json!({ "sky": sky }));
+    if source.has(SKY) {
+        source.complete(&["scene", "environment", "sky"], &sky);
+    } else {
+        source.set_default("scene", "environment", &json!({ "sky": sky }));
+    }
     if !source.has("scene.backdrop") {
         source.set_default("scene", "ground", &json!({ "reflectance": GROUND_REFLECTANCE }));
     }

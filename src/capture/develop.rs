@@ -35,7 +35,7 @@ fn refuse_other_tables(argument: &str) -> Result<()> {
     }
     let keys = keys();
     let (message, help) = if SECTIONS.contains(&key) {
-        (format!("[{key}] has no part in development"), Help::from("the keys here begin with develop."))
+        (format!("[{key}] does not affect development"), Help::from("the keys here begin with develop."))
     } else if keys.contains(&key.to_owned()) {
         ("the key stands in the table [develop]".to_owned(), Remedy::Override(format!("develop.{argument}")).into())
     } else {

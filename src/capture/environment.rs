@@ -40,7 +40,7 @@ pub(super) fn describe_environment(
         EnvironmentSource::Table(table) => match (&table.sky, &table.image) {
             (Some(conditions), _) => {
                 if let Some((key, _)) = table.beside_sky().into_iter().find(|(_, is_given)| *is_given) {
-                    let message = "cannot go with sky, whose light has a colour and a level of its own";
+                    let message = "cannot be combined with sky, whose light has a colour and a level of its own";
                     return Err(Invalid::new(key, message).help("remove one of them"));
                 }
                 sky(conditions).map(EnvironmentDescription::Sky).map(Some).map_err(|invalid| invalid.within("sky"))
@@ -63,13 +63,15 @@ fn constant(finder: &Finder<'_>, table: &EnvironmentTable) -> Result<Environment
         [("rotation_deg", table.rotation_deg.is_some()), ("nit_per_unit", table.nit_per_unit.is_some())]
     {
         if is_given {
-            return Err(Invalid::new(key, "goes only with an image").help("remove it, or give image = \"sky.hdr\""));
+            return Err(Invalid::new(key, "only applies with an image").help("remove it, or give image = \"sky.hdr\""));
         }
     }
     // A plane that looks into the same luminance L everywhere receives E = πL.
     let level = match (table.luminance_nit, table.illuminance_lux) {
         (Some(_), Some(_)) => {
-            return Err(Invalid::new("illuminance_lux", "cannot go with luminance_nit").help("keep one of them"));
+            return Err(
+                Invalid::new("illuminance_lux", "cannot be combined with luminance_nit").help("keep one of them")
+            );
         }
         (Some(nit), None) => Some(("luminance_nit", nit)),
         (None, Some(lux)) => Some(("illuminance_lux", lux / PI)),
@@ -93,14 +95,15 @@ fn picture(
         ("luminance_nit", table.luminance_nit.is_some()),
     ] {
         if is_given {
-            return Err(
-                Invalid::new(key, "cannot go with image").help("a picture has colours of its own; remove one of them")
-            );
+            return Err(Invalid::new(key, "cannot be combined with image")
+                .help("a picture has colours of its own; remove one of them"));
         }
     }
     let level = match (table.nit_per_unit, table.illuminance_lux) {
         (Some(_), Some(_)) => {
-            return Err(Invalid::new("illuminance_lux", "cannot go with nit_per_unit").help("keep one of them"));
+            return Err(
+                Invalid::new("illuminance_lux", "cannot be combined with nit_per_unit").help("keep one of them")
+            );
         }
         (Some(nit), None) => PictureLevel::NitPerUnit(positive("nit_per_unit", nit)?),
         (None, Some(lux)) => PictureLevel::HorizontalLux(positive("illuminance_lux", lux)?),
@@ -132,16 +135,15 @@ fn sky(table: &SkyTable) -> Result<SkyConditions, Invalid> {
         (Some(_), None) if table.sun_azimuth_deg.is_none() => sun_by_date(table)?,
         (Some(_), _) => {
             let key = if table.sun_elevation_deg.is_some() { "sun_elevation_deg" } else { "sun_azimuth_deg" };
-            return Err(
-                Invalid::new(key, "cannot go with date_time, which says where the sun is").help("remove one of them")
-            );
+            return Err(Invalid::new(key, "cannot be combined with date_time, which says where the sun is")
+                .help("remove one of them"));
         }
         (None, Some(elevation)) => {
             for (key, is_given) in
                 [("latitude_deg", table.latitude_deg.is_some()), ("longitude_deg", table.longitude_deg.is_some())]
             {
                 if is_given {
-                    return Err(Invalid::new(key, "goes only with date_time").help("remove it, or give date_time"));
+                    return Err(Invalid::new(key, "only applies with date_time").help("remove it, or give date_time"));
                 }
             }
             [elevation, table.sun_azimuth_deg.unwrap_or(0.0)]
@@ -183,7 +185,7 @@ fn sun_by_date(table: &SkyTable) -> Result<[f64; 2], Invalid> {
     let elevation = sun.apparent_elevation_deg();
     if elevation < 0.0 {
         let message = format!("is at night: the sun is {:.1} degrees below the horizon", -elevation);
-        return Err(Invalid::new("date_time", message).help("the model of the sky is one by day; choose another hour"));
+        return Err(Invalid::new("date_time", message).help("the sky model only covers daytime; choose another hour"));
     }
     Ok([elevation, sun.azimuth_deg])
 }
@@ -194,7 +196,7 @@ fn days_after_2000(text: &str) -> Result<f64, Invalid> {
         let message = format!("{text:?} {what}");
         Err(Invalid::new("", message).help("for example 2026-06-21T12:00:00+02:00, or …Z for Universal Time"))
     };
-    let Ok(Datetime { date, time, offset }) = text.parse::<Datetime>() else { return bad("is no date and time") };
+    let Ok(Datetime { date, time, offset }) = text.parse::<Datetime>() else { return bad("is not a date and time") };
     let (Some(date), Some(time)) = (date, time) else { return bad("needs a date and a time") };
     let minutes_east = match offset {
         Some(Offset::Z) => 0,

@@ -50,7 +50,7 @@ impl ExposureSettings {
     /// What is to be said of settings that change nothing.
     pub fn warning(&self) -> Option<String> {
         let is_idle = self.gain_control.is_some() && self.frames == 1;
-        is_idle.then(|| "exposure.gain_control: acts from one picture to the next, and exposure.frames is 1".to_owned())
+        is_idle.then(|| "exposure.gain_control: acts from one picture to the next, but exposure.frames is 1".to_owned())
     }
 
     /// An exposure of this time.
@@ -123,11 +123,11 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
     let time_s = table.time_s.or(bracket.as_ref().and_then(Bracket::middle).map(|time| time.0));
     let time = match (time_s, table.auto) {
         (Some(_), Some(true)) => {
-            return Err(Invalid::new("auto", "cannot go with time_s").help("keep one of them"));
+            return Err(Invalid::new("auto", "cannot be combined with time_s").help("keep one of them"));
         }
         (Some(time), None | Some(false)) => ExposureTime::Fixed(Seconds(time)),
         (None, Some(false)) => {
-            return Err(Invalid::new("auto", "is off, and there is no time").help("for example time_s = 0.01"));
+            return Err(Invalid::new("auto", "is off, but no time is given").help("for example time_s = 0.01"));
         }
         (None, None | Some(true)) => ExposureTime::Auto(auto_exposure(table, sensor, gain.0 + digital_gain.0)?),
     };
@@ -140,7 +140,7 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
         ("compensation_ev", table.compensation_ev),
     ];
     if let (ExposureTime::Fixed(_), Some((key, _))) = (time, of_automatic.iter().find(|(_, value)| value.is_some())) {
-        return Err(Invalid::new(*key, "goes only with automatic exposure").help("remove it, or remove time_s"));
+        return Err(Invalid::new(*key, "only applies with automatic exposure").help("remove it, or remove time_s"));
     }
     let settings = ExposureSettings {
         time,
@@ -160,11 +160,13 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
             (matches!(settings.time, ExposureTime::Auto(_)), "automatic exposure: write time_s"),
         ];
         if let Some((_, clash)) = clashes.iter().find(|(is_there, _)| *is_there) {
-            return Err(Invalid::new("gain_control", format!("cannot go with {clash}")).help("keep one of them"));
+            return Err(
+                Invalid::new("gain_control", format!("cannot be combined with {clash}")).help("keep one of them")
+            );
         }
     }
     if settings.bracket.is_some() && settings.frames != 1 {
-        let message = "cannot go with a bracket, whose pictures are a series already";
+        let message = "cannot be combined with a bracket, whose pictures are a series already";
         return Err(Invalid::new("frames", message).help("remove it, or the bracket"));
     }
     if settings.frames == 0 {
@@ -188,7 +190,9 @@ pub(super) fn exposure(table: &ExposureTable, sensor: &SensorModel) -> Result<Ex
             Bracket::Steps(_) => "bracket_ev",
             Bracket::Times(_) => "bracket_times_s",
         };
-        return Err(Invalid::new(key, "has no use for a logarithmic sensor").help("it sees the whole range at once"));
+        return Err(
+            Invalid::new(key, "is of no use with a logarithmic sensor").help("it captures the whole range at once")
+        );
     }
     Ok(settings)
 }
@@ -199,13 +203,13 @@ fn bracket(table: &ExposureTable, sensor: &SensorModel) -> Result<Option<Bracket
     let (key, values, example) = match (&table.bracket_ev, &table.bracket_times_s) {
         (None, None) => return Ok(None),
         (Some(_), Some(_)) => {
-            return Err(Invalid::new("bracket_times_s", "cannot go with bracket_ev").help("keep one of them"));
+            return Err(Invalid::new("bracket_times_s", "cannot be combined with bracket_ev").help("keep one of them"));
         }
         (Some(steps), None) => ("bracket_ev", steps, "[-4, 0, 4]"),
         (None, Some(times)) => ("bracket_times_s", times, "[0.001, 0.016]"),
     };
     if sensor.architecture.spad().is_some() {
-        let message = format!("sensor {} counts photons, and its counts are not in proportion to light", sensor.name);
+        let message = format!("sensor {} counts photons, and its counts are not proportional to light", sensor.name);
         return Err(Invalid::new(key, message).help("remove it, or write frames"));
     }
     let wrong = |message: String| Invalid::new(key, message).help(format!("for example {key} = {example}"));
@@ -216,7 +220,7 @@ fn bracket(table: &ExposureTable, sensor: &SensorModel) -> Result<Option<Bracket
         return Err(wrong(format!("must be finite numbers, got {value}")));
     }
     if let Some((_, twice)) = values.iter().enumerate().find(|(i, value)| values[..*i].contains(value)) {
-        return Err(wrong(format!("has {twice} twice")));
+        return Err(wrong(format!("contains {twice} twice")));
     }
     if table.bracket_ev.is_some() {
         return Ok(Some(Bracket::Steps(values.clone())));
@@ -226,7 +230,9 @@ fn bracket(table: &ExposureTable, sensor: &SensorModel) -> Result<Option<Bracket
     }
     let clash = [("time_s", table.time_s.is_some()), ("auto", table.auto == Some(true))];
     if let Some((other, _)) = clash.iter().find(|(_, is_given)| *is_given) {
-        return Err(Invalid::new(key, format!("cannot go with {other}")).help("keep one of them, or write bracket_ev"));
+        return Err(
+            Invalid::new(key, format!("cannot be combined with {other}")).help("keep one of them, or write bracket_ev")
+        );
     }
     Ok(Some(Bracket::Times(values.iter().copied().map(Seconds).collect())))
 }
@@ -240,7 +246,7 @@ fn gains(table: &ExposureTable, sensor: &SensorModel, binning: Binning) -> Resul
     };
     let explicit = [("gain_db", table.gain_db), ("digital_gain_db", table.digital_gain_db)];
     if let Some((key, _)) = explicit.iter().find(|(_, value)| value.is_some()) {
-        return Err(Invalid::new("iso", format!("cannot go with {key}")).help("keep one of them"));
+        return Err(Invalid::new("iso", format!("cannot be combined with {key}")).help("keep one of them"));
     }
     sensor.gains_for_iso(iso, binning)
 }
@@ -276,7 +282,9 @@ fn stages(table: &ExposureTable) -> Result<Stages, Invalid> {
         (None, None) => Ok(Stages::ALL),
         (Some(on), None) => Ok(Stages::only(on)),
         (None, Some(off)) => Ok(off.iter().fold(Stages::ALL, |stages, &stage| stages.without(stage))),
-        (Some(_), Some(_)) => Err(Invalid::new("stages_off", "cannot go with stages").help("keep one of them")),
+        (Some(_), Some(_)) => {
+            Err(Invalid::new("stages_off", "cannot be combined with stages").help("keep one of them"))
+        }
     }
 }
 
@@ -311,7 +319,7 @@ fn metering(table: &ExposureTable) -> Result<Metering, Invalid> {
     if let Some(mean) = table.auto_mean {
         let others = [("auto_target", table.auto_target), ("auto_brighter_part", table.auto_brighter_part)];
         if let Some((key, _)) = others.iter().find(|(_, value)| value.is_some()) {
-            return Err(Invalid::new("auto_mean", format!("cannot go with {key}")).help("keep one of them"));
+            return Err(Invalid::new("auto_mean", format!("cannot be combined with {key}")).help("keep one of them"));
         }
         if !(mean > 0.0 && mean < 1.0) {
             let message = format!("must lie between 0 and 1, got {mean}");

@@ -159,11 +159,11 @@ pub(super) fn unit_warning(scene: &SceneDescription, source: &CaptureSource) -> 
     let [x, y, z] = size.to_array().map(|m| rounded(m, 3));
     match assumed {
         Some(FileUnit { file, .. }) if longest > LONGEST_M => Some(format!(
-            "the scene is {x} × {y} × {z} m large, as {file} states no unit and is taken to be in metres: write {key} = 0.001 \
-             for millimetres, 0.01 for centimetres, 0.0254 for inches, or 1 if it is right"
+            "the scene is {x} × {y} × {z} m in size, as {file} states no unit and is taken to be in metres: write {key} = 0.001 \
+             for millimetres, 0.01 for centimetres, 0.0254 for inches, or 1 if this is right"
         )),
         None if longest > LONGEST_OF_GLTF_M && is_scene_file(source.path()) => Some(format!(
-            "the scene is {x} × {y} × {z} m large, as glTF is in metres: if it is not, export it in metres"
+            "the scene is {x} × {y} × {z} m in size, as glTF is in metres: if it is not, export it in metres"
         )),
         Some(_) | None => None,
     }

@@ -106,7 +106,7 @@ impl FileKind {
 
     /// What is wrong with such a file where `wanted` is.
     pub(super) fn refusal(self, wanted: &str, path: &Path) -> Invalid {
-        Invalid::new("", format!("is {}, and {wanted} is wanted here", self.name())).help(self.command(path))
+        Invalid::new("", format!("is {}, and {wanted} is expected here", self.name())).help(self.command(path))
     }
 
     /// The error of such a file where `wanted` is.

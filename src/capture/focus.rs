@@ -50,7 +50,7 @@ pub(super) fn focus(
         return Ok(Focus::Infinity);
     }
     if let (Some(first), Some(second)) = (first, second) {
-        return Err(Invalid::new(second, format!("cannot go with {first}")).help("keep one of them"));
+        return Err(Invalid::new(second, format!("cannot be combined with {first}")).help("keep one of them"));
     }
     let method = method(table.autofocus.as_ref()).map_err(|invalid| invalid.within("autofocus"))?;
     if kind == LensKind::Prescription && method != AutofocusMethod::Exact {

@@ -40,14 +40,14 @@ pub struct InitialCapture {
 /// A file that is no scene, or that cannot be rendered.
 pub fn initial_capture(sandbox: &Sandbox, path: &Path, folder: &Path) -> Result<InitialCapture> {
     if !is_scene_file(path) {
-        let invalid = Invalid::new("", "is no scene file");
+        let invalid = Invalid::new("", "is not a scene file");
         return Err(invalid.help("give a model (.gltf, .glb, .obj); a capture file needs no other").in_file(path));
     }
     let capture = Capture::load_within(sandbox, path, &[])?;
     let mut warnings = capture.warnings();
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let mut text = format!(
-        "# {name}, as `photosite render` shows it without a capture file: the same pictures, byte by byte.\n\
+        "# {name}, as `photosite render` shows it without a capture file: the same pictures, byte for byte.\n\
          # Whatever is left out takes its default; `photosite schema` lists all keys.\n"
     );
     let mut section = |lines: String| text += &lines;
@@ -97,7 +97,7 @@ fn scene(capture: &Capture, geometry: &str, warnings: &mut Vec<String>) -> Resul
         let size = format!("{x} × {y} × {z} m");
         table.key("meters_per_unit", "1.0", &format!("0.001 for millimetres; with 1, all is {size} large"));
         warnings.push(format!(
-            "{geometry} does not say in which unit it is: metres are assumed, so that all is {size} large; write \
+            "{geometry} does not say in which unit it is: metres are assumed, so everything is {size} in size; write \
              meters_per_unit = 0.001 if it is in millimetres"
         ));
     }
@@ -179,7 +179,7 @@ fn exposure(capture: &Capture) -> Result<String> {
             table.other("auto_mean", "0.2", "in place of keeping bright parts below saturation: the picture's mean")
         }
     }
-    table.key("max_time_s", format!("{LONGEST_AUTO_S:?}"), "longer the time does not get; the gain rises instead");
+    table.key("max_time_s", format!("{LONGEST_AUTO_S:?}"), "the longest time; beyond it the gain rises instead");
     table.other("compensation_ev", "1.0", "twice as bright as that");
     table.other("time_s", "0.01", "in place of all of this: a time of your own");
     Ok(table.0)

@@ -33,8 +33,8 @@ impl Changes {
             ("metallic", metallic.is_none_or(|value| set_metallic(model, value))),
         ] {
             if !is_done {
-                let message = "is nothing that this material has, as the geometry describes it";
-                let help = "describe it anew, for example with type = \"metallic-roughness\"";
+                let message = "is not a key of this material as the geometry describes it";
+                let help = "describe it again, for example with type = \"metallic-roughness\"";
                 return Err(Invalid::new(key, message).help(help));
             }
         }

@@ -65,18 +65,18 @@ pub(super) fn describe_lens(
     for (key, is_given) in [("focal_length_mm", table.focal_length_mm.is_some()), ("intrinsics", intrinsics.is_some())]
     {
         if ground.is_some() && is_given {
-            let message = "cannot go with lensmaker, whose focal length follows from its surfaces";
+            let message = "cannot be combined with lensmaker, whose focal length follows from its surfaces";
             return Err(Invalid::new(key, message).help("keep one of them"));
         }
     }
     let hole_distance_mm = table.image_distance_mm.filter(|_| kind == LensKind::Hole);
     if hole_distance_mm.is_some() && table.focal_length_mm.is_some() {
-        let message = "cannot go with focal_length_mm, which is the same of a hole";
+        let message = "cannot be combined with focal_length_mm, which is the same of a hole";
         return Err(Invalid::new("image_distance_mm", message).help("keep one of them"));
     }
     let first_order = prescribed.as_ref().map(Prescribed::first_order);
     if prescribed.is_some() && image_distance_m.is_some() {
-        let message = "cannot go with lens.prescription: what it sees follows from its glass and the sensor";
+        let message = "cannot be combined with lens.prescription: what it sees follows from its glass and the sensor";
         return Err(
             Invalid::new("horizontal_fov_deg", message).help("write focal_length_mm of a zoom, or another sensor")
         );
@@ -163,7 +163,7 @@ pub(super) fn image_distance_of_field(table: &LensTable, sensor: &SensorModel) -
         ("image_distance_mm", table.image_distance_mm.is_some()),
     ] {
         if is_given {
-            let message = format!("cannot go with {key}, which says what the lens sees");
+            let message = format!("cannot be combined with {key}, which says what the lens sees");
             return Err(Invalid::new(KEY, message).help("keep one of them"));
         }
     }
@@ -203,7 +203,9 @@ fn f_number(
     /// Where the eye sees best, m.
     const LAMBDA_M: f64 = 550e-9;
     match (table.f_number, table.diameter_mm, kind) {
-        (Some(_), Some(_), _) => Err(Invalid::new("diameter_mm", "cannot go with f_number").help("keep one of them")),
+        (Some(_), Some(_), _) => {
+            Err(Invalid::new("diameter_mm", "cannot be combined with f_number").help("keep one of them"))
+        }
         (Some(f_number), None, _) => Ok(f_number),
         (None, Some(mm), _) => Ok(focal_length_m.abs() * 1e3 / positive_number("diameter_mm", mm, "0.3")?),
         (None, None, LensKind::Hole) if focal_length_m > 0.0 => Ok((focal_length_m / (2.44 * LAMBDA_M)).sqrt()),

@@ -25,7 +25,7 @@ pub(super) fn supplementary_lens(
     ];
     let mut names = given.iter().filter(|(_, is_given)| *is_given).map(|(name, _)| *name);
     if let (Some(first), Some(second)) = (names.next(), names.next()) {
-        return Err(Invalid::new(second, format!("cannot go with {first}")).help("keep one of them"));
+        return Err(Invalid::new(second, format!("cannot be combined with {first}")).help("keep one of them"));
     }
     let of_glass = [
         ("thickness_mm", table.thickness_mm.is_some()),
@@ -34,7 +34,7 @@ pub(super) fn supplementary_lens(
         ("abbe_number", glass.abbe.is_some()),
     ];
     if let (None, Some((key, _))) = (&table.radii_mm, of_glass.iter().find(|(_, is_given)| *is_given)) {
-        return Err(Invalid::new(*key, "goes only with radii_mm").help("write radii_mm = [R1, R2], or remove it"));
+        return Err(Invalid::new(*key, "only applies with radii_mm").help("write radii_mm = [R1, R2], or remove it"));
     }
     let power = match (table.power_dpt, table.focal_length_mm, &table.radii_mm) {
         (Some(power), ..) => Power::Constant(power),

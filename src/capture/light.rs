@@ -57,7 +57,7 @@ fn profile(
     let measured = read_ies(&path).map_err(|error| Invalid::new("file", error.to_string()))?;
     let direction = match (table.direction, table.look_at_m, table.position_m) {
         (Some(_), Some(_), _) => {
-            return Err(Invalid::new("look_at_m", "cannot go with direction").help("keep one of them"));
+            return Err(Invalid::new("look_at_m", "cannot be combined with direction").help("keep one of them"));
         }
         (Some(direction), None, _) => Some(("direction", vector("direction", direction)?)),
         (None, Some(target), Some(position)) => {
@@ -73,13 +73,13 @@ fn profile(
         }
         (None, Some(name)) => {
             if let Some((key, _)) = direction {
-                return Err(Invalid::new(key, "cannot go with gltf_light").help("remove one of them"));
+                return Err(Invalid::new(key, "cannot be combined with gltf_light").help("remove one of them"));
             }
             let light = named("gltf_light", "light", name, lights, |light| &light.name)?;
             (light.to_world, light.later.clone())
         }
         (Some(_), Some(_)) => {
-            return Err(Invalid::new("position_m", "cannot go with gltf_light").help("remove one of them"));
+            return Err(Invalid::new("position_m", "cannot be combined with gltf_light").help("remove one of them"));
         }
         (None, None) => return Err(Invalid::new("", "needs position_m or gltf_light")),
     };
@@ -118,7 +118,9 @@ fn projector(
     let (to_world, later) = match (of_file, table.position_m, table.look_at_m) {
         (Some(camera), None, None) => (camera.to_world, camera.later.clone()),
         (Some(_), _, _) => {
-            return Err(Invalid::new("gltf_camera", "cannot go with position_m or look_at_m").help("remove them"));
+            return Err(
+                Invalid::new("gltf_camera", "cannot be combined with position_m or look_at_m").help("remove them")
+            );
         }
         (None, Some(position), Some(target)) => (looking(position, target, table.up)?, Vec::new()),
         (None, _, _) => {
@@ -133,7 +135,7 @@ fn projector(
         }
         (None, None, Some(camera)) => [height / 2.0 / (camera.vertical_fov_rad / 2.0).tan(); 2],
         (Some(_), Some(_), _) => {
-            let invalid = Invalid::new("focal_length_px", "cannot go with horizontal_fov_deg");
+            let invalid = Invalid::new("focal_length_px", "cannot be combined with horizontal_fov_deg");
             return Err(invalid.help("keep one of them"));
         }
         (None, None, None) => {
@@ -274,7 +276,7 @@ fn flux(finder: &Finder<'_>, table: &GaussianBeamTable) -> Result<EmissionDescri
             let colour = Colour::Spectrum(shape.scale(not_negative("power_w", power_w)? / per_watt));
             Ok(EmissionDescription { colour, level: None, texture: None })
         }
-        (Some(_), Some(_)) => Err(Invalid::new("power_w", "cannot go with flux_lm").help("keep one of them")),
+        (Some(_), Some(_)) => Err(Invalid::new("power_w", "cannot be combined with flux_lm").help("keep one of them")),
         (None, None) => Err(Invalid::new("", "needs flux_lm or power_w").help("for example power_w = 0.001")),
     }
 }
@@ -288,7 +290,9 @@ fn aim(
     match (direction, look_at_m) {
         (Some(direction), None) => Ok(("direction", vector("direction", direction)?)),
         (None, Some(target)) => Ok(("look_at_m", vector("look_at_m", target)? - position)),
-        (Some(_), Some(_)) => Err(Invalid::new("look_at_m", "cannot go with direction").help("keep one of them")),
+        (Some(_), Some(_)) => {
+            Err(Invalid::new("look_at_m", "cannot be combined with direction").help("keep one of them"))
+        }
         (None, None) => {
             Err(Invalid::new("", "needs look_at_m or direction").help("for example direction = [0, -1, 0]"))
         }

@@ -151,7 +151,8 @@ fn metal(finder: &Finder<'_>, source: &MetalSource) -> Result<(Spectrum, Spectru
             Some(metal) => Ok((metal.eta, metal.k)),
             None => {
                 let message = format!("photosite has no metal {name:?}{}", did_you_mean(name, library::conductors()));
-                let help = format!("known are {}; or give {{ file = \"n-k.csv\" }}", list(name, library::conductors()));
+                let help =
+                    format!("known names are {}; or give {{ file = \"n-k.csv\" }}", list(name, library::conductors()));
                 Err(Invalid::new("", message).help(help))
             }
         },
@@ -183,10 +184,10 @@ pub(super) fn index(
     abbe_number: Option<f64>,
 ) -> Result<Dispersion, Invalid> {
     if abbe_number.is_some() && !matches!(index, Some(IndexSource::Number(_))) {
-        return Err(Invalid::new("abbe_number", "goes only with an index that is a number").help("remove it"));
+        return Err(Invalid::new("abbe_number", "only applies with an index that is a number").help("remove it"));
     }
     match (glass, index) {
-        (Some(_), Some(_)) => Err(Invalid::new("index", "cannot go with glass").help("keep one of them")),
+        (Some(_), Some(_)) => Err(Invalid::new("index", "cannot be combined with glass").help("keep one of them")),
         (None, None) => {
             let help = "for example glass = \"BK7\" or index = 1.5";
             Err(Invalid::new("", "needs a glass or an index").help(help))
@@ -194,7 +195,7 @@ pub(super) fn index(
         (Some(name), None) => library::glass(name).ok_or_else(|| {
             let message = format!("photosite has no glass {name:?}{}", did_you_mean(name, library::glasses()));
             Invalid::new("glass", message)
-                .help(format!("known are {}; or give an index", list(name, library::glasses())))
+                .help(format!("known names are {}; or give an index", list(name, library::glasses())))
         }),
         (None, Some(index)) => dispersion(finder, index, abbe_number).map_err(|e| e.within("index")),
     }
@@ -276,7 +277,7 @@ impl SurfaceTable for ThinDielectricTable {
 impl SurfaceTable for TranslucentTable {
     fn model(&self, finder: &mut Finder<'_>) -> Result<MaterialModel, Invalid> {
         let reflectance = finder.reflectance(&self.reflectance).map_err(|e| e.within("reflectance"))?;
-        let transmittance = finder.reflectance(&self.transmittance).map_err(|e| e.within("transmittance"))?;
+        let transmittance = finder.transmittance(&self.transmittance).map_err(|e| e.within("transmittance"))?;
         at_most_one(("reflectance", &reflectance), ("transmittance", &transmittance))?;
         Ok(MaterialModel::Translucent(Translucent { reflectance, transmittance }))
     }

@@ -103,7 +103,7 @@ use models::KnownModels;
 use moments::Moments;
 use quadrics::refuse_shining;
 use relocate::keys_of;
-pub use relocate::{real_path, relative_path};
+pub use relocate::{real_path, relative_path, typed_change};
 use scene::ReadScene;
 use sensor::sensor_model;
 use tables::CaptureFile;
@@ -272,7 +272,7 @@ impl Capture {
     }
 
     fn origin(&self) -> Result<&Origin> {
-        let none = || Invalid::new("", "its scene is in no file, from which it could be read again");
+        let none = || Invalid::new("", "its scene is not in a file from which it could be read again");
         self.origin.as_ref().ok_or_else(|| self.source.error(none()))
     }
 
@@ -293,7 +293,7 @@ impl Capture {
         let mut source = CaptureSource::parse(path, text.to_owned())?;
         let file = CaptureFile::read(&mut source, Path::new(""))?;
         if !file.scene.geometry.is_empty() {
-            let invalid = Invalid::new("scene.geometry", "cannot go with a scene that is given");
+            let invalid = Invalid::new("scene.geometry", "cannot be combined with a scene that is given");
             return Err(source.error(invalid.help("remove it, or load the capture file")));
         }
         let folder = Path::new("");
@@ -400,7 +400,8 @@ impl Capture {
         };
         if moves && exposure.bracket.is_some() {
             let key = if file.exposure.bracket_ev.is_some() { "bracket_ev" } else { "bracket_times_s" };
-            let invalid = Invalid::new(key, "cannot go with a camera or a scene that moves, as the pictures differ");
+            let invalid =
+                Invalid::new(key, "cannot be combined with a camera or a scene that moves, as the pictures differ");
             return Err(invalid.help(format!("remove it, or {mover}")).within("exposure"));
         }
         let recording = moves.then(|| moments::recording(mover, motion, &exposure, &sensor)).transpose()?;
@@ -410,14 +411,16 @@ impl Capture {
         });
         let output = output::output(&file.output, &sensor).map_err(|invalid| invalid.within("output"))?;
         if output.truth.next != NextPicture::OfSeries && exposure.frames != 1 {
-            let invalid =
-                Invalid::new("truth_next", "cannot go with exposure.frames: pictures of a series are the next");
+            let invalid = Invalid::new(
+                "truth_next",
+                "cannot be combined with exposure.frames: pictures of a series are the next",
+            );
             return Err(invalid.help("remove it, or exposure.frames").within("output"));
         }
         let render = render::render(&file.render).map_err(|invalid| invalid.within("render"))?;
         let still_only = [("light_paths", render.light_paths > 0.0), ("reuse", render.reuse > 1)];
         if let (true, Some((key, _))) = (moves, still_only.into_iter().find(|(_, is_set)| *is_set)) {
-            let invalid = Invalid::new(key, "cannot go with a camera or a scene that moves");
+            let invalid = Invalid::new(key, "cannot be combined with a camera or a scene that moves");
             return Err(invalid.help(format!("remove it, or {mover}")).within("render"));
         }
         if lens.kind == LensKind::Bare {
@@ -427,17 +430,17 @@ impl Capture {
                 ("render", "light_paths", render.light_paths > 0.0),
             ];
             if let Some((table, key, _)) = needs_lens.into_iter().find(|(_, _, is_set)| *is_set) {
-                let message = "cannot go with lens.type = \"none\": each pixel of a bare sensor sees everything";
-                return Err(Invalid::new(key, message).help("remove it, or take a lens").within(table));
+                let message =
+                    "cannot be combined with lens.type = \"none\": each pixel of a bare sensor sees everything";
+                return Err(Invalid::new(key, message).help("remove it, or use a lens").within(table));
             }
         }
         if lens.kind == LensKind::Prescription && render.light_paths > 0.0 {
-            let message =
-                "cannot go with lens.prescription: paths from lights do not find their way through its glass yet";
+            let message = "cannot be combined with lens.prescription: paths from lights do not find their way through its glass yet";
             return Err(Invalid::new("light_paths", message).help("remove it").within("render"));
         }
         if sensor.shutter.scans() && render.light_paths > 0.0 {
-            let invalid = Invalid::new("light_paths", "cannot go with a sensor that scans line by line");
+            let invalid = Invalid::new("light_paths", "cannot be combined with a sensor that scans line by line");
             return Err(invalid.help("remove it, or sensor.shutter").within("render"));
         }
         let mut warnings = warnings.into_messages();

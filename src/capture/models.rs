@@ -79,7 +79,7 @@ impl ModelFile {
                 Ok(Model { scene, ..Model::default() })
             }
             None => {
-                let message = format!("{} is no scene of a known kind", path.display());
+                let message = format!("{} is not a scene of a known kind", path.display());
                 let help = "geometry is read from .gltf, .glb, .obj, .ply and .stl files";
                 Err(source.error(Invalid::new(key, message).help(help)))
             }

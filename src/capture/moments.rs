@@ -37,7 +37,7 @@ impl Moments {
         let mover = file.scene.mover();
         let Some(mover) = mover else {
             if time_s.is_some() {
-                return Err(Invalid::new("scene.time_s", "goes only with an animation, or objects that move")
+                return Err(Invalid::new("scene.time_s", "only applies with an animation, or objects that move")
                     .help("remove it, or give an object motion or an animation"));
             }
             refuse_time(animation.as_ref(), *animation_time_s).map_err(|invalid| invalid.within("scene"))?;
@@ -77,7 +77,7 @@ fn moment(animation: Option<&String>, time_s: Option<f64>, span: Span) -> Result
 /// Refuses the time of an animation where there is none.
 fn refuse_time(animation: Option<&String>, time_s: Option<f64>) -> Result<(), Invalid> {
     match (animation, time_s) {
-        (None, Some(_)) => Err(Invalid::new("animation_time_s", "goes only with an animation")
+        (None, Some(_)) => Err(Invalid::new("animation_time_s", "only applies with an animation")
             .help("remove it, or name an animation, for example animation = \"Walk\"")),
         (None, None) | (Some(_), _) => Ok(()),
     }

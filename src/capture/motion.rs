@@ -77,7 +77,7 @@ fn refuse_pose(has_poses: bool, stated: &[(&str, bool)], of: &str) -> Result<(),
     match stated.iter().find(|(_, is_given)| has_poses && *is_given) {
         None => Ok(()),
         Some((key, _)) => {
-            let message = format!("cannot go with {key} of {of}: poses say where it stands at all times");
+            let message = format!("cannot be combined with {key} of {of}: poses say where it stands at all times");
             Err(Invalid::new("poses", message).help(format!("remove {key}")))
         }
     }
@@ -109,10 +109,10 @@ impl Stated<'_> {
         ];
         let given: Vec<&str> = kinds.iter().filter(|(_, is_given)| *is_given).map(|(key, _)| *key).collect();
         if let &[first @ ("poses" | "turntable"), second, ..] = &*given {
-            return Err(Invalid::new(second, format!("cannot go with {first}")).help("keep one of them"));
+            return Err(Invalid::new(second, format!("cannot be combined with {first}")).help("keep one of them"));
         }
         if interpolation.is_some() && poses.is_none() {
-            let message = "goes only with poses, between which it says how to go";
+            let message = "only applies with poses, between which it says how to go";
             return Err(Invalid::new("interpolation", message).help("write poses, or remove it"));
         }
         if let Some(poses) = poses {

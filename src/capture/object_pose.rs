@@ -50,7 +50,7 @@ pub(super) fn rotation(
     ];
     let mut given = turns.iter().filter(|(_, is_given)| *is_given);
     if let (Some((first, _)), Some((second, _))) = (given.next(), given.next()) {
-        return Err(Invalid::new(*second, format!("cannot go with {first}")).help("keep one of them"));
+        return Err(Invalid::new(*second, format!("cannot be combined with {first}")).help("keep one of them"));
     }
     if let Some(angles) = rotation_deg {
         let [x, y, z] = vector("rotation_deg", angles)?.to_array().map(f64::to_radians);
@@ -61,7 +61,7 @@ pub(super) fn rotation(
         let length = quaternion.length();
         if !(length.is_finite() && length > 0.0) {
             let message = format!("must not be 0 and must be finite, got {:?}", [w, x, y, z]);
-            return Err(Invalid::new("quaternion_wxyz", message).help("[1, 0, 0, 0] is no turn"));
+            return Err(Invalid::new("quaternion_wxyz", message).help("write [1, 0, 0, 0] for no rotation"));
         }
         return Ok(quaternion / length);
     }
@@ -70,7 +70,7 @@ pub(super) fn rotation(
     // Turned about: a camera looks along −z, and the front of an object is +z.
     let away = position * 2.0 - target;
     let looking = look_at(position, away, DVec3::Y).ok_or_else(|| {
-        let message = "is straight above, below or where the object stands, so that it is not known which way is up";
+        let message = "is straight above, below or where the object stands, so which way is up is undefined";
         Invalid::new("look_at_m", message).help("write rotation_deg or quaternion_wxyz instead")
     })?;
     Ok(DQuat::from_mat3(&looking.matrix3))

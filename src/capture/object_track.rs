@@ -44,7 +44,7 @@ impl ObjectTrack {
         // What starts or stops all of a sudden is never straight, and is left a four thousandth of its way.
         if parts == MOST_PARTS && !track.is_straight(parts, UTMOST_TURN, f64::INFINITY) {
             let message = "turns more than a hundred times within the time of a picture, too often to follow";
-            return Err(Invalid::new("motion", message).help("let it turn slower, or expose for a shorter time"));
+            return Err(Invalid::new("motion", message).help("let it turn more slowly, or expose for a shorter time"));
         }
         track.parts = parts;
         Ok(track)

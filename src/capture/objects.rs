@@ -271,7 +271,7 @@ fn names(objects: &[ObjectTable]) -> Result<Vec<String>, Invalid> {
     let mut taken: BTreeSet<String> = BTreeSet::new();
     for (i, name) in objects.iter().enumerate().filter_map(|(i, table)| Some((i, table.name.as_ref()?))) {
         if !taken.insert(name.clone()) {
-            let message = format!("there is an object {name:?} already");
+            let message = format!("there is already an object {name:?}");
             return Err(Invalid::new(format!("scene.objects[{i}].name"), message).help("give each a name of its own"));
         }
     }

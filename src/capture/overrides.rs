@@ -116,7 +116,7 @@ fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &st
     };
     // A key may not smuggle in a document of its own.
     if key.is_empty() || key.contains(['\n', '\r']) || has_outside_quotes(key, &['=', '#', '[', ']']) {
-        return Err(wrong(format!("{key:?} is no key")));
+        return Err(wrong(format!("{key:?} is not a key")));
     }
     let is_toml = DeValue::parse(value).is_ok() && !value.contains(['\n', '\r']);
     let toml = if is_toml {

@@ -32,7 +32,7 @@ impl Prescribed {
     pub(super) fn of(finder: &Finder<'_>, table: &LensTable, warnings: &mut Warnings) -> Result<Option<Self>, Invalid> {
         let Some(name) = &table.prescription else { return Ok(None) };
         if table.kind.is_some() {
-            let message = "cannot go with prescription, which is a kind of lens of its own";
+            let message = "cannot be combined with prescription, which is a kind of lens of its own";
             return Err(Invalid::new("type", message).help("remove type"));
         }
         if let Some(Reading { prescription, lens, .. }) = files::shipped(name) {
@@ -91,7 +91,7 @@ fn read(finder: &Finder<'_>, name: &str) -> Result<Reading, Invalid> {
     let path = finder.path(name).map_err(|invalid| invalid.within(KEY))?;
     let bytes = input::read_at_most(&path, MOST_BYTES).map_err(|source| {
         Invalid::new(KEY, format!("cannot read {}: {source}", path.display()))
-            .help("paths are relative to the file that they are written in")
+            .help("paths are relative to the file that contains them")
     })?;
     files::read(&bytes, &path).map_err(|error| Invalid::new(KEY, error.to_string()))
 }

@@ -42,7 +42,7 @@ impl ReadScene {
                 Some((key, axis)) => match DVec3::from_array(axis).try_normalize() {
                     Some(axis) => DQuat::from_rotation_arc(DVec3::Z, axis),
                     None => {
-                        let message = format!("must be a direction, got {axis:?}");
+                        let message = format!("must be a direction (not zero), got {axis:?}");
                         return Err(invalid(key, message).help(format!("for example {key} = [0, 1, 0] for upwards")));
                     }
                 },
@@ -68,8 +68,8 @@ pub(super) fn refuse_shining(table: &SceneTable, scene: &SceneDescription) -> Re
     let named = |name: &str| scene.materials.iter().position(|material| material.name == name);
     let shining = quadrics(table).find(|quadric| named(quadric.material).is_some_and(emits));
     let Some(Quadric { kind, index, material, .. }) = shining else { return Ok(()) };
-    let message = format!("{material:?} shines, but a {} cannot", kind.name());
-    let help = "give the lamp as a mesh, or as a light of [[lights]]";
+    let message = format!("{material:?} has an emission, and a {} of [scene] cannot emit light", kind.name());
+    let help = "give the lamp as a mesh of triangles in a file of geometry, or as a light in [[lights]]";
     Err(Invalid::new(format!("{}.material", place(kind, index)), message).help(help))
 }
 

@@ -173,7 +173,7 @@ impl<'de> Deserializer<'de> for Reader<'de> {
         match self.0.as_str() {
             Some(text) => visitor.visit_enum(Variant(text)),
             None => {
-                let mut error = ReadError::new("expected a text");
+                let mut error = ReadError::new("expected a string");
                 error.help = Some(format!("write one of {}", quoted(variants)));
                 Err(error)
             }
@@ -322,7 +322,7 @@ mod tests {
             ("f_number = 4\nplace = [1, 2, 3, 4]", "expected a list of 3 values, found 4", "place"),
             ("f_number = 4\nplace = [1, true, 3]", "expected a number, found boolean `true`", "place[1]"),
             ("f_number = 4\nmode = 'oneway'", "unknown value \"oneway\"; did you mean `one-way`?", "mode"),
-            ("f_number = 4\nmode = 3", "expected a text", "mode"),
+            ("f_number = 4\nmode = 3", "expected a string", "mode"),
             ("f_number = 4\nflag = 1979-05-27", "expected true or false, found string \"1979-05-27\"", "flag"),
             ("f_number = 4\ncount = { a = 1 }", "expected a whole number, not negative, found a table", "count"),
             ("fnumber = 4", "unknown key `fnumber`; did you mean `f_number`?", ""),

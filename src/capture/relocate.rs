@@ -2,7 +2,8 @@
 
 use std::path::{Component, Path, PathBuf, absolute};
 
-use serde_json::Value;
+use photosite_core::key_path::split_change;
+use serde_json::{Value, json};
 
 use super::sensor::close_sensor;
 use super::source::CaptureSource;
@@ -16,28 +17,55 @@ const PATHS_OR_NAMES: [&str; 2] = ["prescription", "preset"];
 /// Rewrites every path in `value` that is relative to the folder `from` so that it is relative to `to`. Where that is no
 /// folder, or there is no way from one to the other, as between drives, it becomes absolute.
 pub(super) fn relocate(value: &mut Value, from: &Path, to: Option<&Path>) {
+    rewrite(value, &|path| relocated(path, from, to));
+}
+
+/// A change `key=value` that was typed on a command line: paths that lead to files from the current folder are rewritten
+/// so that they lead there from `folder`, that of the capture, from which all others count.
+pub fn typed_change(change: &str, folder: &Path) -> String {
+    let parsed = split_change(change).and_then(|(key, value)| {
+        let word = || toml::Value::from(value);
+        let value = toml::from_str(&format!("value = {value}"))
+            .map_or_else(|_| word(), |mut table: toml::Table| table.remove("value").unwrap_or_else(word));
+        let last = key.rsplit('.').next().unwrap_or_default();
+        Some((key, last, serde_json::to_value(value).ok()?))
+    });
+    let Some((key, last, value)) = parsed else { return change.to_owned() };
+    let before = json!({ last: value });
+    let mut after = before.clone();
+    rewrite(&mut after, &|path| {
+        if Path::new(path).is_file() { relative_path(Path::new(path), folder) } else { path.to_owned() }
+    });
+    if after == before {
+        return change.to_owned();
+    }
+    toml::Value::try_from(&after[last]).map_or_else(|_| change.to_owned(), |value| format!("{key}={value}"))
+}
+
+/// Rewrites every path in a value.
+fn rewrite(value: &mut Value, rewritten: &dyn Fn(&str) -> String) {
     match value {
         Value::Object(map) => {
             for (key, value) in map {
                 match value {
-                    Value::String(path) if PATHS.contains(&key.as_str()) => *path = relocated(path, from, to),
+                    Value::String(path) if PATHS.contains(&key.as_str()) => *path = rewritten(path),
                     // What ships goes by its name.
                     Value::String(path) if PATHS_OR_NAMES.contains(&key.as_str()) && path.contains('.') => {
-                        *path = relocated(path, from, to);
+                        *path = rewritten(path);
                     }
                     Value::Array(items) if key == "geometry" => {
                         for item in items {
                             if let Value::String(path) = item {
-                                *path = relocated(path, from, to);
+                                *path = rewritten(path);
                             }
                         }
                     }
-                    Value::Object(_) | Value::Array(_) => relocate(value, from, to),
+                    Value::Object(_) | Value::Array(_) => rewrite(value, rewritten),
                     Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
                 }
             }
         }
-        Value::Array(items) => items.iter_mut().for_each(|item| relocate(item, from, to)),
+        Value::Array(items) => items.iter_mut().for_each(|item| rewrite(item, rewritten)),
         Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
     }
 }

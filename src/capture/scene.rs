@@ -240,7 +240,7 @@ impl ReadScene {
         self.scene.warnings.extend(warnings.into_messages());
         self.models.change_meshes(|known| crate::io::complete(&mut self.scene, known));
         if !shines(&self.scene) {
-            self.scene.warnings.push("nothing in the scene gives light, so the picture will be black".to_owned());
+            self.scene.warnings.push("nothing in the scene emits light, so the picture will be black".to_owned());
         }
         // Warnings stand in reports, which do not depend on how the path to the capture was typed.
         self.scene.warnings.iter_mut().for_each(|warning| *warning = seen_from(folder, warning));

@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::tables::CaptureFile;
 use crate::calibration::dataset::DatasetDescription;
+use crate::schema_links::remove_rustdoc_links;
 use crate::sensor::SensorDescription;
 use crate::synthetic_noise::SyntheticNoise;
 
@@ -39,6 +40,7 @@ pub fn noise_schema() -> Value {
 fn schema_of<T: JsonSchema>() -> Value {
     let mut schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<T>().to_value();
     remove_null(&mut schema);
+    remove_rustdoc_links(&mut schema);
     schema
 }
 

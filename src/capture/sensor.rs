@@ -109,7 +109,7 @@ fn take_away(source: &CaptureSource, base: &mut Node, name: &str, without: &Node
         if taken.is_none() {
             let there = base.paths();
             let there = || there.iter().map(String::as_str);
-            let message = format!("sensor {name} has no {key:?} to take away{}", did_you_mean(key, there()));
+            let message = format!("sensor {name} has no {key:?} to remove{}", did_you_mean(key, there()));
             let help = match list(key, there()) {
                 keys if keys.is_empty() => "there is nothing in it; remove the key".to_owned(),
                 keys => format!("it has {keys}"),
@@ -214,7 +214,7 @@ fn named(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) ->
         is_allowed.map_err(|invalid| source.error(invalid.within("sensor.preset")))?;
         let text = input::read_text(&path, input::TREE_BYTES).map_err(|reason| {
             let message = format!("cannot read {}: {reason}", path.display());
-            let help = "paths are relative to the file that they are written in";
+            let help = "paths are relative to the file that contains them";
             source.error(Invalid::new("sensor.preset", message).help(help))
         })?;
         let mut node = source.add_file(&path, text)?;
@@ -246,7 +246,7 @@ fn is_path(name: &str) -> bool {
 fn unknown_preset(name: &str) -> Invalid {
     let message = format!("photosite has no sensor {name:?}{}", did_you_mean(name, presets::names()));
     let help =
-        format!("known are {}; a file is written with its ending, \"{name}.toml\"", list(name, presets::names()));
+        format!("known names are {}; write a file with its extension, \"{name}.toml\"", list(name, presets::names()));
     Invalid::new("sensor.preset", message).help(help)
 }
 

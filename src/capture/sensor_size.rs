@@ -32,13 +32,13 @@ pub(super) fn scale_to(source: &CaptureSource, sensor: &mut Node, wanted: &Node)
     let is_place = |key: &&str| source.get(key).is_some_and(|node| !matches!(node.value, Value::String(_)));
     if let Some(key) = in_pixels.into_iter().find(is_place) {
         return Err(invalid(
-            &format!("cannot go with {key}, which is in pixels of the other size"),
+            &format!("cannot be combined with {key}, which is in pixels of the other size"),
             &format!("remove {key}, or write resolution_px and pixel_pitch_um yourself"),
         ));
     }
     if sensor.at(&["frame_grabber"]).is_some() {
         let help = "write resolution_px, pixel_pitch_um and frame_grabber.size_px yourself";
-        return Err(invalid("cannot go with a frame grabber, whose samples are no pixels", help));
+        return Err(invalid("cannot be combined with a frame grabber, whose samples are not pixels", help));
     }
     let numbers = |key: &str| Some([number(sensor, key, 0)?, number(sensor, key, 1)?]);
     let (Some(old), Some(pitch)) = (numbers("resolution_px"), numbers("pixel_pitch_um")) else {

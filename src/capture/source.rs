@@ -186,7 +186,7 @@ impl CaptureSource {
     pub(super) fn note_displaced(&mut self, argument: &str, keys: &[String]) {
         if !keys.is_empty() {
             let keys = keys.join(", ");
-            self.displaced.push(format!("{argument} takes the place of {keys}, which cannot hold beside it"));
+            self.displaced.push(format!("{argument} replaces {keys}, which cannot apply at the same time"));
         }
     }
 
@@ -204,6 +204,14 @@ impl CaptureSource {
             && let Some(entry) = tables.get_mut(table)
         {
             entry.node.insert_new(key, from_json(value, &(0..0)));
+        }
+    }
+
+    /// Gives the table at a path of keys those that it lacks.
+    pub(super) fn complete(&mut self, path: &[&str], keys: &serde_json::Value) {
+        let Some(table) = self.root.at_mut(path) else { return };
+        for (key, value) in keys.as_object().into_iter().flatten() {
+            table.insert_new(key, from_json(value, &(0..0)));
         }
     }
 

@@ -197,7 +197,7 @@ fn check(path: &Path, arguments: &[String]) -> Result<()> {
         if is_known && !is_open {
             return Err(Error::Override {
                 argument: shown(argument),
-                message: "the light is traced already, and this cannot change it any more".to_owned(),
+                message: "the light has already been traced, and this can no longer change it".to_owned(),
                 help: Some("set keys of sensor, exposure, develop or output, or render again".into()),
             });
         }

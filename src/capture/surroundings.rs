@@ -37,7 +37,8 @@ pub(super) fn add(read: &mut ReadScene, file: &CaptureFile, folder: &Path, sandb
     let (floor, surface) = match (ground, &file.scene.backdrop) {
         (None, None) => return Ok(()),
         (Some(_), Some(_)) => {
-            let invalid = Invalid::new("scene.backdrop", "cannot go with a ground, as it has a floor of its own");
+            let invalid =
+                Invalid::new("scene.backdrop", "cannot be combined with a ground, as it has a floor of its own");
             return Err(invalid.help("remove one of them, or write ground = false"));
         }
         (Some(GroundTable { height_m, reflectance, material, size_m }), None) => {
@@ -57,7 +58,8 @@ pub(super) fn add(read: &mut ReadScene, file: &CaptureFile, folder: &Path, sandb
     let to_world = floor.place(&subject).map_err(in_table)?;
     let material = match (floor.material, floor.reflectance) {
         (Some(_), Some(_)) => {
-            let invalid = Invalid::new("reflectance", "cannot go with material, which says what the surface reflects");
+            let invalid =
+                Invalid::new("reflectance", "cannot be combined with material, which says what the surface reflects");
             return Err(in_table(invalid.help("keep one of them")));
         }
         (Some(name), None) => {

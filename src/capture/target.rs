@@ -30,7 +30,7 @@ pub(super) fn place_targets(tables: &[TargetTable]) -> Result<Vec<PlacedTarget>,
     for (i, table) in tables.iter().enumerate() {
         let target = place(table).map_err(|invalid| invalid.within(&format!("targets[{i}]")))?;
         if placed.iter().any(|other| other.name == target.name) {
-            let message = format!("there is a target {:?} already", target.name);
+            let message = format!("there is already a target {:?}", target.name);
             let key =
                 if table.placement.name.is_some() { format!("targets[{i}].name") } else { format!("targets[{i}]") };
             return Err(Invalid::new(key, message).help("give each a name of its own"));

@@ -373,7 +373,11 @@ mod tests {
         let both = laid("l.key.x = 7\nl.2.x = 9").expect("elements");
         assert_eq!(["l[0].x", "l[1].x", "l[2].x"].map(|path| x(&both, path)), [Some(7.0), Some(2.0), Some(9.0)]);
         let numbered = laid("l.0.x = 5").expect("an element");
-        assert_eq!(["l[0].x", "l[1].x"].map(|path| x(&numbered, path)), [Some(5.0), Some(2.0)], "a number is no name");
+        assert_eq!(
+            ["l[0].x", "l[1].x"].map(|path| x(&numbered, path)),
+            [Some(5.0), Some(2.0)],
+            "a number is not a name"
+        );
         for (over, path, message, help) in [
             (
                 "l.kez.x = 1",

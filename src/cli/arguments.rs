@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use photosite_core::counted;
+
 use crate::Error;
 
 /// Starts as many threads as are asked for.
@@ -13,8 +15,8 @@ pub(super) fn start_threads(threads: Option<u16>) -> crate::Result<()> {
     // Of none rayon makes as many as there are cores, or as RAYON_NUM_THREADS says.
     let threads = threads.map_or(0, usize::from);
     if threads > most {
-        let message = format!("--threads {threads}: at most {most} can be asked for");
-        let help = format!("this machine runs {cores} at once; more than these make nothing faster");
+        let message = format!("--threads {threads}: at most {most} can be used");
+        let help = format!("this machine runs {cores} at once; more would not be faster");
         return Err(Error::Usage { message, help: Some(help.into()) });
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
@@ -23,7 +25,7 @@ pub(super) fn start_threads(threads: Option<u16>) -> crate::Result<()> {
 
 /// The error of threads that the system does not start.
 pub(super) fn no_threads(count: usize, reason: &dyn std::fmt::Display) -> Error {
-    let message = format!("cannot start {count} thread{}: {reason}", if count == 1 { "" } else { "s" });
+    let message = format!("cannot start {}: {reason}", counted(count, ["thread", "threads"]));
     let help = "lower --threads, or raise the limits of memory (ulimit -v) and of processes (ulimit -u)";
     Error::Resources { message, help: Some(help.into()) }
 }

@@ -18,14 +18,19 @@ use crate::optics::{Camera, LensKind};
 use crate::pipeline::{LensSeen, standalone_recording_camera};
 use crate::{Invalid, Result, Sandbox};
 
-/// Describe the camera of a capture to other tools: matrix, lens and pose, exactly.
+const EXAMPLES: &str = "\
+Example:
+  photosite camera capture.toml --format opencv -o camera.yaml";
+
+/// Describe the camera to OpenCV, ROS, Kalibr or COLMAP.
 ///
-/// It is that of all pixels of the sensor, before exposure.region_px and exposure.binning, with the distortion of the
-/// lens, which image.png keeps with develop.distortion = false and develop.square_pixels = false alone. What a format
-/// has no words for is refused. Of a lens from a prescription it is the model that comes nearest to the chief rays of points at
-/// the focus distance, by least squares over the picture; how far it is from them is said. A camera that moves stands where it does halfway through its first picture, as
-/// `capture.json` says (`pose_time_s`).
+/// It has all pixels of the sensor, before exposure.region_px and exposure.binning, and the distortion of the lens,
+/// which image.png only keeps with develop.distortion = false and develop.square_pixels = false. What a format
+/// cannot express is refused. For a lens from a prescription it is the model closest to the chief rays of points at
+/// the focus distance, by least squares over the picture; how close is said. A camera that moves is described
+/// halfway through its first picture, as in `capture.json` (`pose_time_s`).
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct CameraArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl).
     input: PathBuf,
@@ -63,15 +68,15 @@ enum Format {
 }
 
 pub(super) fn run(args: &CameraArgs, sandbox: &Sandbox) -> Result<()> {
-    let capture = Capture::load_within(sandbox, &args.input, &args.scene.after(&args.overrides))?;
+    let capture = Capture::load_within(sandbox, &args.input, &args.scene.after(&args.overrides, &args.input))?;
     if capture.sensor.cells.is_staggered() {
-        let message = "formats of cameras have words for pixels in rows and columns alone";
+        let message = "camera formats only describe pixels in rows and columns";
         let help = "take the camera of image.png, whose pixels are square, from capture.json";
         return Err(capture.source.error(Invalid::new("sensor.cells", message).help(help)));
     }
     if capture.lens.kind == LensKind::Bare {
         let message = "a bare sensor has no camera matrix: each of its pixels sees everything";
-        return Err(capture.source.error(Invalid::new("lens.type", message).help("take a lens")));
+        return Err(capture.source.error(Invalid::new("lens.type", message).help("use a lens")));
     }
     let placed = standalone_recording_camera(&capture)?.halfway();
     let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.region);

@@ -16,60 +16,65 @@ use crate::report::{ComparisonReport, DifferencePicture};
 use crate::validation::{FalseColour, Limits, Picture, Settings, compare, false_colour};
 use crate::{Error, Invalid, Result};
 
-/// Compare two pictures: errors per channel, and where variances are known whether noise explains them.
+const EXAMPLES: &str = "\
+Example:
+  photosite compare out/electrons.exr mitsuba.exr --picture differences.png";
+
+/// Compare two pictures: is it noise, or do they differ?.
 ///
-/// A and B are EXR, PNG, TIFF or raw files (DNG, PGM, NPY); B counts as the reference. Exit status 1: noise does not
-/// explain the differences, a limit is passed, or pixels are not finite.
+/// A and B are EXR, PNG, TIFF or raw files (DNG, PGM, NPY); B is the reference. The exit status is 1 if noise does
+/// not explain the differences, a limit is exceeded, or pixels are not finite.
 ///
-/// Noise explains a difference only where the variances of both pictures are known: channels of which one is missing
-/// are not tested, and that is said. photosite writes the variance of the mean of X as channel variance.X of
-/// electrons.exr. Of a picture by Mitsuba 3 there are three ways to it: render.py, which photosite export-mitsuba
-/// writes beside scene.xml, renders batches of different seeds and writes their mean with its variance; variances from
-/// elsewhere, such as the spread of runs of any program, are given by --variance-b; and --samples-b makes them of the
-/// second moments m2_X of Mitsuba's integrator moment. Say --variance-b 0 where B is exact. A variance of fewer than 64
-/// batches or samples is too uncertain for the verdict.
+/// The test needs the variances of both pictures: channels without them are not tested, which is said. photosite
+/// writes the variance of the mean of X as channel variance.X of electrons.exr. For a picture by Mitsuba 3 there
+/// are three ways to get them: render.py, which `photosite export-mitsuba` writes beside scene.xml, renders batches
+/// with different seeds and writes their mean and its variance; --variance-b takes variances from elsewhere, such
+/// as the spread of several runs of any program; and --samples-b computes them from the second moments m2_X of
+/// Mitsuba's integrator moment. Write --variance-b 0 if B is exact. A variance from fewer than 64 batches or
+/// samples is too uncertain for a verdict.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct CompareArgs {
     /// A picture. In an EXR file the channel variance.X is the variance of X.
     a: PathBuf,
     /// The reference, of the same size and unit.
     b: PathBuf,
-    /// Variance of A, of the mean of each pixel: a number for all, 0 where A is exact, or an EXR file whose channel
+    /// Variance of A, of the mean of each pixel: a number for all, 0 if A is exact, or an EXR file whose channel
     /// variance.X, or else X, is that of X [default: what its file says].
     #[arg(long, value_name = "X|FILE", allow_hyphen_values = true)]
     variance_a: Option<String>,
     /// Variance of B, likewise.
     #[arg(long, value_name = "X|FILE", allow_hyphen_values = true)]
     variance_b: Option<String>,
-    /// Samples a pixel whose second moments m2_X stand beside X in A, as of Mitsuba's integrator moment with a box
+    /// Samples per pixel whose second moments m2_X stand beside X in A, as of Mitsuba's integrator moment with a box
     /// filter and 32-bit floats: variance (m2 − m²)/(N − 1).
     #[arg(long, value_name = "N", conflicts_with = "variance_a", value_parser = clap::value_parser!(u64).range(2..))]
     samples_a: Option<u64>,
-    /// The same of B.
+    /// The same for B.
     #[arg(long, value_name = "N", conflicts_with = "variance_b", value_parser = clap::value_parser!(u64).range(2..))]
     samples_b: Option<u64>,
     /// Compare the masked pixels of raw files, too, not only those that see light.
     #[arg(long)]
     masked: bool,
-    /// Compare these channels only, for example R,G; of a mosaic raw, R, G or B.
+    /// Compare only these channels, for example R,G; for a mosaic raw, R, G or B.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     channels: Option<Vec<String>>,
-    /// Probability of saying "differ" of pictures that agree.
+    /// Probability of reporting a difference between pictures that agree.
     #[arg(long, value_name = "ALPHA", default_value_t = 0.01, value_parser = probability)]
     alpha: f64,
-    /// Most that the mean of a channel may differ, in percent of that of B.
+    /// Largest difference allowed in the mean of a channel, in percent of that of B.
     #[arg(long, value_name = "PERCENT", value_parser = not_negative)]
     max_mean_difference: Option<f64>,
-    /// Most that the root mean squared error of a channel may be, in the unit of the pictures.
+    /// Largest root mean squared error allowed for a channel, in the unit of the pictures.
     #[arg(long, value_name = "X", value_parser = not_negative)]
     max_rmse: Option<f64>,
-    /// Most that the relative mean squared error of a channel may be.
+    /// Largest relative mean squared error allowed for a channel.
     #[arg(long, value_name = "X", value_parser = not_negative)]
     max_relative_mse: Option<f64>,
     /// The ε of the relative MSE, the mean of (a − b)²/(b² + ε·mean(b)²).
     #[arg(long, value_name = "X", default_value_t = 0.01, value_parser = not_negative)]
     epsilon: f64,
-    /// White for the PSNR [default: the largest number that the file can hold, of EXR the largest of B].
+    /// White for the PSNR [default: the largest number that the file can hold; for EXR the largest of B].
     #[arg(long, value_name = "X", value_parser = positive)]
     peak: Option<f64>,
     /// How many of the pixels that differ most to list.
@@ -78,7 +83,7 @@ pub(super) struct CompareArgs {
     /// Write a PNG picture of the differences: blue where A is below B, red where it is above.
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
-    /// The difference at the ends of the picture's colours [default: 4 for z-scores; of relative differences, what
+    /// The difference at the ends of the picture's colours [default: 4 for z-scores; for relative differences, what
     /// nearly all pixels stay within].
     #[arg(long, value_name = "X", requires = "picture", value_parser = positive)]
     range: Option<f64>,
@@ -88,7 +93,7 @@ pub(super) struct CompareArgs {
     /// Print JSON instead of text.
     #[arg(long)]
     json: bool,
-    /// Print nothing but errors: the exit status tells.
+    /// Print nothing but errors; the exit status tells the result.
     #[arg(short, long, conflicts_with = "json")]
     quiet: bool,
 }
@@ -143,7 +148,7 @@ fn read(path: &Path, variance: Option<&str>, samples: Option<u64>, masked: bool)
     match text.parse::<f64>() {
         Ok(variance) if variance.is_finite() && variance >= 0.0 => Ok(picture.with_constant_variance(variance)),
         Ok(_) => Err(Error::Usage {
-            message: format!("{text} is no variance"),
+            message: format!("{text} is not a variance"),
             help: Some("write a number of at least 0, or the name of an EXR file".into()),
         }),
         Err(_) => picture.with_variances_from(&read_picture_file(Path::new(text), pixels)?).map_err(unfit),
@@ -153,7 +158,7 @@ fn read(path: &Path, variance: Option<&str>, samples: Option<u64>, masked: bool)
 /// Whether the picture can be written shows before anything is read.
 fn refuse_picture(path: &Path, force: bool) -> Result<()> {
     if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-        let message = format!("{} is no name of a PNG file", path.display());
+        let message = format!("{} is not the name of a PNG file", path.display());
         return Err(Error::Usage { message, help: Some("give a name that ends with .png".into()) });
     }
     refuse_existing(path, force)

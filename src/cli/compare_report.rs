@@ -108,7 +108,7 @@ fn z_scores(comparison: &Comparison) -> Option<String> {
     if different > 0 {
         text += &format!("; {different} infinite, different without any variance");
     }
-    text += "\nVariances are estimates too: from fewer than about 64 samples a pixel, tails are longer than those of N(0, 1).";
+    text += "\nVariances are estimates too: from fewer than about 64 samples per pixel, tails are longer than those of N(0, 1).";
     Some(text)
 }
 

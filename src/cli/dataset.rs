@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
+use photosite_core::counted;
 use serde_json::json;
 
 use super::arguments::parse_range;
@@ -13,52 +14,59 @@ use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out};
 use super::scene_args::SceneArgs;
 use super::shards::LayoutsArgs;
+use crate::capture::DatasetFile;
 use crate::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, MakeOptions, Shard, picture_name};
 use crate::pipeline::{Event, FilmMemory, LightSource, Monitor, PictureOfFrame};
 use crate::{Result, Sandbox};
 
-/// Render a data set: a capture from many poses, under many conditions, by one camera or a rig.
+const EXAMPLES: &str = "\
+Examples:
+  photosite dataset dataset.toml -o set --dry-run
+  photosite dataset dataset.toml -o set --shard 3/8";
+
+/// Render a data set: many poses, conditions and cameras.
 ///
-/// Each frame is a folder as `photosite render` makes it, DIR/CAMERA/NUMBER. A data set that was broken off goes on
-/// where it stopped when the same command is given again; pictures that have lost a file are made again. Several
-/// processes and machines can share the work: by the same command in the same folder, where each picture is made by one
-/// of them, with frames of their own (--frames, --shard) if they like, or each with samples of its own (--samples) in a
-/// folder of its own.
+/// Each frame is a folder as `photosite render` makes it, DIR/CAMERA/NUMBER. A data set that was interrupted
+/// continues where it stopped when the same command is run again; pictures that have lost a file are made again.
+/// Several processes and machines can share the work: with the same command in the same folder, where each picture
+/// is made by one of them; with frames of their own (--frames, --shard); or each with samples of its own
+/// (--samples) in a folder of its own.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct DatasetArgs {
     /// A data set file (.toml), which names a capture file and says what differs from frame to frame.
     input: PathBuf,
     /// Folder of the data set, created where missing [default: the input's name, in the current folder].
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
-    /// Make these frames only: numbers, and ranges from A up to, but without, B; 0..4,9 are the first four and the
-    /// tenth. Frames that there are not are left out.
+    /// Make only these frames: numbers, and ranges from A up to, but not including, B; 0..4,9 are the first four
+    /// and the tenth. Frames that do not exist are ignored.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     frames: Option<FrameList>,
     /// Make the K-th of N equal shares of the frames.
     #[arg(long, value_name = "K/N", allow_hyphen_values = true)]
     shard: Option<Shard>,
-    /// Trace these samples of every pixel only: from A up to, but without, B. `photosite merge` makes one data set of
+    /// Trace only these samples of every pixel: from A up to, but not including, B. `photosite merge` makes one data set of
     /// the folders of all parts.
     #[arg(long, value_name = "A..B", value_parser = parse_range, conflicts_with = "layouts")]
     samples: Option<Range<u32>>,
-    /// Go past frames that cannot be made, and end with status 1 if there were any.
+    /// Continue after frames that cannot be made, and end with status 1 if there were any.
     #[arg(long)]
     keep_going: bool,
-    /// Make so many pictures at once, which share the threads [default: one for each thread where pictures are small,
+    /// Make this many pictures at once, which share the threads [default: one for each thread where pictures are small,
     /// else 1].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// Make no picture: check every frame's keys, and say how long the pictures that are missing would take, and how
-    /// much memory and disk.
+    /// Make no pictures: check the keys of every frame, and estimate the time, memory and disk space that the missing
+    /// pictures would take.
     #[arg(long, conflicts_with_all = ["samples", "index_only", "verify", "layouts"])]
     dry_run: bool,
-    /// Make no picture: write manifest.jsonl, calibration/ and README.md anew, and end with status 1 if a picture is
-    /// missing.
+    /// Make no pictures: write manifest.jsonl, calibration/ and README.md again, and end with status 1 if a picture
+    /// is missing.
     #[arg(long, conflicts_with_all = ["samples", "layouts"])]
     index_only: bool,
-    /// Read every file of the pictures that are there, and make those that are damaged again; with --index-only, name
-    /// them and end with status 1.
+    /// Read every file of the existing pictures, and make damaged ones again; with --index-only, name them and end
+    /// with status 1.
     #[arg(long)]
     verify: bool,
     /// Change a key of the capture file in all frames, for example --set render.samples_per_pixel=16.
@@ -66,7 +74,7 @@ pub(super) struct DatasetArgs {
     overrides: Vec<String>,
     #[command(flatten)]
     scene: SceneArgs,
-    /// Most memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
+    /// Maximum memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
     #[command(flatten)]
@@ -74,21 +82,22 @@ pub(super) struct DatasetArgs {
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
-    /// Print what is made on standard output, an object a line: `"event": "picture"` for each picture, `"end"` last.
+    /// Print what is made on standard output, one object per line: `"event": "picture"` for each picture, `"end"` last.
     #[arg(long)]
     json: bool,
 }
 
 pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
     let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
-    let set = DataSet::read(sandbox, &args.input, &args.scene.after(&args.overrides), args.film_memory)?;
+    let overrides = args.scene.after(&args.overrides, &DatasetFile::read(&args.input)?.capture());
+    let set = DataSet::read(sandbox, &args.input, &overrides, args.film_memory)?;
     if let Some(samples) = &args.samples {
         set.check_samples(samples)?;
     }
     let count = set.frame_count();
     let (mut numbers, is_more) = args.frames.as_ref().map_or(((0..count).collect(), false), |list| list.among(count));
     if is_more && !args.quiet {
-        warning!("--frames names frames that there are not: the data set has {count}, 0..{count}");
+        warning!("--frames names frames that do not exist: the data set has {count}, 0..{count}");
     }
     if let Some(shard) = args.shard {
         numbers = shard.share(numbers);
@@ -124,7 +133,7 @@ pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
     }
     // Parts have no summary: they are no images.
     let present = set.present(&folder);
-    report.print(&set, &folder, [made.pictures, present], "parts of pictures")?;
+    report.print(&set, &folder, [made.pictures, present], ["part of a picture", "parts of pictures"])?;
     made.check(&folder)
 }
 
@@ -149,16 +158,16 @@ impl SetReport {
     pub(super) fn finish(self, set: &DataSet, folder: &DatasetFolder, made: &Made) -> Result<()> {
         let index = set.write_index(folder)?;
         if !self.quiet {
-            index.left_out.iter().for_each(|why| warning!("calibration/ is without {}", why.replace('`', "")));
+            index.left_out.iter().for_each(|why| warning!("calibration/ lacks {}", why.replace('`', "")));
         }
-        self.print(set, folder, [made.pictures, index.present], "pictures")?;
+        self.print(set, folder, [made.pictures, index.present], ["picture", "pictures"])?;
         made.check(folder)
     }
 
     /// Writes the summary of what is there, and holds it against what was asked for.
     fn index(self, set: &DataSet, frames: &Frames, folder: &DatasetFolder, damaged: usize) -> Result<()> {
         let index = set.write_index(folder)?;
-        self.print(set, folder, [0, index.present - damaged], "pictures")?;
+        self.print(set, folder, [0, index.present - damaged], ["picture", "pictures"])?;
         index.check(frames, damaged, folder)
     }
 
@@ -171,7 +180,7 @@ impl SetReport {
         forecast.check()
     }
 
-    fn print(self, set: &DataSet, folder: &DatasetFolder, [made, present]: [usize; 2], what: &str) -> Result<()> {
+    fn print(self, set: &DataSet, folder: &DatasetFolder, [made, present]: [usize; 2], what: [&str; 2]) -> Result<()> {
         let (frames, cameras) = (set.frame_count(), set.cameras().count());
         let all = frames as usize * cameras;
         if self.json {
@@ -189,7 +198,7 @@ impl SetReport {
             );
         }
         if !self.quiet {
-            say!("made {made} {what}; {present} of {all} {what} are in {}", folder.path().display());
+            say!("made {}; {present} of {all} are in {}", counted(made, what), folder.path().display());
         }
         Ok(())
     }

@@ -12,12 +12,17 @@ use crate::dataset::disparity_scale;
 use crate::io::map_file::{check_map, check_map_name, read_map, write_map};
 use crate::{Error, Invalid, Result};
 
-/// Turn a disparity map of any program into depth, Z = f·b/(d + c), or depth into disparity.
+const EXAMPLES: &str = "\
+Example:
+  photosite depth disparity.png --rectified rectified -o depth.exr";
+
+/// Turn a disparity map by any program into depth, or back.
 ///
-/// f and b are those of a folder of `photosite rectify`, or are given. Maps are EXR files, NPY arrays of floats and TIFF
-/// files of floats in px and m; or NPY, TIFF and PNG files of whole numbers, in steps. What has no disparity above 0 has no
-/// depth: ∞, and 0 in PNG files.
+/// Depth is Z = f·b/(d + c); f and b are those of a folder of `photosite rectify`, or are given. Maps are EXR
+/// files, NPY arrays of floats and TIFF files of floats in px and m; or NPY, TIFF and PNG files of whole numbers,
+/// in steps. Where no disparity is above 0 there is no depth: ∞, or 0 in PNG files.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct DepthArgs {
     /// The map: .exr, .npy, .tiff or .png.
     map: PathBuf,
@@ -39,7 +44,7 @@ pub(super) struct DepthArgs {
     /// The other way round: from depth to disparity.
     #[arg(long)]
     inverse: bool,
-    /// Which plane of an EXR file of several.
+    /// Which plane of an EXR file to use.
     #[arg(long, value_name = "NAME")]
     channel: Option<String>,
     /// What 1 means in disparities that are whole numbers, px: 0.0625 in those of OpenCV's matchers [default: 1/256,
@@ -88,7 +93,10 @@ pub(super) fn run(args: &DepthArgs) -> Result<()> {
         }));
     }
     if !args.quiet {
-        say!("wrote {name} of {columns} × {rows} pixels, {without} of them without, to {}", args.output.display());
+        say!(
+            "wrote {name} of {columns} × {rows} pixels, {without} of them without a value, to {}",
+            args.output.display()
+        );
         if without == all {
             warning!("no pixel has a {name}");
         }

@@ -15,23 +15,31 @@ use crate::io::developable::read_developable;
 use crate::io::developed::{PictureFormat, write_developed};
 use crate::{DevelopedFile, Error, Invalid, Picture, Result};
 
-/// Develop a raw file, or light of high dynamic range, to a picture: PNG, TIFF, JPEG, PGM, PPM, EXR or NPY.
+const EXAMPLES: &str = "\
+Example:
+  photosite develop out/raw.dng -o out.tiff --set develop.colour_space=acescg";
+
+/// Develop a raw file, or a picture of linear light.
 ///
-/// The steps are those of the table [develop] of capture files: white_balance, demosaic, highlights, noise_filter,
-/// kernel, resize_px, colour_space, colour_model, exposure_ev, tone_curve, threshold, sharpening, bits, dither and more;
-/// `photosite schema` describes them all. EXR and NPY pictures hold linear light. Raw files other than DNG do not say
-/// all of themselves: the numbers of TIFF, PBM, PGM, PPM and NPY files are taken to be in proportion to light, from 0 to
-/// the largest that the file can hold, and become grey, or RGB, unless told by develop.raw what their filters and levels
-/// are, for example with --set develop.raw.cfa=RGGB --set develop.raw.black_level_dn=64 --set
-/// develop.raw.white_level_dn=4095; they keep the distortion of their lens and the shape of their pixels, of which they
-/// say nothing. Pictures (PNG, JPEG, and EXR as merge-hdr and other programs write it) become linear light first, by
-/// what they say of their colours, and take the steps from the noise filter on.
+/// The steps are those of the table [develop] of capture files, which `photosite schema` describes: white_balance,
+/// demosaic, highlights, noise_filter, kernel, resize_px, colour_space, colour_model, exposure_ev, tone_curve,
+/// threshold, sharpening, bits, dither and more. EXR and NPY pictures contain linear light.
+///
+/// Raw files other than DNG do not describe themselves. The numbers of TIFF, PBM, PGM, PPM and NPY files are taken
+/// to be proportional to light, from 0 to the largest that the file can hold, and become grey or RGB unless
+/// develop.raw gives their filters and levels: --set develop.raw.cfa=RGGB --set develop.raw.black_level_dn=64 --set
+/// develop.raw.white_level_dn=4095. They keep the distortion of their lens and the shape of their pixels, which
+/// they do not state.
+///
+/// Pictures (PNG, JPEG, and EXR by merge-hdr and other programs) are first decoded to linear light as they state
+/// their colours, and then take the steps from the noise filter on.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct DevelopArgs {
     /// A raw file: DNG, TIFF of 8 or 16 bits, PBM, PGM, PPM (binary or text), NPY, or an EXR file of digital numbers. Or
     /// a picture: EXR of linear light, PNG or JPEG.
     raw: PathBuf,
-    /// The picture: .png, .tiff, .jpg, .ppm, .pgm (grey alone), .exr or .npy [default: the raw file's name with .png, in the
+    /// The picture: .png, .tiff, .jpg, .ppm, .pgm (grey only), .exr or .npy [default: the raw file's name with .png, in the
     /// current folder].
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,

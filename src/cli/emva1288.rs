@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use photosite_core::counted;
 
 use super::arguments::positive;
 use super::figures_text::expected_text;
@@ -17,11 +18,16 @@ use crate::pipeline::{Event, Monitor};
 use crate::units::{Celsius, Decibels, Seconds};
 use crate::{Result, Sandbox};
 
-/// Take the images that EMVA 1288 asks for, and tell what they must show.
+const EXAMPLES: &str = "\
+Example:
+  photosite emva1288 sony-imx249-mono --size 256x256";
+
+/// Make the image sets that EMVA 1288 asks for.
 ///
-/// Every pixel receives exactly the same light, which is no renderer's. Of a colour sensor each channel gets a set of
-/// its own, of the pixels of that channel alone.
+/// Every pixel receives exactly the same light, without the noise of a renderer. For a colour sensor each channel
+/// gets a set of its own, of the pixels of that channel alone.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct Emva1288Args {
     /// A preset (see photosite sensors) or a sensor file.
     sensor: String,
@@ -31,7 +37,7 @@ pub(super) struct Emva1288Args {
     /// Change a key of the sensor, for example noise.read_noise_e=2.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Take these channels only, for example G [default: all].
+    /// Use only these channels, for example G [default: all].
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     channels: Option<Vec<String>>,
     /// Wavelength of the light [default: where each channel's quantum efficiency is greatest].
@@ -67,7 +73,7 @@ pub(super) struct Emva1288Args {
     /// File format of the images.
     #[arg(long, value_enum, default_value_t = Format::Tiff)]
     format: Format,
-    /// Replace image sets that are there already.
+    /// Replace existing image sets.
     #[arg(long)]
     force: bool,
     /// Print what emva1288.json holds instead of text.
@@ -133,7 +139,7 @@ pub(super) fn run(args: &Emva1288Args, sandbox: &Sandbox) -> Result<()> {
         Ok(())
     } else {
         println_out(&expected_text(&sets))?;
-        println_out(&format!("\n{} images in {}", plan.images(), output.display()))
+        println_out(&format!("\n{} in {}", counted(plan.images(), ["image", "images"]), output.display()))
     }
 }
 

@@ -10,12 +10,18 @@ use super::print::{print_json, println_out, refuse_existing, write_result};
 use crate::Result;
 use crate::emva1288::{MeasuredChannel, evaluate_descriptor, evaluate_sets};
 
-/// Measure image sets as EMVA 1288 has it, and draw the curves as one HTML page.
+const EXAMPLES: &str = "\
+Example:
+  photosite emva1288-report emva1288-sony-imx249-mono";
+
+/// Evaluate EMVA 1288 image sets, as text and an HTML page.
 ///
-/// A descriptor names the images and says what they are of: "n 12 640 480" for bits, columns and rows, "b 20000000
-/// 1234.5" for exposure time in ns and photons a pixel before bright images, "d 20000000" before dark ones, "i
-/// images\a.tif" for each. Where exposure times are not known and stated as 0, what needs them is left out and named.
+/// A descriptor names the images and says what they show: "n 12 640 480" for bits, columns and rows, "b 20000000
+/// 1234.5" for exposure time in ns and photons per pixel before bright images, "d 20000000" before dark ones, "i
+/// images\a.tif" for each. Where exposure times are unknown and stated as 0, what depends on them is left out and
+/// named.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct Emva1288ReportArgs {
     /// A folder that photosite emva1288 filled, or a descriptor of images of any camera (.txt).
     input: PathBuf,

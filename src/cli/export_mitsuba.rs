@@ -14,15 +14,20 @@ use crate::io::output::{create_folder, write_whole};
 use crate::pipeline::standalone_camera;
 use crate::{Error, Result, Sandbox};
 
-/// Describe a capture to Mitsuba 3, an independent renderer.
+const EXAMPLES: &str = "\
+Example:
+  photosite export-mitsuba capture.toml -o mitsuba";
+
+/// Export a capture to the renderer Mitsuba 3.
 ///
-/// Mitsuba's picture of scene.xml is then that of electrons.exr. What it has no exact counterpart for is refused by
-/// name.
+/// Mitsuba's picture of scene.xml is comparable to electrons.exr. What Mitsuba has no exact counterpart for is
+/// refused by name.
 ///
-/// With pip install mitsuba, python DIR/render.py DIR/scene.xml mitsuba.exr renders it in independent batches and
-/// writes the variance of each pixel, too, so that photosite compare electrons.exr mitsuba.exr tells noise from a
-/// difference.
+/// After pip install mitsuba, python DIR/render.py DIR/scene.xml mitsuba.exr renders it in independent batches and
+/// also writes the variance of each pixel, so that photosite compare electrons.exr mitsuba.exr can tell noise from
+/// a difference.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct ExportMitsubaArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl).
     input: PathBuf,
@@ -36,7 +41,7 @@ pub(super) struct ExportMitsubaArgs {
     scene: SceneArgs,
     #[command(flatten)]
     shorthands: Shorthands,
-    /// Take the nearest that Mitsuba has where there is no exact counterpart, and list what is approximated.
+    /// Use the closest that Mitsuba has where there is no exact counterpart, and list what is approximated.
     #[arg(long)]
     approximate: bool,
     /// Print nothing but errors.
@@ -52,7 +57,7 @@ const RENDER: &[u8] = include_bytes!("../../tests/mitsuba/render.py");
 
 pub(super) fn run(args: &ExportMitsubaArgs, sandbox: &Sandbox) -> Result<()> {
     refuse_scene(&args.output, args.force)?;
-    let overrides = args.shorthands.around(args.scene.after(&args.overrides), &args.input);
+    let overrides = args.shorthands.around(args.scene.after(&args.overrides, &args.input), &args.input);
     let capture = Capture::load_within(sandbox, &args.input, &overrides)?;
     let warnings = capture.warnings();
     let warnings = warnings.iter().filter(|_| !args.quiet);
@@ -86,7 +91,7 @@ fn refuse_scene(folder: &Path, force: bool) -> Result<()> {
         return Ok(());
     }
     Err(Error::Usage {
-        message: format!("{} holds a scene already", folder.display()),
+        message: format!("{} already contains a scene", folder.display()),
         help: Some("add --force to overwrite it, or choose another folder with -o".into()),
     })
 }

@@ -14,18 +14,24 @@ use crate::report::REPORT;
 use crate::sensor::PictureUnit;
 use crate::{Error, Result, Sandbox};
 
-/// Expose stored light again: another time, gain, temperature, seed or sensor.
+const EXAMPLES: &str = "\
+Examples:
+  photosite expose out --set exposure.iso=3200 -o dark
+  photosite expose photo.exr --unit lux --one 100 --set exposure.time_s=0.01";
+
+/// Expose stored light again, with any exposure or sensor.
 ///
-/// INPUT is a folder that `photosite render` filled, or an EXR file from there. Electrons serve any exposure with the
-/// sensor that they were counted for; irradiance serves any sensor. Light that a moving camera saw is that of its
-/// exposure time and shutter, which stay as they were rendered.
+/// INPUT is a folder that `photosite render` filled, or an EXR file from such a folder. Electrons serve any
+/// exposure with the sensor that they were counted for; irradiance serves any sensor. Light seen by a moving camera
+/// keeps the exposure time and shutter that it was rendered with.
 ///
-/// With --unit INPUT is a picture of any program: EXR, TIFF, PNG, JPEG, PGM, PPM or NPY, as large as the sensor becomes.
-/// Its numbers are taken as light on the sensor, 1 as --one says; whole numbers are divided by white first, and codes
-/// decoded as the file says, or else as sRGB. Electrons and full wells are those of the exposure, R, G and B those of the
-/// sensor's channels of that name; lux is for colours, which become spectra under D65. For example photosite expose
-/// photo.exr --unit lux --one 100 --set sensor.preset=sony-imx249-color --set exposure.time_s=0.01
+/// With --unit, INPUT is a picture by any program (EXR, TIFF, PNG, JPEG, PGM, PPM or NPY), which becomes as large
+/// as the sensor. Its numbers are taken as light on the sensor, where --one says how much a value of 1 is; whole
+/// numbers are first divided by white, and codes are decoded as the file says, or else as sRGB. Electrons and full
+/// wells are those of the exposure; R, G and B are those of the sensor's channels of that name; lux is for colours,
+/// which become spectra under D65.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct ExposeArgs {
     /// A folder with capture.json, a file electrons.exr or irradiance.exr, or with --unit any picture.
     input: PathBuf,
@@ -38,7 +44,7 @@ pub(super) struct ExposeArgs {
     /// Wavelength of an irradiance.
     #[arg(long, value_name = "NM", requires = "unit", required_if_eq("unit", "irradiance"))]
     wavelength_nm: Option<f64>,
-    /// The codes of the picture are in proportion to light, whatever its file says of them.
+    /// The codes of the picture are proportional to light, whatever its file says of them.
     #[arg(long, requires = "unit")]
     linear: bool,
     #[command(flatten)]
@@ -90,7 +96,7 @@ pub(super) fn run(args: &ExposeArgs, sandbox: &Sandbox) -> Result<()> {
         Some(_) if args.input.is_dir() => {
             return Err(Error::Usage {
                 message: format!(
-                    "{} is a folder of stored light, whose files say what they hold",
+                    "{} is a folder of stored light, whose files state what they contain",
                     args.input.display()
                 ),
                 help: Some("remove --unit, or give a picture".into()),

@@ -23,11 +23,18 @@ use crate::scene::description::{EnvironmentDescription, InstanceDescription, Mat
 use crate::sensor::{Binning, Format, SensorModel, presets};
 use crate::{Error, Invalid, Result, Sandbox};
 
-/// Say what a scene, capture, sensor, raw or EXR file holds.
+const EXAMPLES: &str = "\
+Examples:
+  photosite info model.glb
+  photosite info sony-imx249-color";
+
+/// Show what a scene, capture, sensor, raw or EXR file holds.
 ///
-/// Of a scene it says how large it is, and warns where its unit is hardly the metre: where it is longer than 20 m though
-/// nothing states the unit of its OBJ, PLY or STL files (meters_per_unit), or a glTF file longer than 100 m.
+/// The size of a scene is shown, with a warning where its unit is probably not the metre: where it is longer than
+/// 20 m although nothing states the unit of its OBJ, PLY or STL files (meters_per_unit), or longer than 100 m in
+/// glTF.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct InfoArgs {
     /// A .toml, capture.json, .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pgm, .ppm, .npy or .exr file, or the name of a
     /// sensor preset.
@@ -40,7 +47,7 @@ pub(super) struct InfoArgs {
 }
 
 pub(super) fn run(args: &InfoArgs, sandbox: &Sandbox) -> Result<()> {
-    let mut facts = facts(&args.file, sandbox, &args.scene.after(&[]))?;
+    let mut facts = facts(&args.file, sandbox, &args.scene.after(&[], &args.file))?;
     if args.json {
         return print_json(&facts);
     }
@@ -91,7 +98,7 @@ fn facts(path: &Path, sandbox: &Sandbox, overrides: &[String]) -> Result<Map<Str
         _ => {
             let help = "give a .toml, .json (a capture.json), .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pbm, .pgm, .ppm, \
                         .npy or .exr file, or a name that `photosite sensors` lists";
-            Err(Invalid::new("", "is of no kind that photosite knows").help(help).in_file(path))
+            Err(Invalid::new("", "is not a kind of file that photosite knows").help(help).in_file(path))
         }
     }
 }

@@ -9,11 +9,16 @@ use super::print::{println_out, refuse_existing, write_result};
 use crate::capture::{InitialCapture, initial_capture};
 use crate::{Result, Sandbox};
 
-/// Write the capture file that a model stands for, with a comment on each key.
+const EXAMPLES: &str = "\
+Example:
+  photosite init model.glb -o capture.toml";
+
+/// Write a model's capture file, with a comment on each key.
 ///
-/// It gives the same pictures as the model alone, and what it says can be changed: camera, lens, light, ground, exposure,
-/// sensor.
+/// It gives the same pictures as the model alone, and everything in it can be changed: camera, lens, light, ground,
+/// exposure, sensor.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct InitArgs {
     /// A scene (.gltf, .glb, .obj).
     input: PathBuf,

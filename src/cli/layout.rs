@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use photosite_core::counted;
 use serde_json::json;
 
 use super::log::{say, warning};
@@ -12,22 +13,28 @@ use crate::calibration::layouts::Layout;
 use crate::dataset::{LayoutFolder, ShardFormat, Shards, read_dataset};
 use crate::{Error, Invalid, Result, Sandbox};
 
-/// Lay out a finished data set as other tools read it: folders, pictures, calibration, ground truth.
+const EXAMPLES: &str = "\
+Example:
+  photosite layout set --format colmap -o colmap";
+
+/// Lay out a data set for other tools: COLMAP, BOP, COCO ….
 ///
-/// The data set is left as it is; pictures are copied. Cameras have OpenCV's axes, the world is that of glTF (y up), but
-/// for nerfstudio, which has its own. webdataset, parquet and mcap are made of shards, files of some frames each, which
-/// can be written while the data set grows (--growing); given again, the command writes those that are missing.
+/// The data set is not changed; pictures are copied. Cameras have OpenCV's axes, and the world is that of glTF (y
+/// up), except in nerfstudio's layout, which has its own. webdataset, parquet and mcap consist of shards, files of
+/// some frames each, which can be written while the data set grows (--growing); when it is run again, the command
+/// writes the shards that are missing.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct LayoutArgs {
     /// The folder that `photosite dataset` has filled, or fills.
     dataset: PathBuf,
     /// The layout.
     #[arg(long, value_enum)]
     format: Format,
-    /// New folder for it; of shards, also one that holds some of them.
+    /// New folder for it; for shards, also one that already contains some of them.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// Of a data set that is not finished, write those shards whose frames are all there.
+    /// For an unfinished data set, write those shards whose frames are all complete.
     #[arg(long)]
     growing: bool,
     #[command(flatten)]
@@ -93,7 +100,7 @@ pub(super) fn run(args: &LayoutArgs, sandbox: &Sandbox) -> Result<()> {
 
 fn write_folder(args: &LayoutArgs, layout: Layout, sandbox: &Sandbox) -> Result<()> {
     if args.growing || args.size.is_given() {
-        let message = "--growing, --shard-mb and --shard-frames are of webdataset, parquet and mcap".to_owned();
+        let message = "--growing, --shard-mb and --shard-frames only apply to webdataset, parquet and mcap".to_owned();
         return Err(Error::Usage { message, help: Some("leave them out, or choose one of these formats".into()) });
     }
     LayoutFolder::check(&args.output)?;
@@ -109,7 +116,7 @@ fn write_folder(args: &LayoutArgs, layout: Layout, sandbox: &Sandbox) -> Result<
         return print_json(&json!({ "folder": args.output, "pictures": pictures, "cameras": set.cameras.len() }));
     }
     if !args.quiet {
-        say!("laid out {pictures} pictures in {}", args.output.display());
+        say!("laid out {} in {}", counted(pictures, ["picture", "pictures"]), args.output.display());
     }
     Ok(())
 }
@@ -122,8 +129,8 @@ fn write_shards(args: &LayoutArgs, format: ShardFormat) -> Result<()> {
     let shards = Shards::open(&args.dataset, None, format, &args.output, args.size.size(), warn)?;
     let progress = shards.finish()?;
     if let (false, Some(left @ 1..)) = (args.growing, progress.left) {
-        let message = format!("has pictures that are damaged or gone: {left} of the shards cannot be written");
-        let help = "`photosite status` tells which; give the command that makes the data set again";
+        let message = format!("has damaged or missing pictures: {left} of the shards cannot be written");
+        let help = "`photosite status` tells which; run the command that makes the data set again";
         return Err(Invalid::new("", message).help(help).in_file(&args.dataset));
     }
     if args.json {
@@ -137,7 +144,9 @@ fn write_shards(args: &LayoutArgs, format: ShardFormat) -> Result<()> {
     if !args.quiet {
         let (written, folder) = (progress.written, args.output.display());
         match (progress.present, progress.left) {
-            (present, Some(left)) => say!("wrote {written} shards; {present} of {} are in {folder}", present + left),
+            (present, Some(left)) => {
+                say!("wrote {}; {present} of {} are in {folder}", counted(written, ["shard", "shards"]), present + left)
+            }
             (_, None) => say!("wrote no shards: no frame is complete yet"),
         }
     }

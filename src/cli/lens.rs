@@ -14,18 +14,24 @@ use crate::{Error, Invalid, Result};
 /// Most bytes of a lens file.
 const MOST_BYTES: u64 = 4 << 20;
 
-/// Say what a lens does: focal length, pupils, colour, distortion, illumination, spots, modulation transfer.
+const EXAMPLES: &str = "\
+Examples:
+  photosite lens double-gauss
+  photosite lens patent.zmx --f-number 4 -o lens.toml -o lens.html";
+
+/// Show what a lens does: focal length, distortion, MTF ….
 ///
-/// Lenses are read from photosite's own .toml and .json, and from the files of OpticStudio (.zmx), CODE V (.seq), the
-/// Optical Bench (.txt), pbrt (.dat), Optiland (.json) and ray-optics (.roa). What a file does not say, and what of it is
-/// not used, is listed.
+/// Lenses are read from photosite's own .toml and .json files, and from those of OpticStudio (.zmx), CODE V (.seq),
+/// the Optical Bench (.txt), pbrt (.dat), Optiland (.json) and ray-optics (.roa). What a file does not state, and
+/// what is not used of it, is listed.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct LensArgs {
-    /// A lens file, or the name of a lens that ships: double-gauss, canon-ef50 and others.
+    /// A lens file, or the name of one that ships with photosite: double-gauss, canon-ef50 and others.
     #[arg(required_unless_present = "list")]
     lens: Option<PathBuf>,
-    /// Write it as a file of ours (.toml), or its page (.html): cross-section with rays, field curves, spots, modulation
-    /// transfer.
+    /// Write the lens in photosite's own form (.toml), or a page about it (.html): cross-section with rays, field
+    /// curves, spots, modulation transfer.
     #[arg(short, long, value_name = "FILE")]
     output: Vec<PathBuf>,
     /// Close the stop to this f-number [default: open].
@@ -43,7 +49,7 @@ pub(super) struct LensArgs {
     /// Print nothing but warnings and errors.
     #[arg(short, long, conflicts_with = "json")]
     quiet: bool,
-    /// List the lenses that ship.
+    /// List the lenses that ship with photosite.
     #[arg(long, exclusive = true)]
     list: bool,
 }
@@ -88,7 +94,7 @@ fn kind(output: &Path) -> Result<Kind> {
         "toml" => Ok(Kind::Prescription),
         "html" | "htm" => Ok(Kind::Page),
         other => Err(Error::Usage {
-            message: format!("{}: no lens is written as {other:?}", output.display()),
+            message: format!("{}: a lens cannot be written as {other:?}", output.display()),
             help: Some(
                 "write to a .toml file, which is the lens in photosite's own form, or to .html, its page".into(),
             ),
@@ -117,7 +123,7 @@ fn reading(lens: &Path) -> Result<Reading> {
 fn options(args: &LensArgs) -> Result<Options> {
     if let Some(angle) = args.half_field.filter(|angle| !(*angle > 0.0 && *angle < 120.0)) {
         let invalid =
-            Invalid::new("--half-field", format!("{angle}° is no half field")).help("write an angle above 0°");
+            Invalid::new("--half-field", format!("{angle}° is not a half field")).help("write an angle above 0°");
         return Err(Error::Usage { message: invalid.to_string(), help: invalid.help });
     }
     Ok(Options { f_number: args.f_number, half_field_deg: args.half_field })

@@ -15,8 +15,8 @@ static IS_JSON: AtomicBool = AtomicBool::new(false);
 pub(super) fn speak_json() {
     IS_JSON.store(true, Ordering::Relaxed);
     photosite_simd::Heap::set_message(
-        r#"{"event":"error","status":1,"message":"there is no more memory: "#,
-        " bytes cannot be had\"}\n",
+        r#"{"event":"error","status":1,"message":"out of memory: "#,
+        " bytes could not be allocated\"}\n",
     );
 }
 

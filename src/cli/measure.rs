@@ -18,10 +18,15 @@ use crate::raw::Pixels;
 use crate::validation::Picture;
 use crate::{Error, Invalid, Result, Sandbox};
 
+const EXAMPLES: &str = "\
+Example:
+  photosite measure mtf out/image.png --region 100,80,40,60";
+
 /// Measure pictures: sharpness, colours, likeness, histograms.
 ///
-/// Lengths are in pixels, whatever shape the file says that they have.
+/// Lengths are in pixels, even if the file states another shape for them.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct MeasureArgs {
     #[command(subcommand)]
     measure: Measure,
@@ -48,11 +53,11 @@ enum Measure {
         #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=65_536))]
         bins: u32,
     },
-    /// Colour differences of a colour checker, which is found by what the capture says is where.
+    /// Colour differences of a colour checker, which is located by the capture.
     Checker {
         #[command(flatten)]
         picture: PictureArgs,
-        /// The capture that the picture is of, or the capture.json beside it: materials with reflectances
+        /// The capture of the picture, or the capture.json beside it: materials with reflectances
         /// colour-checker/… are the patches.
         #[arg(long, value_name = "FILE")]
         capture: PathBuf,
@@ -70,10 +75,10 @@ enum Measure {
 struct PictureArgs {
     /// A picture: .png, .tiff, .jpg, .ppm or .exr; or the numbers of a raw file: .dng, .pgm, .pbm or .npy.
     picture: PathBuf,
-    /// Codes are in proportion to light, whatever the file says [default: what its profile says, else sRGB].
+    /// Codes are proportional to light, whatever the file says [default: what its profile says, else sRGB].
     #[arg(long)]
     linear: bool,
-    /// Look at the masked pixels of raw files, too. Without, those that see light alone count (DNG, raw EXR), and
+    /// Use the masked pixels of raw files, too. Without, those that see light alone count (DNG, raw EXR), and
     /// columns and rows are counted from their corner.
     #[arg(long)]
     masked: bool,

@@ -14,13 +14,18 @@ use crate::pipeline::{FilmMemory, LightSource, Parts, Place, Request, render_int
 use crate::report::Timings;
 use crate::{Error, Result, Sandbox};
 
-/// Put together what several runs of `photosite render --samples A..B`, or of `photosite dataset --samples A..B`, have
-/// traced.
+const EXAMPLES: &str = "\
+Example:
+  photosite merge part-0 part-1 part-2 -o out";
+
+/// Merge parts that were rendered with --samples.
 ///
-/// The results have the bytes that one run with all samples gives. What was rendered is read again where it was, for
-/// all that is not traced: sensor noise, development, ground truth. A data set that was broken off goes on where it
-/// stopped.
+/// The parts are folders that `photosite render --samples A..B` or `photosite dataset --samples A..B` filled. The
+/// result has the same bytes as one run with all samples. The capture is read again from where it was, for
+/// everything that is not traced: sensor noise, development, ground truth. The merge of a data set continues where
+/// it stopped.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct MergeArgs {
     /// The folders of all parts, in any order.
     #[arg(required = true, value_name = "DIR")]
@@ -28,10 +33,10 @@ pub(super) struct MergeArgs {
     /// Folder for the results, created where missing.
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
-    /// What was rendered, where it no longer is where it was.
+    /// The capture file or scene, if it has moved since it was rendered.
     #[arg(long, value_name = "FILE")]
     input: Option<PathBuf>,
-    /// Most memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
+    /// Maximum memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
     /// Print nothing but errors.
@@ -89,7 +94,7 @@ fn merge_pictures(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
 
 fn merge_sets(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
     if args.force {
-        let message = "--force: a data set goes on where it was broken off, and nothing is overwritten".to_owned();
+        let message = "--force: a data set continues where it stopped, and nothing is overwritten".to_owned();
         return Err(Error::Usage { message, help: Some("remove --force, or choose another folder with -o".into()) });
     }
     let parts = args.parts.iter().map(|path| PartFolder::read(path)).collect::<Result<Vec<_>>>()?;

@@ -16,12 +16,17 @@ use crate::io::raw_file::read_raw;
 use crate::units::Seconds;
 use crate::{Error, Invalid, Result};
 
-/// Merge raw files that were exposed for different times to a linear picture of their common light.
+const EXAMPLES: &str = "\
+Example:
+  photosite merge-hdr out/raw-0.dng out/raw-1.dng out/raw-2.dng -o hdr.exr";
+
+/// Merge raw files of different exposures to one linear picture.
 ///
-/// Times, and the noise by which the pictures are weighted, are what the DNG files state. The picture is developed by
-/// the table [develop] but for its tone curve; 1 is saturation in the longest exposure, above which the shorter ones
-/// reach.
+/// The exposure times, and the noise by which the pictures are weighted, are those stated in the DNG files. The
+/// picture is developed by the table [develop] except for its tone curve; 1 is saturation in the longest exposure,
+/// and shorter ones reach above it.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct MergeHdrArgs {
     /// Two or more DNG files of the same light, aperture and speed.
     #[arg(required = true)]
@@ -84,11 +89,11 @@ pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
     {
         if is_given {
             let file = args.output.display();
-            warnings.push(format!("develop.{key} has no part in merged light; photosite develop {file} follows it"));
+            warnings.push(format!("develop.{key} does not affect merged light; photosite develop {file} follows it"));
         }
     }
     let unused = PictureFormat::Exr.unused_keys(&settings);
-    warnings.extend(unused.into_iter().map(|key| format!("develop.{key} has no part in an EXR file")));
+    warnings.extend(unused.into_iter().map(|key| format!("develop.{key} does not affect an EXR file")));
     let (planes, development) =
         develop_merged(merged, &settings).map_err(|invalid| source.error(invalid.within("develop")))?;
     let merge_s = start.elapsed().as_secs_f64();

@@ -6,6 +6,7 @@ mod arguments;
 mod camera;
 mod compare;
 mod compare_report;
+mod completions;
 mod dataset;
 mod depth;
 mod develop;
@@ -16,12 +17,14 @@ mod exit_status;
 mod export_mitsuba;
 mod expose;
 mod figures_text;
+mod help;
 mod info;
 mod init;
 mod layout;
 mod lens;
 mod listing;
 mod log;
+mod man;
 mod measure;
 mod merge;
 mod merge_hdr;
@@ -51,36 +54,33 @@ use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
-use clap::{Parser, Subcommand};
+use clap::{FromArgMatches, Parser, Subcommand};
 
 use self::arguments::start_threads;
 use self::exit_status::{ANOTHER_TRY, DONE, FAILED, WRONG_USAGE};
 use self::remedies::in_options;
 use crate::{Error, Result, Sandbox, memory};
 
-/// What scripts and schedulers go by.
-const EXIT_STATUS: &str = "\
-Exit status: 0 done; 1 failed, or pictures differ; 2 wrong usage; 3 and 4 of `photosite status` (see its --help); 75 failed, but another try may succeed (disk full, a server or
-a file went away, another process writes to the same place); 129, 130, 143 ended by SIGHUP, SIGINT, SIGTERM, after which a
-render goes on from its checkpoint when the same command is given again.";
+/// Options that all commands have come last in their help.
+const EVERYWHERE: &str = "Options of every command";
 
 /// Renders glTF, OBJ, PLY and STL scenes as a camera would record them: photons, electrons, raw files.
 #[derive(Parser)]
-#[command(version, about, max_term_width = 100, after_help = EXIT_STATUS)]
+#[command(version, about, long_about = None, max_term_width = 80)]
 struct Cli {
-    /// Write what is said on standard error as JSON, an object per line: `time_s`, `event` (warning, progress, message,
-    /// error …) and what belongs to it.
-    #[arg(long, global = true)]
-    log_json: bool,
     /// Threads to use [default: all cores].
-    #[arg(long, global = true, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, global = true, value_name = "N", help_heading = EVERYWHERE, allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
-    /// Most memory to take, GiB: what needs more is refused [default: what is free, and what cgroups allow].
-    #[arg(long, global = true, value_name = "GIB", allow_negative_numbers = true)]
+    /// Maximum memory to use, GiB; what needs more is refused [default: what is free, and what cgroups allow].
+    #[arg(long, global = true, value_name = "GIB", help_heading = EVERYWHERE, allow_negative_numbers = true)]
     memory: Option<f64>,
-    /// Refuse captures and scenes that name files outside of this folder: for those of strangers.
-    #[arg(long, global = true, value_name = "DIR")]
+    /// Refuse captures and scenes that name files outside this folder: for files that you do not trust.
+    #[arg(long, global = true, value_name = "DIR", help_heading = EVERYWHERE)]
     sandbox: Option<PathBuf>,
+    /// Write messages on standard error as JSON, one object per line: `time_s`, `event` (warning, progress, message,
+    /// error …) and what belongs to it.
+    #[arg(long, global = true, help_heading = EVERYWHERE)]
+    log_json: bool,
     #[command(subcommand)]
     command: Command,
 }
@@ -116,6 +116,8 @@ enum Command {
     Target(target::TargetArgs),
     #[cfg(feature = "view")]
     View(view::ViewArgs),
+    Completions(completions::CompletionsArgs),
+    Man(man::ManArgs),
 }
 
 impl Cli {
@@ -138,7 +140,7 @@ impl Cli {
 /// It is for a process that does nothing else, and once: it starts rayon's global threads, listens to signals, and ends
 /// the process where one comes while the work under way cannot be kept.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let status = match Cli::try_parse_from(arguments) {
+    let status = match help::command().try_get_matches_from(arguments).and_then(|found| Cli::from_arg_matches(&found)) {
         Ok(cli) => run_parsed(&cli),
         // Wrong usage, or what --help and --version ask for.
         Err(words) => {
@@ -212,6 +214,8 @@ fn run_command(cli: &Cli) -> Result<u8> {
         Command::Target(args) => target::run(args),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(args, sandbox),
+        Command::Completions(args) => completions::run(args),
+        Command::Man(args) => man::run(args),
     };
     done.map(|()| DONE)
 }

@@ -6,6 +6,7 @@ use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use photosite_core::counted;
 use serde_json::json;
 
 use super::log::{self, say, warning};
@@ -147,17 +148,20 @@ impl Monitor for TerminalMonitor {
                 if is_of_set {
                     return;
                 }
-                self.begin(traced, expected, format!("{samples_per_pixel} samples a pixel"));
+                self.begin(traced, expected, format!("{samples_per_pixel} samples per pixel"));
                 self.log("trace_begins", json!({ "paths": expected, "traced": traced, "resumed": resumed }));
                 if let Some(checkpoint) = resumed.filter(|_| !self.silent) {
-                    say!("goes on from {} at {samples_per_pixel} samples a pixel", checkpoint.display());
+                    say!("continuing from {} at {samples_per_pixel} samples per pixel", checkpoint.display());
                 }
             }
             Event::Traced(paths) if !is_of_set => self.advance(paths),
             Event::PassEnds { samples_per_pixel, expected, .. } if !is_of_set => {
                 if let Some(progress) = &mut *locked(&self.progress) {
                     progress.update(expected, |seconds, paths| {
-                        format!("{samples_per_pixel:.0} samples a pixel, {:.2} M paths/s", paths as f64 / seconds / 1e6)
+                        format!(
+                            "{samples_per_pixel:.0} samples per pixel, {:.2} M paths/s",
+                            paths as f64 / seconds / 1e6
+                        )
                     });
                 }
             }
@@ -176,7 +180,7 @@ impl Monitor for TerminalMonitor {
             Event::PictureFails { camera, frame, error } => {
                 let camera_name = camera;
                 let camera = if camera.is_empty() { String::new() } else { format!(" of {camera}") };
-                warning!("frame {frame}{camera} is left out: {error}");
+                warning!("frame {frame}{camera} is skipped: {error}");
                 self.log(
                     "picture_fails",
                     json!({ "camera": camera_name, "frame": frame, "message": error.to_string() }),
@@ -190,7 +194,7 @@ impl Monitor for TerminalMonitor {
                 self.log("picture_ends", of.unwrap_or_else(|| json!({})));
             }
             Event::Waiting { pictures } if !self.quiet => {
-                say!("other processes are making {pictures} pictures, which are waited for");
+                say!("waiting for {} that other processes are making", counted(pictures, ["picture", "pictures"]));
             }
             Event::SetEnds => {
                 *locked(&self.is_of_set) = false;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
+use photosite_core::counted;
 
 use super::arguments::positive;
 use super::log::say;
@@ -15,14 +16,21 @@ use crate::io::output::Sink;
 use crate::raw::Pixels;
 use crate::{Error, Result};
 
-/// Estimate the noise of a picture, or of several of the same scene; or add noise to one (photosite noise add).
+const EXAMPLES: &str = "\
+Examples:
+  photosite noise out/raw.dng --patch 100,100,64,64
+  photosite noise add photo.png -o noisy.png --set gaussian.sigma=4";
+
+/// Estimate the noise of pictures, or add noise to one.
 ///
-/// From several pictures: what changes from one to the next, of all pixels and of each, and the fixed pattern under it.
-/// From one: what an even patch spreads, what a plane leaves of a patch with linear shading, what planes leave of many
-/// small squares. Colours of a mosaic are looked at one by one. Of raw files that say which pixels see light (DNG, raw
-/// EXR) these alone are looked at.
+/// From several pictures of the same scene: what changes from one to the next, over all pixels and for each, and
+/// the fixed pattern beneath. From one picture: the spread in an even patch, what remains of a patch with linear
+/// shading after fitting a plane, and what remains of many small squares after fitting a plane to each. The colours
+/// of a mosaic are treated one by one. In raw files that state which pixels see light (DNG, raw EXR), only those
+/// are used.
 #[derive(Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct NoiseArgs {
     #[command(subcommand)]
     command: Option<NoiseCommand>,
@@ -40,11 +48,11 @@ struct EstimateArgs {
     /// EXR, PNG, TIFF or raw files (DNG, PGM, NPY); several are taken to show the same scene.
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Look at this part only: left, top, width and height in pixels, counted from the corner of the pixels that see
+    /// Use only this part: left, top, width and height in pixels, counted from the corner of the pixels that see
     /// light.
     #[arg(long, value_name = "X,Y,W,H", value_parser = rectangle)]
     patch: Option<[usize; 4]>,
-    /// Look at the masked pixels of raw files, too; --patch counts from the corner of the file.
+    /// Use the masked pixels of raw files, too; --patch counts from the corner of the file.
     #[arg(long)]
     masked: bool,
     /// Standard deviation that every pixel should have: the χ² of planes is reported, and distributions are compared
@@ -57,7 +65,7 @@ struct EstimateArgs {
     /// How far to look for correlations, in pixels of one colour.
     #[arg(long, value_name = "PX", default_value_t = 4, value_parser = clap::value_parser!(u64).range(0..=256))]
     lags: u64,
-    /// Side of the squares that get a plane each, in pixels of one colour.
+    /// Side of the squares to which planes are fitted, in pixels of one colour.
     #[arg(long, value_name = "PX", default_value_t = 8, value_parser = clap::value_parser!(u64).range(2..=1024))]
     square: u64,
     /// Write the standard deviation of every pixel over several pictures: .exr, .npy or .tiff.
@@ -125,7 +133,8 @@ fn text(report: &NoiseReport) -> String {
             .iter()
             .map(|(name, value)| format!("  {name}{}  {value}", " ".repeat(width - name.chars().count())))
             .collect();
-        format!("{name}: {} × {} pixels of {} picture(s)\n{}", e.size[0], e.size[1], e.pictures, body.join("\n"))
+        let pictures = counted(e.pictures, ["picture", "pictures"]);
+        format!("{name}: {} × {} pixels of {pictures}\n{}", e.size[0], e.size[1], body.join("\n"))
     };
     let area = report.active_area_px.map(|[x, y, w, h]| format!("active area: {w} × {h} pixels at {x}, {y}"));
     area.into_iter().chain(report.planes.iter().map(of_plane)).collect::<Vec<_>>().join("\n\n")

@@ -13,15 +13,20 @@ use crate::io::number_picture::{NumberFormat, write_numbers};
 use crate::synthetic_noise::{Clipped, SyntheticNoise};
 use crate::{Error, Invalid, Result};
 
-/// Add noise to a picture of any program.
+const EXAMPLES: &str = "\
+Example:
+  photosite noise add photo.png -o noisy.png --set gaussian.sigma=4 --seed 2";
+
+/// Add noise to a picture by any program.
 ///
-/// What noise: --set gaussian.sigma=4, laplacian.sigma, uniform.sigma (each with multiplicative=true for g = f·(1 + n)),
-/// speckle.contrast=0.5, film_grain.factor with exponent and correlation_px (g = f + c·f^γ·n), sigma_map.file=FILE,
-/// salt_and_pepper.part=0.05; several go together. Levels are in the numbers of the picture (of 8 bits 0 to 255), or
-/// with levels=full-scale in parts of white. channels=common gives all channels the same noise. photosite schema noise
-/// describes all keys. Whole numbers are rounded and clipped, and the command says how many were clipped; others stay
-/// as they are.
+/// Kinds of noise: --set gaussian.sigma=4, laplacian.sigma, uniform.sigma (each with multiplicative=true for g =
+/// f·(1 + n)), speckle.contrast=0.5, film_grain.factor with exponent and correlation_px (g = f + c·f^γ·n),
+/// sigma_map.file=FILE, salt_and_pepper.part=0.05; they can be combined. Levels are in the numbers of the picture
+/// (0 to 255 for 8 bits), or with levels=full-scale in parts of white. channels=common gives all channels the same
+/// noise. `photosite schema noise` describes all keys. Whole numbers are rounded and clipped, and the command says
+/// how many were clipped; others stay as they are.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct NoiseAddArgs {
     /// A picture: PNG, TIFF, JPEG, EXR, PGM, PPM, NPY.
     picture: PathBuf,

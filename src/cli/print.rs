@@ -13,7 +13,7 @@ pub(super) fn refuse_existing(path: &Path, force: bool) -> crate::Result<()> {
 }
 
 pub(super) fn exists_already(path: &Path) -> Error {
-    let message = format!("{} exists already", path.display());
+    let message = format!("{} already exists", path.display());
     Error::Usage { message, help: Some("add --force to overwrite it, or choose another name".into()) }
 }
 
@@ -39,8 +39,13 @@ pub(super) fn print_json(value: &impl serde::Serialize) -> crate::Result<()> {
 
 /// Prints a line on standard output. A reader that has seen enough and went away, as `head` does, is no error.
 pub(super) fn println_out(text: &str) -> crate::Result<()> {
+    print_out(format!("{text}\n").as_bytes())
+}
+
+/// Prints bytes on standard output, likewise.
+pub(super) fn print_out(bytes: &[u8]) -> crate::Result<()> {
     use std::io::{ErrorKind, Write};
-    match writeln!(std::io::stdout().lock(), "{text}") {
+    match std::io::stdout().lock().write_all(bytes) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             Err(Error::io("standard output".as_ref(), "write", error))
         }

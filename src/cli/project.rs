@@ -11,26 +11,31 @@ use crate::capture::Capture;
 use crate::sight::{Sight, Space};
 use crate::{Error, Invalid, Result, Sandbox};
 
-/// Say where points appear in the picture of a camera, or what its pixels look at.
+const EXAMPLES: &str = "\
+Example:
+  photosite project capture.toml --points points.csv";
+
+/// Project points to pixels, or pixels to lines of sight.
 ///
-/// In and out are lines of numbers with commas between them. Pixels are those of OpenCV: column and row, whole numbers
-/// at the centres; they are those of the sensor, before exposure.region_px, exposure.binning and a frame grabber (of
-/// hexagonal cells, those of the rows that are not shifted: the cells of the others are at columns and a half), whose grid
-/// and distortion image.png keeps with develop.distortion = false and develop.square_pixels = false alone. What the lens
-/// does not show is `nan,nan`. A camera that moves sees each point, and each pixel, in the middle of the exposure of
-/// its row of the first picture, as it does in ground truth.
+/// Input and output are lines of numbers separated by commas. Pixels are those of OpenCV: column and row, whole
+/// numbers at the centres. They are those of the sensor, before exposure.region_px, exposure.binning and a frame
+/// grabber (for hexagonal cells, those of the rows that are not shifted: the cells of the others are at columns and
+/// a half); image.png only keeps their grid and distortion with develop.distortion = false and
+/// develop.square_pixels = false. What the lens does not show is `nan,nan`. A camera that moves sees each point,
+/// and each pixel, in the middle of the exposure of its row of the first picture, as in ground truth.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct ProjectArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl).
     input: PathBuf,
-    /// A file with a point x, y, z a line; - for standard input.
+    /// A file with one point x, y, z per line; - for standard input.
     #[arg(long, value_name = "FILE")]
     points: PathBuf,
-    /// The points are in the camera's coordinates of OpenCV (x right, y down, z forward), m, not in those of the world.
+    /// The points are in OpenCV's camera coordinates (x right, y down, z forward), m, not in those of the world.
     #[arg(long)]
     camera_space: bool,
-    /// The other way round: from a pixel a line to the unit vector of what it looks at, in the camera's coordinates of
-    /// OpenCV with --camera-space, else in those of the world.
+    /// The other way round: from one pixel per line to the unit vector of its line of sight, in OpenCV's camera
+    /// coordinates with --camera-space, else in those of the world.
     #[arg(long)]
     inverse: bool,
     /// With --inverse: a point of the line of sight before its direction, x, y, z, dx, dy, dz, m. Lines of a lens from a
@@ -45,7 +50,7 @@ pub(super) struct ProjectArgs {
 }
 
 pub(super) fn run(args: &ProjectArgs, sandbox: &Sandbox) -> Result<()> {
-    let capture = Capture::load_within(sandbox, &args.input, &args.scene.after(&args.overrides))?;
+    let capture = Capture::load_within(sandbox, &args.input, &args.scene.after(&args.overrides, &args.input))?;
     let space = if args.camera_space { Space::Camera } else { Space::World };
     let sight = Sight::new(&capture, space)?;
     let text = read(&args.points)?;

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use photosite_core::counted;
 
 use super::log::{say, warning};
 use super::print::{print_json, rounded};
@@ -10,14 +11,19 @@ use crate::dataset::{FrameList, RectifiedReport, RectifySettings, rectify};
 use crate::develop::ResizeFilter;
 use crate::{Result, Sandbox};
 
-/// Rectify the pictures of two cameras of a finished data set, with depth and disparity as truth.
+const EXAMPLES: &str = "\
+Example:
+  photosite rectify set -o rectified --lines 12";
+
+/// Rectify the pictures of two cameras of a data set.
 ///
-/// Both cameras are turned, in thought, as cv2.stereoRectify does it, and their lenses' distortion is undone in the same
-/// step, for every lens that photosite has; of lenses without distortion that is a homography. DIR/stereo.yaml holds the
-/// cameras of the new pictures in OpenCV's words. Where the data set has truth.exr with depth, so has each new picture:
-/// depth along the common axis, m, and disparity d = f·b/Z, px; where it has normals, too, these are exact on planes.
-/// What a camera does not see is black. The folder appears whole or not at all.
+/// Both cameras are turned virtually as cv2.stereoRectify does it, and the distortion of their lenses is undone in
+/// the same step, for every lens that photosite has; for lenses without distortion this is a homography.
+/// DIR/stereo.yaml describes the cameras of the new pictures as OpenCV does. Where the data set has truth.exr with
+/// depth, each new picture has it too: depth along the common axis, m, and disparity d = f·b/Z, px; with normals in
+/// it, both are exact on planes. What a camera does not see is black. The folder appears whole or not at all.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct RectifyArgs {
     /// The folder that `photosite dataset` has filled.
     dataset: PathBuf,
@@ -27,13 +33,13 @@ pub(super) struct RectifyArgs {
     /// Two cameras of the rig, the reference first [default: the two that it has].
     #[arg(long, value_name = "FIRST,SECOND", value_parser = parse_pair)]
     pair: Option<[String; 2]>,
-    /// Rectify these frames only: numbers, and ranges from A up to, but without, B, as in 0..4,9.
+    /// Rectify only these frames: numbers, and ranges from A up to, but not including, B, as in 0..4,9.
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     frames: Option<FrameList>,
-    /// How values between pixels are found; those of truth never are.
+    /// How to interpolate between pixels; ground truth is never interpolated.
     #[arg(long, value_enum, default_value = "linear")]
     interpolation: Interpolation,
-    /// Draw so many epipolar lines over both pictures side by side, rectified and as they were.
+    /// Draw this many epipolar lines over both pictures side by side, rectified and as they were.
     #[arg(long, value_name = "N", default_value = "0", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(0..=1000))]
     lines: u32,
     /// Print nothing but errors.
@@ -93,11 +99,10 @@ pub(super) fn run(args: &RectifyArgs, sandbox: &Sandbox) -> Result<()> {
 fn summarise(report: &RectifiedReport, args: &RectifyArgs) {
     let [first, second] = &report.cameras;
     let percent = report.valid_part.map(|part| rounded(100.0 * part, 3));
-    let frames = report.frames.len();
     say!(
-        "rectified {frames} frame{} of {first} and {second} in {}: f = {} px, b = {} m; the cameras see {} % and {} % of the \
+        "rectified {} of {first} and {second} in {}: f = {} px, b = {} m; the cameras see {} % and {} % of the \
          pixels",
-        if frames == 1 { "" } else { "s" },
+        counted(report.frames.len(), ["frame", "frames"]),
         args.output.display(),
         rounded(report.focal_length_px, 6),
         rounded(report.baseline_m, 6),

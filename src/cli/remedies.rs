@@ -7,7 +7,7 @@ pub(super) fn in_options(remedy: &Remedy) -> String {
     match remedy {
         Remedy::Say(words) => words.clone(),
         Remedy::Overwrite => "add --force to overwrite".to_owned(),
-        Remedy::StartAnew => "add --force to start anew".to_owned(),
+        Remedy::StartAnew => "add --force to start again".to_owned(),
         Remedy::Elsewhere(place) => format!("choose {place} with -o"),
         Remedy::Override(change) => format!("add --set {change}"),
         Remedy::Example(change) => format!("for example --set {change}"),
@@ -20,17 +20,17 @@ pub(super) fn in_options(remedy: &Remedy) -> String {
         }
         Remedy::Variance(picture) => {
             let option = picture.to_lowercase();
-            format!("give it with --variance-{option} FILE, or say --variance-{option} 0 where {picture} is exact")
+            format!("give it with --variance-{option} FILE, or write --variance-{option} 0 if {picture} is exact")
         }
         Remedy::Moments(picture) => {
             let option = picture.to_lowercase();
-            format!("say of how many samples a pixel its second moments are, with --samples-{option} N")
+            format!("state how many samples per pixel its second moments come from, with --samples-{option} N")
         }
-        Remedy::Lenient => "add --lenient, and grey stands for it".to_owned(),
-        Remedy::Nearest => "add --approximate for the nearest that Mitsuba has".to_owned(),
-        Remedy::Linear => "say --linear where its codes are in proportion to light".to_owned(),
+        Remedy::Lenient => "add --lenient, and grey is used instead".to_owned(),
+        Remedy::Nearest => "add --approximate for the closest that Mitsuba has".to_owned(),
+        Remedy::Linear => "add --linear if its codes are proportional to light".to_owned(),
         Remedy::LightUnit => {
-            "say what the numbers of a picture are with --unit electrons, full-well, lux or irradiance".to_owned()
+            "say what the numbers of a picture mean with --unit electrons, full-well, lux or irradiance".to_owned()
         }
     }
 }

@@ -18,23 +18,29 @@ use crate::pipeline::{FilmMemory, LightSource, Monitor, Place, Rendered, Request
 use crate::report::{REPORT, RenderReport, Report, Timings};
 use crate::{Result, Sandbox};
 
-/// Render a scene as the camera of a capture file records it.
+const EXAMPLES: &str = "\
+Examples:
+  photosite render model.glb --spp 64 -o out
+  photosite render capture.toml --set lens.f_number=2.8 --set exposure.iso=400";
+
+/// Render a scene or capture as a raw file and a picture.
 ///
-/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl), which then gets a camera that frames it, a clear day
-/// and a ground unless it has lights of its own, the default lens and the default sensor. `photosite init` writes that
-/// out as a capture file; --set scene.environment=even lights it from all sides.
+/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl). A scene alone gets a camera that
+/// shows all of it, the default lens and sensor, and, unless it has lights of its own, a clear day and a ground.
+/// `photosite init` writes all that as a capture file.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct RenderArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl).
     input: PathBuf,
-    /// Trace these samples of every pixel only: from A up to, but without, B. `photosite merge` makes the picture of
+    /// Trace only these samples of every pixel: from A up to, but not including, B. `photosite merge` makes the picture of
     /// all parts.
     #[arg(long, value_name = "A..B", value_parser = parse_range)]
     samples: Option<Range<u32>>,
-    /// Most memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
+    /// Maximum memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
-    /// Show the picture as it grows in the image viewer tev, which listens at 127.0.0.1:14158 by itself.
+    /// Show the picture as it grows in the image viewer tev, which listens at 127.0.0.1:14158 by default.
     #[arg(long, value_name = "HOST:PORT", value_parser = TevAddress::parse)]
     tev: Option<TevAddress>,
     #[command(flatten)]
@@ -48,7 +54,7 @@ pub(super) struct RenderArgs {
 pub(super) fn run(args: &RenderArgs, sandbox: &Sandbox) -> Result<()> {
     let RunArgs { output, quiet, json, force, .. } = &args.common;
     let start = Instant::now();
-    let overrides = args.shorthands.around(args.scene.after(&args.common.overrides()), &args.input);
+    let overrides = args.shorthands.around(args.scene.after(&args.common.overrides(), &args.input), &args.input);
     let capture = Capture::load_within(sandbox, &args.input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let path = output.clone().unwrap_or_else(|| default_folder(&args.input));
@@ -107,7 +113,7 @@ pub(super) fn finish(rendered: &Rendered, folder: &Path, quiet: bool, json: bool
 /// Says that all of a render was there before.
 pub(super) fn finish_again(rendered: &Rendered, folder: &Path, quiet: bool, json: bool) -> Result<()> {
     if !quiet {
-        say!("{} holds this render already; --force makes it anew", folder.display());
+        say!("{} already contains this render; --force renders it again", folder.display());
     }
     finish(rendered, folder, true, json)
 }

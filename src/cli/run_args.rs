@@ -14,7 +14,7 @@ pub(super) struct RunArgs {
     /// Seed of light transport and sensor noise.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<u64>,
-    /// Pictures to take of the same light: new temporal noise in each, fixed patterns stay.
+    /// Pictures to take of the same light, each with new temporal noise and the same fixed patterns.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     frames: Option<u32>,
     /// Change a key of the capture file, for example --set exposure.time_s=0.02.

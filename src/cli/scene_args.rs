@@ -1,18 +1,24 @@
 //! What all commands that read scenes have in common on the command line.
 
+use std::path::Path;
+
 use clap::Args;
+
+use crate::capture::typed_change;
 
 #[derive(Args)]
 pub(super) struct SceneArgs {
-    /// Go on where a texture of a scene file is missing or broken: grey stands for it, and a warning says so.
+    /// Go on where a texture of a scene file is missing or broken: grey is used instead, and a warning says so.
     #[arg(long)]
     lenient: bool,
 }
 
 impl SceneArgs {
-    /// Changes to keys of the capture, and what is said here.
-    pub(super) fn after(&self, overrides: &[String]) -> Vec<String> {
+    /// Changes to keys of the capture `input`, in which paths lead to the files that were meant where they were typed,
+    /// and what is said here.
+    pub(super) fn after(&self, overrides: &[String], input: &Path) -> Vec<String> {
+        let folder = input.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let lenient = self.lenient.then(|| "scene.lenient=true".to_owned());
-        overrides.iter().cloned().chain(lenient).collect()
+        overrides.iter().map(|change| typed_change(change, folder)).chain(lenient).collect()
     }
 }

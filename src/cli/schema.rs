@@ -7,8 +7,16 @@ use super::print::println_out;
 use crate::capture::{capture_schema, dataset_schema, noise_schema, sensor_schema};
 use crate::report::report_schema;
 
+const EXAMPLES: &str = "\
+Examples:
+  photosite schema > capture.schema.json
+  photosite schema dataset > dataset.schema.json";
+
 /// Print the JSON Schema of a kind of file, for editors.
+///
+/// Editors with a TOML language server complete and check captures by it.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct SchemaArgs {
     /// The kind of file.
     #[arg(value_enum, default_value = "capture")]

@@ -7,10 +7,18 @@ use super::print::{print_json, println_out, rounded};
 use crate::sensor::{Binning, FORMATS, Format, SensorModel, presets};
 use crate::spectrum::Spectrum;
 
-/// List the sensor presets.
+const EXAMPLES: &str = "\
+Examples:
+  photosite sensors
+  photosite sensors --formats 1920x1200";
+
+/// List the sensor presets, or the sensor formats.
+///
+/// Every preset is a file in the words of EMVA 1288, which `photosite info NAME` shows.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct SensorsArgs {
-    /// List the formats that `sensor.format` knows instead, with the pitch of so many pixels.
+    /// List the formats that `sensor.format` knows instead, with the pixel pitch for this resolution.
     #[arg(long, value_name = "COLUMNSxROWS", num_args = 0..=1, default_missing_value = "1920x1440")]
     formats: Option<String>,
     /// Print JSON instead of a table.
@@ -97,7 +105,7 @@ fn run_formats(resolution: &str, json: bool) -> crate::Result<()> {
     let sides: Option<Vec<u32>> = resolution.split(['x', '×']).map(|side| side.trim().parse().ok()).collect();
     let size = sides.and_then(|sides| <[u32; 2]>::try_from(sides).ok()).filter(|size| !size.contains(&0));
     let size = size.ok_or_else(|| crate::Error::Usage {
-        message: format!("--formats: {resolution:?} is no number of columns and rows"),
+        message: format!("--formats: {resolution:?} is not a number of columns and rows"),
         help: Some("for example --formats 1920x1200".into()),
     })?;
     let row = |format: &Format| FormatRow {

@@ -58,7 +58,7 @@ impl FromStr for WantedLayout {
     fn from_str(text: &str) -> Result<Self, String> {
         let help = "write webdataset=DIR, parquet=DIR or mcap=DIR";
         let (name, folder) = text.split_once('=').filter(|(_, folder)| !folder.is_empty()).ok_or(help)?;
-        let unknown = || format!("{name:?} is not written while a data set grows: {help}");
+        let unknown = || format!("{name:?} cannot be written while a data set grows: {help}");
         let format = ShardFormat::of_name(name).ok_or_else(unknown)?;
         Ok(Self { format, folder: folder.into() })
     }
@@ -68,12 +68,12 @@ impl LayoutsArgs {
     /// Takes the folders, of a data set of so many frames.
     pub(super) fn open(&self, dataset: &DatasetFolder, frames: u32, quiet: bool) -> Result<Layouts> {
         if self.layouts.is_empty() && self.size.is_given() {
-            let message = "--shard-mb and --shard-frames are of shards, and no --layout asks for any".to_owned();
+            let message = "--shard-mb and --shard-frames only apply to shards, but no --layout asks for any".to_owned();
             return Err(Error::Usage { message, help: Some("add --layout webdataset=DIR, or leave them out".into()) });
         }
         for (i, WantedLayout { folder, .. }) in self.layouts.iter().enumerate() {
             if self.layouts[..i].iter().any(|other| other.folder == *folder) {
-                let message = format!("--layout: {} is to hold the shards of two formats", folder.display());
+                let message = format!("--layout: {} would hold the shards of two formats", folder.display());
                 return Err(Error::Usage { message, help: Some("choose a folder for each".into()) });
             }
         }

@@ -11,7 +11,7 @@ const ILLUMINANCE_LUX: f64 = 10_000.0;
 
 #[derive(Args)]
 pub(super) struct Shorthands {
-    /// Samples a pixel: render.samples_per_pixel.
+    /// Samples per pixel: render.samples_per_pixel.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     spp: Option<u32>,
     /// Pixels of the picture, of the same view: sensor.scaled_to_px.

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use photosite_core::counted;
 use serde_json::{Value, json};
 
 use super::exit_status::{DONE, FAILED};
@@ -19,17 +20,20 @@ const RUNNING: u8 = 4;
 const MOST_NAMED: usize = 20;
 
 const STATUSES: &str = "\
-Exit status: 0 all pictures are there; 1 some have failed or are damaged, or the folder cannot be read; \
-2 wrong usage, or the folder holds no data set; 3 some are missing, and no process makes any; \
+Example:
+  photosite status set
+
+Exit status: 0 all pictures exist; 1 some have failed or are damaged, or the folder cannot be read; \
+2 wrong usage, or the folder does not contain a data set; 3 some are missing, and no process makes any; \
 4 some are missing, and processes are making some.
 
 A process that makes a picture holds its lock and gives a sign of life every 5 s. Where locks do \
-not reach from machine to machine, who has been silent for 30 s is taken for dead. Times are those \
+not reach from machine to machine, a process that has been silent for 30 s is taken to be dead. Times are those \
 of the file system: the clocks of machines may differ.";
 
-/// Tell how far a data set is: what is done, running, failed, damaged, missing, and what to run again.
+/// Show how far a data set has come, and what to run again.
 ///
-/// Looks at the folder alone, of which nothing is changed; the data set file is not needed.
+/// Only the folder is read, and nothing in it is changed; the data set file is not needed.
 #[derive(Args)]
 #[command(after_help = STATUSES)]
 pub(super) struct StatusArgs {
@@ -126,8 +130,8 @@ fn words(status: &Status, counts: &Counts) -> String {
         let folders: Vec<String> =
             status.timeless.iter().map(|camera| status.folder.join(camera).display().to_string()).collect();
         lines.push(format!(
-            "warning: nothing can be written to {}: it is not known since when pictures are made there, and whether processes \
-             of other machines that make them still live",
+            "warning: nothing can be written to {}, so it is not known for how long pictures have been in the making there, \
+             nor whether the processes of other machines that make them are still alive",
             folders.join(", ")
         ));
     }
@@ -143,8 +147,8 @@ fn summary(status: &Status, counts: &Counts) -> String {
     let Status { folder, frames, cameras, pictures, .. } = status;
     let what = if status.part.is_some() { "parts of pictures" } else { "pictures" };
     let Counts { done, running, failed, damaged, missing } = counts;
-    let mut text = format!("{}: {done} of {} {what} are done", folder.display(), pictures.len());
-    text += &format!(" ({frames} frames, {} cameras)", cameras.len());
+    let mut text = format!("{}: {done} of {} {what} done", folder.display(), pictures.len());
+    text += &format!(" ({}, {})", counted(*frames, ["frame", "frames"]), counted(cameras.len(), ["camera", "cameras"]));
     for (count, kind) in [(running, "running"), (failed, "failed"), (damaged, "damaged"), (missing, "missing")] {
         if *count > 0 {
             text += &format!(", {count} {kind}");
@@ -167,7 +171,7 @@ fn line(picture: &PictureStatus) -> Option<String> {
         PictureState::Done | PictureState::Missing => return None,
         PictureState::Running { holder, age_s, silence_s } => {
             let who = holder.as_ref().map_or_else(
-                || "by a process that has not said who it is".to_owned(),
+                || "by a process that has not identified itself".to_owned(),
                 |holder| format!("on {}, process {}", holder.host, holder.process),
             );
             let since = age_s.map_or_else(String::new, |age| format!(", for {}", seconds(age)));

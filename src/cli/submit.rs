@@ -13,6 +13,7 @@ use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out, refuse_existing, write_result};
 use super::scene_args::SceneArgs;
 use super::shards::LayoutsArgs;
+use crate::capture::DatasetFile;
 use crate::dataset::{DataSet, Forecast, IDENTITY, MakeOptions};
 use crate::io::output::create_folder;
 use crate::pipeline::FilmMemory;
@@ -22,12 +23,18 @@ use crate::{Error, Result, Sandbox};
 /// Minutes that a task takes unless something else is asked for.
 const TASK_MIN: f64 = 30.0;
 
-/// Hand a data set to the scheduler of a cluster or a farm: what is missing in the folder, in tasks that ask for the
-/// time and memory that some measured pictures need.
+const EXAMPLES: &str = "\
+Example:
+  photosite submit slurm dataset.toml -o set --tasks 100 --submit";
+
+/// Submit a data set to Slurm or an Open Job Description farm.
 ///
-/// All hosts must see the same disk, and the files under the same names. Each picture is made by one of them, and what
-/// was made is kept: a task that is killed goes on where it stopped. `photosite status DIR` tells how far they are.
+/// What is missing in the folder is divided into tasks, which ask for the time and memory that a few measured
+/// pictures need. All hosts must see the same disk, and the files under the same names. Each picture is made by one
+/// of them, and finished pictures are kept: a task that is killed continues where it stopped. `photosite status
+/// DIR` shows how far they are.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct SubmitArgs {
     #[command(subcommand)]
     scheduler: Scheduler,
@@ -40,16 +47,16 @@ enum Scheduler {
     OpenJd(OpenJdArgs),
 }
 
-/// Write an array script for Slurm's sbatch on standard output, and say what the data set takes.
+/// Write an array script for Slurm's sbatch, and say what the set takes.
 ///
 /// The array makes the pictures; a last job, which depends on it, writes the manifest and fails if pictures are missing.
-/// A photosite that is killed (137), ended (143), or that another try may help (75) is started again by its script; a task
-/// whose time is over is requeued. One that has failed (1) or was used wrongly (2) is not tried again.
+/// photosite is started again by the script if it was killed (137), ended (143), or failed for a reason that may
+/// pass (75); a task whose time is over is requeued. After a failure (1) or wrong usage (2) it is not tried again.
 #[derive(Args)]
 struct SlurmArgs {
     #[command(flatten)]
     common: CommonArgs,
-    /// Send the array, and the job that comes last, with sbatch.
+    /// Submit the array, and the job that comes last, with sbatch.
     #[arg(long)]
     submit: bool,
     /// Account to charge.
@@ -64,13 +71,13 @@ struct SlurmArgs {
     /// A line of the script before photosite is started, for example --setup 'module load photosite'.
     #[arg(long, value_name = "COMMAND")]
     setup: Vec<String>,
-    /// Start a photosite that was killed, or may succeed in another try, again at most so often in a task; requeue a
-    /// task whose time is over at most so often.
+    /// In a task, restart photosite at most this often after it was killed, or failed for a reason that may pass;
+    /// requeue a task whose time is over at most this often.
     #[arg(long, value_name = "N", default_value = "5")]
     retries: u32,
 }
 
-/// Write a job template of Open Job Description on standard output, and say what the data set takes.
+/// Write an Open Job Description template, and say what the set takes.
 ///
 /// A step makes the pictures in chunks of consecutive frames, the next one writes the manifest and fails if pictures are
 /// missing. `deadline bundle submit FOLDER` sends a template that was written to FOLDER/template.json to a farm, which
@@ -97,13 +104,13 @@ struct CommonArgs {
     /// Overwrite an earlier file.
     #[arg(long)]
     force: bool,
-    /// Cut the frames that are missing into so many tasks.
+    /// Divide the missing frames into this many tasks.
     #[arg(long, value_name = "N", conflicts_with = "task_time", value_parser = value_parser!(u32).range(1..))]
     tasks: Option<u32>,
-    /// Cut them into tasks of about so many minutes, by the time measured [default: 30].
+    /// Divide them into tasks of about this many minutes, by the time measured [default: 30].
     #[arg(long, value_name = "MINUTES", value_parser = positive)]
     task_time: Option<f64>,
-    /// Make so many pictures at once in a task [default: one for each thread where pictures are small, else 1].
+    /// Make this many pictures at once in a task [default: one for each thread where pictures are small, else 1].
     #[arg(long, value_name = "N", value_parser = value_parser!(u16).range(1..))]
     jobs: Option<u16>,
     /// Time that each task asks for, minutes [default: twice the time measured and two minutes].
@@ -119,16 +126,16 @@ struct CommonArgs {
     overrides: Vec<String>,
     #[command(flatten)]
     scene: SceneArgs,
-    /// Most memory for the film, GiB [default: 4].
+    /// Maximum memory for the film, GiB [default: 4].
     #[arg(long, value_name = "GIB", value_parser = positive)]
     film_memory: Option<f64>,
-    /// Go past frames whose keys are wrong.
+    /// Continue after frames whose keys are wrong.
     #[arg(long)]
     keep_going: bool,
     /// Print nothing but errors and the result.
     #[arg(short, long)]
     quiet: bool,
-    /// Print what the data set takes, the file, and the jobs that were sent, as JSON.
+    /// Print what the data set takes, the file, and the submitted jobs, as JSON.
     #[arg(long)]
     json: bool,
 }
@@ -159,13 +166,13 @@ impl SlurmArgs {
         if self.submit {
             let array = sbatch(&["--parsable".to_owned(), "/dev/stdin".to_owned()], &text)?;
             let last = sbatch(&index_command(&array, None), &text)?;
-            self.common.say(format_args!("sent as job {array}, and {last}, which comes last"));
+            self.common.say(format_args!("submitted as job {array}, and {last}, which runs last"));
             jobs = vec![array, last];
         } else if let Some(path) = written {
             let name = path.to_string_lossy();
             let last = all_quoted(index_command("JOB", Some(&name)));
             self.common.say(format_args!(
-                "wrote {name}: send it with `sbatch {}`, and with the number of that job `sbatch {last}`",
+                "wrote {name}: submit it with `sbatch {}`, and then, with the number of that job, `sbatch {last}`",
                 all_quoted([&name])
             ));
         }
@@ -194,7 +201,7 @@ impl OpenJdArgs {
         } else if let Some(path) = written {
             let name = path.display();
             self.common.say(format_args!(
-                "wrote {name}: run it here with `openjd run`, or send its folder with `deadline bundle submit`"
+                "wrote {name}: run it here with `openjd run`, or submit its folder with `deadline bundle submit`"
             ));
         }
         self.common.finish(&plan, "openjd", &text, &[], self.submit)
@@ -218,7 +225,7 @@ impl CommonArgs {
         }
         let monitor = TerminalMonitor::new(self.quiet, self.json);
         let film_memory = self.film_memory.map_or_else(|| Ok(FilmMemory::default()), FilmMemory::gib)?;
-        let overrides = self.scene.after(&self.overrides);
+        let overrides = self.scene.after(&self.overrides, &DatasetFile::read(&self.input)?.capture());
         let set = DataSet::read(sandbox, &self.input, &overrides, film_memory)?;
         let default = PathBuf::from(&*self.input.file_stem().unwrap_or_default().to_string_lossy());
         let output = self.output.as_deref().unwrap_or(&default);
@@ -227,7 +234,7 @@ impl CommonArgs {
             && absolute(file)?.starts_with(absolute(output)?)
         {
             let message =
-                format!("{} lies in the folder of the data set, which must be empty in the beginning", file.display());
+                format!("{} lies in the folder of the data set, which must be empty at first", file.display());
             return Err(Error::Usage { message, help: Some("choose a file elsewhere for --write".into()) });
         }
         let frames = set.frames(0..set.frame_count(), self.keep_going, &monitor)?;
@@ -238,7 +245,7 @@ impl CommonArgs {
                 print_json(&json!({ "forecast": forecast, "tasks": 0 }))?;
             } else {
                 self.say(format_args!(
-                    "all {} pictures that can be made are there: nothing is to be sent",
+                    "all {} pictures that can be made exist: there is nothing to submit",
                     forecast.present
                 ));
             }
@@ -293,7 +300,7 @@ impl CommonArgs {
     fn finish(&self, plan: &Plan, scheduler: &str, text: &str, jobs: &[String], is_sent: bool) -> Result<()> {
         let Plan { forecast, tasks, .. } = plan;
         if !forecast.failed.is_empty() && !self.quiet {
-            warning!("{} of the frames cannot be made, and are left out", forecast.failed.len());
+            warning!("frames that cannot be made are left out: {}", forecast.failed.len());
         }
         if !self.json {
             return Ok(());
@@ -339,7 +346,7 @@ fn sbatch(arguments: &[String], text: &str) -> Result<String> {
         missing(
             "sbatch",
             &reason,
-            "write the script with --write FILE, and send it with sbatch from a host of the cluster",
+            "write the script with --write FILE, and submit it with sbatch from a host of the cluster",
         )
     })?;
     if let Some(mut input) = process.stdin.take() {
@@ -377,7 +384,7 @@ fn openjd_run(written: Option<&Path>, text: &str) -> Result<()> {
     }
     let message = format!("openjd ended with {status}");
     let help =
-        "give the same command again, which goes on with what is missing; `photosite status` tells what has failed";
+        "run the same command again, which continues with what is missing; `photosite status` tells what has failed";
     Err(Error::Resources { message, help: Some(help.into()) })
 }
 

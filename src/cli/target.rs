@@ -12,13 +12,17 @@ use crate::capture::read_target;
 use crate::io::lock::Lock;
 use crate::io::target_file::{target_files, write_target};
 
-/// Write a calibration target: to print, to photograph, or for other programs.
+const EXAMPLES: &str = "\
+Example:
+  photosite target chessboard --set squares=[10,7] -o board.pdf";
+
+/// Write a calibration target: to print, or to render.
 ///
-/// The extension of FILE says what is written: .svg and .pdf are pages in true size (print them at 100 %), .toml is a
-/// capture file that photographs the target, .obj (with .mtl) its mesh, .json its points and markers. Sizes are the
-/// keys of [[targets]] in a capture file: photosite target chessboard --set squares=[10,7] --set square_mm=25 -o
-/// board.pdf
+/// The extension of FILE says what is written: .svg and .pdf are pages in true size (print them at 100 %), .toml is
+/// a capture file that photographs the target, .obj (with .mtl) its mesh, .json its points and markers. Sizes are
+/// the keys of [[targets]] in a capture file.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct TargetArgs {
     /// What to write.
     #[arg(value_parser = kinds())]

@@ -33,7 +33,9 @@ impl TevAddress {
         let parts = text.rsplit_once(':').filter(|(host, _)| !host.is_empty());
         match parts.and_then(|(_, port)| port.parse::<u16>().ok()).filter(|port| *port > 0) {
             Some(_) => Ok(Self(text.to_owned())),
-            None => Err("write a host and a port, for example 127.0.0.1:14158, where tev listens by itself".to_owned()),
+            None => {
+                Err("write a host and a port, for example 127.0.0.1:14158, where tev listens by default".to_owned())
+            }
         }
     }
 
@@ -110,7 +112,7 @@ impl<'a> TevMonitor<'a> {
         // A thread that has panicked sends nothing.
         let is_over = waited.is_ok_and(|(state, _)| state.is_over);
         if !is_over {
-            let reason = format!("it does not take the last picture within {} s", PATIENCE.as_secs());
+            let reason = format!("it has not taken the last picture within {} s", PATIENCE.as_secs());
             self.line.give_up(&reason);
         }
     }
@@ -121,7 +123,7 @@ impl<'a> TevMonitor<'a> {
             Ok((planes, _)) => images.push(("image", planes)),
             Err(invalid) => {
                 if !std::mem::replace(&mut *locked(&self.is_said), true) {
-                    let reason = format!("tev is shown electrons alone, since they cannot be developed: {invalid}");
+                    let reason = format!("tev only shows electrons, since they cannot be developed: {invalid}");
                     self.terminal.report(Event::Warning(&reason));
                 }
             }
@@ -213,7 +215,7 @@ impl Line {
     /// Nothing more is sent, which the user is told once.
     fn give_up(&self, reason: &dyn std::fmt::Display) {
         if !self.end() && !self.quiet {
-            warning!("tev at {} shows nothing more of the render, which goes on without it: {reason}", self.address.0);
+            warning!("tev at {} no longer shows the render, which continues without it: {reason}", self.address.0);
         }
     }
 }

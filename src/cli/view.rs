@@ -19,15 +19,23 @@ use crate::{Result, Sandbox};
 /// Holds the token of the address. Command lines are for all users of a machine to see; this is not.
 const TOKEN: &str = "PHOTOSITE_VIEW_TOKEN";
 
-/// See it in the browser: light is traced once, and exposure, sensor and development answer at once.
+const EXAMPLES: &str = "\
+Example:
+  photosite view capture.toml --open";
+
+/// Open the live view in the browser: sliders answer at once.
 ///
-/// INPUT is a capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl), whose light is traced; a folder that
-/// photosite render has filled, or stored light (.exr), which is exposed anew; a raw file or a picture of light, which is
-/// developed; or the folder of a data set, whose pictures are shown together. A second INPUT is compared with the first. The address of the page is printed; it
-/// ends with a token, and who has it may look. On another machine, forward the port: ssh -L 8000:localhost:8000 HOST
-/// photosite view --port 8000 capture.toml. With a token of your own in the environment variable PHOTOSITE_VIEW_TOKEN
-/// and a --port, a page finds the next photosite view when the one before has ended.
+/// Light is traced once; exposure, sensor and development follow every change. INPUT is a capture file (.toml) or a
+/// scene (.gltf, .glb, .obj, .ply, .stl), whose light is traced; a folder that photosite render has filled, or
+/// stored light (.exr), which is exposed again; a raw file or a picture of light, which is developed; or the folder
+/// of a data set, whose pictures are shown together. A second INPUT is compared with the first.
+///
+/// The address of the page is printed; it ends with a token, and whoever has it may look. On another machine,
+/// forward the port: ssh -L 8000:localhost:8000 HOST photosite view --port 8000 capture.toml. With a token of your
+/// own in the environment variable PHOTOSITE_VIEW_TOKEN and a --port, an open page finds the next photosite view
+/// after the one before has ended.
 #[derive(Args)]
+#[command(after_help = EXAMPLES)]
 pub(super) struct ViewArgs {
     /// A capture file, a scene, a folder of a render or of a data set, stored light or a raw file; a second one to compare
     /// it with.
@@ -42,13 +50,13 @@ pub(super) struct ViewArgs {
     /// Open the page in the browser.
     #[arg(long)]
     open: bool,
-    /// A folder for the checkpoint where tracing is stopped: photosite render goes on from there.
+    /// Folder for the checkpoint when tracing is stopped: photosite render continues from there.
     #[arg(short, long, value_name = "DIR")]
     output: Option<PathBuf>,
     /// Change a key of the capture file, for example --set exposure.time_s=0.02.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Most memory for the film, GiB.
+    /// Maximum memory for the film, GiB.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
     #[command(flatten)]
@@ -62,7 +70,7 @@ pub(super) fn run(args: &ViewArgs, sandbox: &Sandbox) -> Result<()> {
         // Changes are those of the first.
         let is_scene = FileKind::of_name(path).is_none_or(|kind| kind == FileKind::Model) && !path.is_dir();
         let overrides = match (number, is_scene) {
-            (0, true) => args.shorthands.around(args.scene.after(&args.overrides), path),
+            (0, true) => args.shorthands.around(args.scene.after(&args.overrides, path), path),
             (0, false) => args.overrides.clone(),
             (_, _) => Vec::new(),
         };

@@ -273,7 +273,7 @@ fn check_ends(states: &[(State, Vec<usize>)], is_tidy: bool) {
             }
         }
     }
-    assert!(ends_well.iter().all(|&ends| ends), "somebody waits for ever");
+    assert!(ends_well.iter().all(|&ends| ends), "somebody waits forever");
 }
 
 /// Beginnings: nothing is there, a picture that lost a file, a whole one.

@@ -22,7 +22,7 @@ pub(super) fn files_of(
         if is_whole { pattern.to_owned() } else { format!("{}/{pattern}", Pattern::escape(&folder.to_string_lossy())) };
     let options = MatchOptions { require_literal_leading_dot: true, ..MatchOptions::new() };
     let found = glob::glob_with(&whole, options).map_err(|error| {
-        Invalid::new("", format!("{pattern:?} is no pattern: {}", error.msg)).help("for example \"textures/*.png\"")
+        Invalid::new("", format!("{pattern:?} is not a pattern: {}", error.msg)).help("for example \"textures/*.png\"")
     })?;
     let capture = if capture.as_os_str().is_empty() { Path::new(".") } else { capture };
     let mut names = BTreeSet::new();
@@ -33,13 +33,13 @@ pub(super) fn files_of(
         }
         sandbox.check(&path)?;
         if path.to_str().is_none() {
-            return Err(Invalid::new("", format!("{} has a name that is no text", path.display())).help("rename it"));
+            return Err(Invalid::new("", format!("{} has a name that is not text", path.display())).help("rename it"));
         }
         names.insert(relative_path(&path, capture));
     }
     if names.is_empty() {
-        let message = format!("no file is like {pattern:?}");
-        let help = "paths are relative to the data set file; * stands for any letters of a name, ** for any folders";
+        let message = format!("no file matches {pattern:?}");
+        let help = "paths are relative to the data set file; * matches any part of a name, ** any folders";
         return Err(Invalid::new("", message).help(help));
     }
     Ok(names.into_iter().collect())

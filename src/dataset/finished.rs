@@ -26,8 +26,8 @@ pub fn read_dataset(folder: &Path) -> Result<PictureSet> {
     let (set, frames) = read(folder)?;
     let all = frames as usize * set.cameras.len();
     if set.shots.len() != all || all == 0 {
-        let message = format!("{} of {all} pictures are there", set.shots.len());
-        let help = "give the command that makes the data set again: it goes on where it stopped";
+        let message = format!("{} of {all} pictures exist", set.shots.len());
+        let help = "run the command that makes the data set again: it continues where it stopped";
         return Err(Invalid::new("", message).help(help).in_file(&folder.join(MANIFEST)));
     }
     set.shots.iter().try_for_each(|shot| refuse_resampled(folder, shot))?;
@@ -53,7 +53,7 @@ pub(super) fn frames_of_manifest(folder: &Path) -> Result<u32> {
     let line = text.lines().find_map(|line| serde_json::from_str::<Line>(line).ok());
     line.map(|line| line.frames).ok_or_else(|| {
         let message = format!("its {MANIFEST} does not say yet how many frames it will have");
-        let help = "give `photosite dataset` with --index-only, which writes it when the first picture is there; or with \
+        let help = "run `photosite dataset` with --index-only, which writes it when the first picture is there; or with \
                     --layout, which writes shards while the data set grows";
         Invalid::new("", message).help(help).in_file(folder)
     })
@@ -69,14 +69,14 @@ fn read(folder: &Path) -> Result<(PictureSet, u32)> {
     let path = folder.join(MANIFEST);
     if !path.is_file() {
         let help = "give the folder that `photosite dataset` has filled to the end";
-        return Err(Invalid::new("", format!("holds no {MANIFEST}")).help(help).in_file(folder));
+        return Err(Invalid::new("", format!("has no {MANIFEST}")).help(help).in_file(folder));
     }
     let text = fs::read_to_string(&path).map_err(|reason| Error::io(&path, "read", reason))?;
     let mut set = PictureSet { folder: folder.to_owned(), cameras: Vec::new(), shots: Vec::new() };
     let mut frames = 0;
     for (number, line) in (1..).zip(text.lines()) {
         let line: Line = serde_json::from_str(line).map_err(|e| {
-            let help = "give the command that makes the data set again, which writes it anew";
+            let help = "run the command that makes the data set again, which writes it again";
             Invalid::new("", format!("is damaged: {e}")).help(help).at_line(&path, number)
         })?;
         let camera = set.cameras.iter().position(|name| *name == line.camera).unwrap_or_else(|| {
@@ -106,7 +106,7 @@ pub(super) struct Line {
 /// What the report at `path` says of a picture.
 pub(super) fn shot(path: &Path, report: Report, line: Line, camera: usize) -> Result<Shot> {
     let damaged = |why: &str| {
-        let help = "remove its folder, and give the command that makes the data set again";
+        let help = "remove its folder, and run the command that makes the data set again";
         Invalid::new("", format!("is damaged: {why}")).help(help).in_file(path)
     };
     let TracedReport { camera: Some(reported), targets, truth, .. } = report.traced else {

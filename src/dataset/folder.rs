@@ -55,7 +55,7 @@ impl DatasetFolder {
             let entries = fs::read_dir(path).map_err(|reason| Error::io(path, "read", reason))?;
             let mut names = entries.flatten().map(|entry| entry.file_name());
             if names.any(|name| !name.to_string_lossy().starts_with(".photosite")) && !marker.exists() {
-                return Err(not_of_set(format!("{} is not empty, and holds no data set", path.display())));
+                return Err(not_of_set(format!("{} is not empty and does not contain a data set", path.display())));
             }
             write_new(&marker, |to| writeln!(to, "{}", pretty_json(identity)))?;
         }
@@ -192,7 +192,7 @@ pub(super) fn check_folder(path: &Path, identity: &Value) -> Result<()> {
     let marker = path.join(IDENTITY);
     if !marker.exists() {
         if is_filled(path) {
-            return Err(not_of_set(format!("{} is not empty, and holds no data set", path.display())));
+            return Err(not_of_set(format!("{} is not empty and does not contain a data set", path.display())));
         }
         return Ok(());
     }
@@ -204,7 +204,7 @@ pub(super) fn check_folder(path: &Path, identity: &Value) -> Result<()> {
 
 fn check_is_folder(path: &Path) -> Result<()> {
     if path.is_file() {
-        return Err(not_of_set(format!("{} is a file, where a folder is needed", path.display())));
+        return Err(not_of_set(format!("{} is a file, but a folder is needed", path.display())));
     }
     Ok(())
 }
@@ -264,8 +264,8 @@ impl NewPicture {
 /// Without a lock another process may be about to put a whole one in its place, which must not be lost.
 fn remove_picture(path: &Path, what: &str, lock: &Lock) -> Result<()> {
     if !lock.is_proven() {
-        let message = format!("is damaged: {what}; and its file system knows no locks");
-        let help = "remove the folder while no process fills the data set, and give the command again";
+        let message = format!("is damaged: {what}; and its file system does not support locks");
+        let help = "remove the folder while no process fills the data set, and run the command again";
         return Err(Invalid::new("", message).help(help).in_file(path));
     }
     // Under a name of its own it is one that is given up.
@@ -277,7 +277,7 @@ fn remove_picture(path: &Path, what: &str, lock: &Lock) -> Result<()> {
 fn check_complete(folder: &Path) -> Result<()> {
     let Some(what) = damage(folder, Look::Sizes) else { return Ok(()) };
     let invalid = Invalid::new("", format!("was written, and then {what}"));
-    Err(invalid.help("give the command again, which makes the picture anew").in_file(folder).temporary())
+    Err(invalid.help("run the command again, which makes the picture again").in_file(folder).temporary())
 }
 
 #[cfg(test)]

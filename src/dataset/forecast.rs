@@ -184,7 +184,7 @@ impl Forecast {
             return Ok(());
         }
         let message = format!("frames cannot be made: {}", FrameList::of(&self.failed));
-        Err(Invalid::new("", message).help("see what was said of each").in_file(&self.input))
+        Err(Invalid::new("", message).help("see the messages about each").in_file(&self.input))
     }
 }
 
@@ -245,7 +245,7 @@ impl fmt::Display for Forecast {
         let memory = memory_bytes.map_or("an unknown amount".to_owned(), size);
         write!(
             f,
-            "{present} of {pictures} pictures are there; the others take {about} {time} on this machine, {memory} of \
+            "{present} of {pictures} pictures exist; the others take {about} {time} on this machine, {memory} of \
              memory and {disk} of disk"
         )
     }

@@ -87,7 +87,7 @@ pub(super) fn read_identity(path: &Path) -> Result<Value> {
 /// Says why the pictures of two identities are not those of one data set, or of the same part of it.
 pub(super) fn refusal(earlier: &Value, now: &Value) -> Option<String> {
     if earlier["fingerprint"] != now["fingerprint"] {
-        return Some(format!("holds another data set: {}", difference(earlier, now)));
+        return Some(format!("contains another data set: {}", difference(earlier, now)));
     }
     let samples = |identity: &Value| identity[OF_PART]["samples"].clone();
     let range = samples(earlier);
@@ -95,7 +95,7 @@ pub(super) fn refusal(earlier: &Value, now: &Value) -> Option<String> {
         return None;
     }
     Some(if range.is_null() {
-        "holds the whole of this data set".to_owned()
+        "contains the whole of this data set".to_owned()
     } else {
         format!("holds the samples {}..{} of each pixel", range[0], range[1])
     })

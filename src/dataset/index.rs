@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use photosite_core::counted;
 use photosite_core::key_path::split_change;
 use serde_json::{Value, json};
 
@@ -37,14 +38,15 @@ pub struct Index {
 impl Index {
     /// Refuses a folder that lacks pictures of these frames, or has `damaged` ones among them.
     pub fn check(&self, frames: &Frames, damaged: usize, folder: &DatasetFolder) -> Result<()> {
+        const DAMAGED: [&str; 2] = ["damaged picture", "damaged pictures"];
         let missing: Vec<u32> = frames.numbers().filter(|number| self.missing.binary_search(number).is_ok()).collect();
         let message = match (missing.len(), damaged) {
             (0, 0) => return Ok(()),
-            (0, _) => format!("has pictures that are damaged, in number {damaged}"),
+            (0, _) => format!("has {}", counted(damaged, DAMAGED)),
             (_, 0) => format!("lacks pictures of the frames {}", FrameList::of(&missing)),
             (..) => {
                 let list = FrameList::of(&missing);
-                format!("lacks pictures of the frames {list}, and has pictures that are damaged, in number {damaged}")
+                format!("lacks pictures of the frames {list}, and has {}", counted(damaged, DAMAGED))
             }
         };
         let help = "give the same command without --index-only, which makes them";

@@ -42,11 +42,11 @@ impl LayoutFolder {
     /// Refuses what cannot become a folder, or has become one that is not empty.
     pub fn check(path: &Path) -> Result<()> {
         let message = if path.is_file() {
-            format!("{} is a file, where a folder is needed", path.display())
+            format!("{} is a file, but a folder is needed", path.display())
         } else if is_filled(path) {
             format!("{} is not empty", path.display())
         } else if path.file_name().is_none() {
-            format!("{} is no name for a new folder", path.display())
+            format!("{} is not a name for a new folder", path.display())
         } else {
             return Ok(());
         };

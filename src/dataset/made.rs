@@ -22,8 +22,8 @@ impl Made {
             return Ok(());
         }
         let frames = FrameList::of(&self.failed);
-        let message = format!("is without frames that could not be made: {frames}");
-        let help = format!("see what was said of each, and then give the same command with --frames {frames}");
+        let message = format!("lacks frames that could not be made: {frames}");
+        let help = format!("see the messages about each, and then give the same command with --frames {frames}");
         let error = Invalid::new("", message).help(help).in_file(folder.path());
         Err(if self.may_pass { error.temporary() } else { error })
     }

@@ -27,7 +27,7 @@ impl DataSet {
             let found: Vec<PathBuf> = parts.iter().filter_map(|part| part.picture(camera, number)).collect();
             if found.is_empty() {
                 let message = format!("frame {number} of camera {camera} is in none of the folders");
-                let help = "give the command of the missing part again: it goes on where it was broken off";
+                let help = "run the command of the missing part again: it continues where it stopped";
                 return Err(Error::Usage { message, help: Some(help.into()) });
             }
             Parts::read(&found)

@@ -94,7 +94,7 @@ impl DataSet {
     /// Reads a data set file with the captures of its cameras; `arguments` change their keys, after those of the file.
     pub fn read(sandbox: &Sandbox, input: &Path, arguments: &[String], film_memory: FilmMemory) -> Result<Self> {
         let file = DatasetFile::read(input)?;
-        let capture_path = input.parent().unwrap_or(Path::new("")).join(&file.description.capture);
+        let capture_path = file.capture();
         sandbox.check(&capture_path).map_err(|invalid| file.error(invalid.within("capture")))?;
         let (plan, captures, found) = plan(&file, sandbox, &capture_path, arguments)?;
         let places = Places::read(&file, sandbox, &captures[0])?;
@@ -217,7 +217,7 @@ impl DataSet {
     pub fn open(&self, path: &Path) -> Result<DatasetFolder> {
         if !PartFolder::is_one(path) {
             let help = "give the folder of the data set";
-            return Err(Invalid::new("", "holds no data set").help(help).in_file(path));
+            return Err(Invalid::new("", "does not contain a data set").help(help).in_file(path));
         }
         self.claim(path)
     }

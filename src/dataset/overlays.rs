@@ -111,7 +111,7 @@ impl Overlays {
         };
         if shot.is_skewed {
             notes.push(
-                "rows are taken one after the other: epipolar lines are those of the middle of the exposure".to_owned(),
+                "rows are exposed one after another: epipolar lines are those of the middle of the exposure".to_owned(),
             );
         }
         Ok(Some(Self { size_px: shot.calibrated.resolution, corners, objects, epipolar, notes }))

@@ -24,15 +24,15 @@ impl PartFolder {
     /// Reads what a folder is a part of.
     pub fn read(path: &Path) -> Result<Self> {
         let refuse = |message: &str| {
-            let help = "give folders that hold a part of a data set";
+            let help = "give folders that contain a part of a data set";
             Err(Invalid::new("", message).help(help).in_file(path))
         };
         if !Self::is_one(path) {
-            return refuse("holds no part of a data set");
+            return refuse("does not contain a part of a data set");
         }
         let identity = read_identity(&path.join(IDENTITY))?;
         if identity[OF_PART].is_null() {
-            return refuse("holds a whole data set and no part of one");
+            return refuse("contains a whole data set, not a part of one");
         }
         Ok(Self { path: path.to_owned(), identity })
     }

@@ -353,7 +353,7 @@ fn check(d: &PlaceDescription) -> Result<(), Invalid> {
     let is_dropped = matches!(d.method, PlaceMethod::Drop | PlaceMethod::Stack);
     let unused = [
         ("bin", d.bin.is_some() && d.method != PlaceMethod::Drop, "is for method = \"drop\""),
-        ("bin", d.bin.is_some() && d.surface.is_some(), "cannot go with surface"),
+        ("bin", d.bin.is_some() && d.surface.is_some(), "cannot be combined with surface"),
         ("surface", d.surface.is_some() && d.method == PlaceMethod::Box, "is not for method = \"box\""),
         (
             "rotation",

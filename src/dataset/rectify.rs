@@ -119,7 +119,7 @@ pub fn rectify(
     let valid_part = views.map(|view| valid_part(&view, pair.resolution()));
     if set.shots.iter().any(|shot| shot.is_skewed && cameras.contains(&shot.camera)) {
         warnings.push(
-            "rows are taken one after the other while something moves: the pictures are rectified as if they were taken at once"
+            "rows are exposed one after another while something moves: the pictures are rectified as if they were taken at once"
                 .to_owned(),
         );
     }
@@ -206,10 +206,10 @@ fn keep_frames(set: &mut PictureSet, frames: Option<&FrameList>) -> Result<Optio
     let (numbers, is_more) = list.among(count);
     if numbers.is_empty() {
         let message = format!("--frames {list} names none of the frames 0..{count}");
-        return Err(Error::Usage { message, help: Some("name frames that there are".into()) });
+        return Err(Error::Usage { message, help: Some("name frames that exist".into()) });
     }
     set.shots.retain(|shot| numbers.contains(&shot.frame));
-    Ok(is_more.then(|| format!("--frames names frames that there are not: the data set has {count}, 0..{count}")))
+    Ok(is_more.then(|| format!("--frames names frames that do not exist: the data set has {count}, 0..{count}")))
 }
 
 fn valid_part(view: &RectifiedView<'_>, [width, height]: [u32; 2]) -> f64 {

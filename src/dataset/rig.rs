@@ -72,7 +72,7 @@ pub(super) fn plan(
             (resolution, pixel_pitch_m, shutter)
         };
         if own.lens != other.lens || geometry(own) != geometry(other) {
-            let message = "disparity is that of two cameras of one kind, and lens or sensor of the other differ";
+            let message = "disparity needs two cameras of one kind, and lens or sensor of the other differ";
             let key = format!("cameras[{index}].disparity_to");
             return Err(file.error(Invalid::new(key, message).help("remove it, or give both the same `set`")));
         }

@@ -68,13 +68,13 @@ impl Sheet {
         let mut sheet = Self { folder: folder.to_owned(), cameras: Vec::new(), frames: 0, pictures: Vec::new() };
         for (number, line) in (1..).zip(text.lines()) {
             let damaged = |why: String| {
-                let help = "give the command that makes the data set again, which writes it anew";
+                let help = "run the command that makes the data set again, which writes it again";
                 Invalid::new("", format!("is damaged: {why}")).help(help).at_line(&path, number)
             };
             let line: Line = serde_json::from_str(line).map_err(|error| damaged(error.to_string()))?;
             // The manifest may be a stranger's, and its pictures lie in its folder.
             if !is_name(&line.camera) {
-                return Err(damaged(format!("{:?} is no name of a camera", line.camera)));
+                return Err(damaged(format!("{:?} is not the name of a camera", line.camera)));
             }
             sheet.frames = line.frames;
             if !sheet.cameras.contains(&line.camera) {
@@ -155,7 +155,7 @@ mod tests {
         for camera in ["..", "/etc", "a/b", "../x", "", ".", "a/"] {
             let line = format!(r#"{{"frame": 0, "frames": 1, "camera": "{camera}", "time_s": null}}"#);
             let error = sheet(&line).expect_err(camera).to_string();
-            assert!(error.contains("is no name of a camera"), "{error}");
+            assert!(error.contains("is not the name of a camera"), "{error}");
         }
         assert!(sheet("{").is_err());
     }

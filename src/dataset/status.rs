@@ -81,13 +81,13 @@ impl Status {
     pub fn read(folder: &Path) -> Result<Self> {
         let marker = folder.join(IDENTITY);
         if !marker.exists() {
-            let message = format!("{} holds no data set", folder.display());
+            let message = format!("{} does not contain a data set", folder.display());
             let help = "give the folder that `photosite dataset` fills, the one after its -o";
             return Err(Error::Usage { message, help: Some(help.into()) });
         }
         let identity = read_identity(&marker)?;
         if !identity["fingerprint"].is_string() {
-            let help = "give the command that makes the data set in another folder";
+            let help = "run the command that makes the data set with another folder";
             return Err(Invalid::new("", "is damaged: it has no fingerprint").help(help).in_file(&marker));
         }
         let (frames, cameras) = extent(folder, &identity)?;
@@ -178,8 +178,8 @@ fn extent(folder: &Path, identity: &Value) -> Result<(u32, Vec<String>)> {
     match lines.last() {
         Some(line) => Ok((line.frames, cameras)),
         None => {
-            let message = "does not say how many frames there are: an earlier version of photosite has begun it";
-            let help = "give the command that makes the data set once more, with --index-only if it shall make nothing";
+            let message = "does not say how many frames there are: it was started by an earlier version of photosite";
+            let help = "run the command that makes the data set again, with --index-only if it should make nothing";
             Err(Invalid::new("", message).help(help).in_file(&folder.join(IDENTITY)))
         }
     }

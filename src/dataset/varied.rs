@@ -49,7 +49,7 @@ fn keys_of(key: &str, tree: &Value, capture: &Capture) -> Result<Vec<String>, In
         if next.is_empty() {
             let known = found.iter().flat_map(|(_, value)| named_elements(*value, &more)).map(|(name, _)| name);
             let known: BTreeSet<String> = known.collect();
-            let message = format!("{key:?} stands for nothing: no name in {} is like {part:?}", path(&parts[..i]));
+            let message = format!("{key:?} matches nothing: no name in {} matches {part:?}", path(&parts[..i]));
             let help = match list(part, known.iter().map(String::as_str)) {
                 names if names.is_empty() => "there are none; remove it".to_owned(),
                 names => format!("there are {names}"),
@@ -139,11 +139,7 @@ mod tests {
         {
             let invalid = found(key).expect_err(key);
             let help = invalid.help.map(|help| help.to_string()).unwrap_or_default();
-            assert!(
-                invalid.message.contains("stands for nothing") && help.contains(part),
-                "{}: {help}",
-                invalid.message
-            );
+            assert!(invalid.message.contains("matches nothing") && help.contains(part), "{}: {help}", invalid.message);
         }
     }
 
@@ -161,8 +157,8 @@ mod tests {
         let [a, b, d] = ["a.png", "b.png", "deep.png/d.png"].map(|name| format!("../set[1]/textures/{name}"));
         assert_eq!(found("textures/*.png", &free), Ok(vec![a.clone(), b.clone()]));
         assert_eq!(found("**/?.png", &free), Ok(vec![a.clone(), b.clone(), d]));
-        assert!(found("textures/*.tif", &free).expect_err("none").message.contains("no file is like"));
-        assert!(found("textures/[.png", &free).expect_err("a bracket").message.contains("is no pattern"));
+        assert!(found("textures/*.tif", &free).expect_err("none").message.contains("no file matches"));
+        assert!(found("textures/[.png", &free).expect_err("a bracket").message.contains("is not a pattern"));
         let outside = Sandbox::new(&at("scene")).expect("a folder");
         assert!(found("textures/*.png", &outside).expect_err("outside").message.contains("not in the sandbox"));
         assert_eq!(found("textures/*.png", &Sandbox::new(place.path()).expect("a folder")), Ok(vec![a, b]));

@@ -21,7 +21,7 @@ pub fn evaluate_descriptor(path: &Path, monitor: &dyn Monitor) -> Result<Report>
 pub fn evaluate_sets(folder: &Path, monitor: &dyn Monitor) -> Result<Report> {
     if !folder.join(CONTENTS).exists() {
         let help = "give a folder that photosite emva1288 filled, or a descriptor of images (.txt)";
-        return Err(Invalid::new("", format!("holds no {CONTENTS}")).help(help).in_file(folder));
+        return Err(Invalid::new("", format!("has no {CONTENTS}")).help(help).in_file(folder));
     }
     let sets = ImageSets::read(folder)?;
     monitor.report(Event::SetBegins { pictures: image_count(folder, &sets) });

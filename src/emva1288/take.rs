@@ -194,7 +194,7 @@ fn image_size(sensor: &SensorModel, wanted: Option<[usize; 2]>) -> Result<[usize
     if largest.iter().any(|&side| side < 3) {
         return Err(Error::Usage {
             message: format!("sensor {} is a line of pixels, and EMVA 1288 measures areas", sensor.name),
-            help: Some("photosite noise takes the figures of its pictures".into()),
+            help: Some("use photosite noise to measure its pictures".into()),
         });
     }
     let size = wanted.unwrap_or(largest.map(|side| side.min(512)));
@@ -297,7 +297,7 @@ pub fn refuse_image_sets(output: &Path, force: bool) -> Result<()> {
     let Ok(mut entries) = fs::read_dir(output) else {
         if output.exists() {
             return usage(
-                format!("{} is no folder", output.display()),
+                format!("{} is not a folder", output.display()),
                 Remedy::Elsewhere("another name".to_owned()).into(),
             );
         }
@@ -308,13 +308,13 @@ pub fn refuse_image_sets(output: &Path, force: bool) -> Result<()> {
     }
     if !output.join(CONTENTS).exists() {
         return usage(
-            format!("{} holds other files", output.display()),
+            format!("{} contains other files", output.display()),
             Remedy::Elsewhere("a new folder".to_owned()).into(),
         );
     }
     if !force {
         let help = Help::any([Remedy::Overwrite, elsewhere()]);
-        return usage(format!("{} holds image sets already", output.display()), help);
+        return usage(format!("{} already contains image sets", output.display()), help);
     }
     Ok(())
 }

@@ -52,7 +52,7 @@ pub fn read_digital_numbers(path: &Path) -> Result<Arc<RawImage>> {
         Developable::Raw(raw) => Ok(raw),
         Developable::Light(_) => {
             let help = "give a DNG, TIFF, PBM, PGM, PPM or NPY file, a raw.exr, or a PNG file of 16 bits of grey";
-            Err(Invalid::new("", "holds a picture that is developed already").help(help).in_file(path))
+            Err(Invalid::new("", "is a picture that has been developed already").help(help).in_file(path))
         }
     }
 }
@@ -80,7 +80,7 @@ fn of_exr(path: &Path) -> Result<Developable> {
     match picture.text("unit") {
         Some("DN") => of_raw(path),
         Some(unit) => {
-            let message = format!("holds a quantity in {unit}, and no picture");
+            let message = format!("holds a quantity in {unit}, not a picture");
             let help = "photosite expose makes a raw file of electrons.exr; develop that";
             Err(Invalid::new("unit", message).help(help).in_file(path))
         }
@@ -168,7 +168,7 @@ mod tests {
         let grey = EncodedPicture { pixel_aspect: 1.5, ..EncodedPicture::srgb8(2, 1, 1, vec![0, 128]) };
         let mut bytes = Vec::new();
         write_png(&grey, &mut bytes).expect("written");
-        let Developable::Light(light) = file("grey.png", &bytes).expect("a picture") else { panic!("no raw file") };
+        let Developable::Light(light) = file("grey.png", &bytes).expect("a picture") else { panic!("not a raw file") };
         // ((128/255 + 0.055)/1.055)^2.4 by a calculator.
         assert!((light.planes.plane("Y").expect("grey")[1] - 0.215_861).abs() < 1e-4);
         assert!((light.pixel_aspect - 1.5).abs() < 1e-5 && light.left_out.is_none());
@@ -179,7 +179,7 @@ mod tests {
         let mut bytes = Cursor::new(Vec::new());
         write_linear(&white, ColourSpace::Xyz, 0.5, &mut bytes).expect("written");
         let Developable::Light(light) = file("white.exr", bytes.get_ref()).expect("a picture") else {
-            panic!("no raw file")
+            panic!("not a raw file")
         };
         assert!(["R", "G", "B"].iter().all(|name| (light.planes.plane(name).expect("there")[0] - 1.0).abs() < 1e-5));
         assert_eq!(light.pixel_aspect, 0.5);
@@ -188,7 +188,7 @@ mod tests {
     #[test]
     fn what_has_no_part_is_named_and_what_is_no_picture_refused() {
         let with_alpha = exr(&Planes::zeros(2, 2, ["A", "B", "G", "R"]), &[]).expect("a picture");
-        let Developable::Light(light) = with_alpha else { panic!("no raw file") };
+        let Developable::Light(light) = with_alpha else { panic!("not a raw file") };
         assert!(light.left_out.expect("alpha").contains("its planes, A have no part"));
         for (planes, attributes, complaint) in [
             (["depth.Z"], vec![], "depth.Z"),
@@ -213,7 +213,7 @@ mod tests {
         let path = folder.path().join("picture.exr");
         let planes = Planes::zeros(1, 1, ["R", "G", "B"]);
         crate::io::output::write_whole(&path, |to| write_exr(&planes, &[], to)).expect("written");
-        let error = read_digital_numbers(&path).expect_err("no raw file").to_string();
+        let error = read_digital_numbers(&path).expect_err("not a raw file").to_string();
         assert!(error.contains("developed already"), "{error}");
     }
 

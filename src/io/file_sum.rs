@@ -81,7 +81,7 @@ impl KnownSums {
         match known.insert(path.to_owned(), (sum.clone(), modified)) {
             Some((earlier, _)) if earlier != sum => {
                 let invalid = Invalid::new("", "has changed while pictures were made of it");
-                Err(invalid.help("put it back as it was, or begin anew in another folder").in_file(path))
+                Err(invalid.help("restore it as it was, or start again in another folder").in_file(path))
             }
             Some(_) | None => Ok(sum),
         }

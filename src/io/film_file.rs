@@ -130,7 +130,7 @@ impl<'a> FilmReader<'a> {
         let mut next = || match self.numbers.next() {
             Some(Ok(number)) if !number.is_nan() => Some(number),
             Some(Ok(_)) => {
-                failure = Some(unreadable(&"it holds what is no number"));
+                failure = Some(unreadable(&"it holds something that is not a number"));
                 None
             }
             Some(Err(error)) => {
@@ -254,7 +254,7 @@ mod tests {
         let last = file.len() - 8;
         file[last..].copy_from_slice(&f64::NAN.to_le_bytes());
         let error = add_film(&mut empty(), 7, &file[..]).expect_err("refused");
-        assert!(error.message.contains("no number"), "{error}");
+        assert!(error.message.contains("not a number"), "{error}");
         let mut wide = Film::new(4, 2, FilmResponses::new(&[]));
         let error = add_film(&mut wide, 7, &whole[..]).expect_err("refused");
         assert!(error.message.contains("[2, 3, 2, 4] instead of [2, 4, 0, 4]"), "{error}");

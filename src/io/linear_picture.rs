@@ -73,7 +73,7 @@ pub fn read_picture_light(path: &Path, is_linear: bool) -> Result<PictureLight> 
     let stated = meaning(path)?;
     let name = path.display();
     let Some(white) = picture.full_scale else {
-        let assumed = format!("the numbers of {name} are taken to be in proportion to light");
+        let assumed = format!("the numbers of {name} are taken to be proportional to light");
         let planes = if is_quantity(&picture) {
             picture.mean
         } else {
@@ -82,11 +82,11 @@ pub fn read_picture_light(path: &Path, is_linear: bool) -> Result<PictureLight> 
         return Ok(PictureLight { planes, assumed });
     };
     if is_digital_numbers(&picture) && stated.is_none() {
-        let assumed = format!("the numbers of {name} are taken to be in proportion to light, {white} for 1");
+        let assumed = format!("the numbers of {name} are taken to be proportional to light, {white} for 1");
         return Ok(PictureLight { planes: picture.mean.scaled(1.0 / white), assumed });
     }
     let assumed = match (is_linear, &stated) {
-        (true, _) => format!("the codes of {name} are taken to be in proportion to light, {white} for 1"),
+        (true, _) => format!("the codes of {name} are taken to be proportional to light, {white} for 1"),
         (false, Some(_)) => format!("the codes of {name} are decoded to linear light as the file says, {white} to 1"),
         (false, None) => {
             format!(

@@ -75,7 +75,7 @@ pub fn check_map_name(path: &Path) -> Result<()> {
     if ["exr", "npy", "tif", "tiff", "png"].contains(&&extension(path)[..]) {
         return Ok(());
     }
-    let message = format!("{} is no name of a map that photosite can write", path.display());
+    let message = format!("{} is not the name of a map that photosite can write", path.display());
     Err(Error::Usage { message, help: Some("give a name that ends with .exr, .npy, .tiff or .png".into()) })
 }
 

@@ -183,7 +183,7 @@ pub fn sigma_map_format(path: &Path) -> Result<NumberFormat> {
     match NumberFormat::of(path) {
         Ok(format @ (NumberFormat::Exr | NumberFormat::Npy | NumberFormat::Tiff)) => Ok(format),
         Ok(NumberFormat::Png | NumberFormat::Pgm | NumberFormat::Ppm) | Err(_) => Err(Error::Usage {
-            message: format!("{} is no name of a file for standard deviations", path.display()),
+            message: format!("{} is not the name of a file for standard deviations", path.display()),
             help: Some("give a name that ends with .exr, .npy or .tiff".into()),
         }),
     }

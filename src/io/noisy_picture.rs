@@ -52,7 +52,10 @@ pub fn make_noisy(
         (true, Some(largest)) => Some(light_of_codes(path, largest)?),
         (true, None) => {
             return Err(Error::Usage {
-                message: format!("{} holds floating-point numbers, which are no codes to be decoded", path.display()),
+                message: format!(
+                    "{} holds floating-point numbers, which are not codes that could be decoded",
+                    path.display()
+                ),
                 help: Some("leave --linear out: the noise is added to the numbers as they are".into()),
             });
         }

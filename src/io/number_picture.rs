@@ -66,7 +66,7 @@ impl NumberFormat {
             "npy" => Ok(Self::Npy),
             "exr" => Ok(Self::Exr),
             _ => Err(Error::Usage {
-                message: format!("{} is no name of a picture whose numbers stay as they are", path.display()),
+                message: format!("{} is not the name of a picture whose numbers stay as they are", path.display()),
                 help: Some("give a name that ends with .png, .tiff, .pgm, .ppm, .npy or .exr".into()),
             }),
         }
@@ -102,7 +102,7 @@ impl NumberFormat {
             Some(largest)
                 if ![u16::from(u8::MAX), u16::MAX].contains(&largest) && matches!(self, Self::Png | Self::Tiff) =>
             {
-                let message = format!("the numbers reach to {largest}, of which {format} cannot tell");
+                let message = format!("the numbers reach to {largest}, which {format} cannot express");
                 refuse(message, "write a .pgm, .ppm, .npy or .exr file")
             }
             None | Some(_) => Ok(()),

@@ -45,7 +45,7 @@ pub fn read_picture_file(path: &Path, pixels: Pixels) -> Result<Picture> {
         "ppm" | "pnm" => of_pnm,
         _ => {
             return Err(Error::Usage {
-                message: format!("{} is no picture of a kind that photosite knows", path.display()),
+                message: format!("{} is not a picture of a kind that photosite knows", path.display()),
                 help: Some("give a .exr, .png, .tiff, .jpg, .ppm, .dng, .pgm, .pbm or .npy file".into()),
             });
         }

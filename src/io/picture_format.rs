@@ -50,7 +50,7 @@ impl PictureFormat {
             "exr" => Ok(Self::Exr),
             "npy" => Ok(Self::Npy),
             _ => Err(Error::Usage {
-                message: format!("{} is no name of a picture that photosite can write", path.display()),
+                message: format!("{} is not the name of a picture that photosite can write", path.display()),
                 help: Some("give a name that ends with .png, .tiff, .jpg, .pgm, .ppm, .exr or .npy".into()),
             }),
         }

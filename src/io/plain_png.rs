@@ -34,7 +34,7 @@ pub fn is_grey(path: &Path) -> Result<bool> {
 /// Columns and rows of a picture.
 pub fn picture_size(path: &Path) -> Result<[u32; 2]> {
     let bytes = input::read(path).map_err(|reason| Error::io(path, "read", reason))?;
-    dimensions(&bytes).map_err(|e| Error::in_file(path, "", format!("is no picture: {e}")))
+    dimensions(&bytes).map_err(|e| Error::in_file(path, "", format!("is not a picture: {e}")))
 }
 
 fn open(path: &Path) -> Result<DynamicImage> {

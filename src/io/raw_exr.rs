@@ -42,7 +42,7 @@ pub(super) fn stated_active_area(picture: &ExrPicture) -> Result<Option<PixelAre
             Ok(Some(PixelArea { x, y, width, height }))
         }
         _ => {
-            let message = format!("{text:?} is no part of the picture");
+            let message = format!("{text:?} is not a part of the picture");
             Err(Invalid::new(ACTIVE_AREA, message).help("it says column, row, width and height: 8 4 640 480"))
         }
     }
@@ -53,7 +53,7 @@ pub fn read_raw_exr<R: BufRead + Seek>(from: R) -> Result<RawImage, Invalid> {
     let picture = read_exr(from)?;
     let (Some("DN"), Some(cfa)) = (picture.text("unit"), picture.text("cfa")) else {
         let help = "give a raw.exr that photosite wrote, or a DNG, TIFF, PGM, PPM or NPY file";
-        return Err(Invalid::new("", "is no raw picture: it has no attributes unit = \"DN\" and cfa").help(help));
+        return Err(Invalid::new("", "is not a raw picture: it has no attributes unit = \"DN\" and cfa").help(help));
     };
     let cfa = Cfa::parse(cfa)?;
     let active_area = stated_active_area(&picture)?;

@@ -56,7 +56,7 @@ pub fn read_irradiance<R: BufRead + Seek>(from: R) -> Result<Planes, Invalid> {
 /// The bands that a picture holds, as [`read_irradiance`] does.
 pub fn irradiance(picture: ExrPicture) -> Result<Planes, Invalid> {
     if picture.text("spectralLayoutVersion").is_none() {
-        return Err(Invalid::new("spectralLayoutVersion", "missing, so this is no spectral picture")
+        return Err(Invalid::new("spectralLayoutVersion", "missing, so this is not a spectral picture")
             .help("give the irradiance.exr that photosite render wrote"));
     }
     match picture.text("emissiveUnits") {

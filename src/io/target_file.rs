@@ -62,7 +62,7 @@ fn format(path: &Path) -> Result<Format> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     let format = FORMATS.iter().find(|(known, _)| extension.as_deref() == Some(*known));
     format.map(|(_, format)| *format).ok_or_else(|| Error::Usage {
-        message: format!("{} does not say in which format to write the target", path.display()),
+        message: format!("{} does not tell which format to write the target in", path.display()),
         help: Some("end the name in .svg or .pdf (to print), .toml (a capture), .obj or .json (its points)".into()),
     })
 }

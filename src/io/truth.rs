@@ -92,7 +92,7 @@ pub fn fits_png(truth: &Planes, depth_unit_m: f64) -> Result<(), Invalid> {
     if let Some([x, y]) = wrong {
         let most = LARGEST / DISPARITY_STEPS;
         let message = format!(
-            "a disparity of {x:.1}, {y:.1} px is none that PNG files hold, which are those along x from 0 to {most:.1} px"
+            "a disparity of {x:.1}, {y:.1} px cannot be stored in PNG files, which hold those along x from 0 to {most:.1} px"
         );
         let help = "write \"exr\" or \"npy\", or put the cameras side by side, looking the same way";
         return Err(Invalid::new("truth_formats", message).help(help));

@@ -161,7 +161,7 @@ impl<'a> Chain<'a> {
             ));
         }
         let unused = PictureFormat::Png.unused_keys(develop);
-        warnings.extend(unused.into_iter().map(|key| format!("develop.{key} has no part in image.png")));
+        warnings.extend(unused.into_iter().map(|key| format!("develop.{key} does not affect image.png")));
         warnings
     }
 

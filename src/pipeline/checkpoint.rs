@@ -120,7 +120,7 @@ impl SavedFilms {
     pub(super) fn fill(mut self, film: &mut Film, pilot: Option<&mut Pilot>) -> Result<()> {
         let (path, from) = (&self.path, &mut self.from);
         if self.has_pilot != pilot.is_some() {
-            return Err(damaged(path, &"it has not the films that this render has"));
+            return Err(damaged(path, &"it does not have the films of this render"));
         }
         let read = || -> Result<(), Invalid> {
             add_unfinished(film, &mut *from)?;
@@ -137,7 +137,7 @@ impl SavedFilms {
 
 fn damaged(path: &Path, what: &dyn std::fmt::Display) -> Error {
     let invalid = Invalid::new("", format!("is a damaged checkpoint: {what}"));
-    invalid.help("remove it, and the render starts anew").in_file(path)
+    invalid.help("remove it, and the render starts again").in_file(path)
 }
 
 impl<'a> Checkpoints<'a> {
@@ -178,7 +178,7 @@ impl<'a> Checkpoints<'a> {
         match (self.read(&self.before_path, strips, &bytes_before), damage) {
             (Ok(resumed), None) => Ok(Some(resumed)),
             (Ok(resumed), Some(damage)) => {
-                let warning = format!("{damage}, so the render goes on from the one before");
+                let warning = format!("{damage}, so the render continues from the one before it");
                 Ok(Some(Resumed { warning: Some(warning), ..resumed }))
             }
             (Err(Unusable::Missing), None) => Ok(None),
@@ -213,7 +213,7 @@ impl<'a> Checkpoints<'a> {
         } else if header.samples != self.samples {
             Some(format!("it has the samples {from_sample}..{to_sample}"))
         } else if has_films && !strips.hold(&(first_row..end)) {
-            Some(format!("its film has the rows {first_row}..{end}, more than there is film memory for"))
+            Some(format!("its film has the rows {first_row}..{end}, more than fits into the film memory"))
         } else {
             None
         };
@@ -222,7 +222,7 @@ impl<'a> Checkpoints<'a> {
             Some(difference) => {
                 let message = format!("is the checkpoint of another render: {difference}");
                 let help = Help::any([
-                    "undo the change to go on with it".into(),
+                    "undo the change to continue from it".into(),
                     Remedy::StartAnew,
                     Remedy::Elsewhere("another folder".to_owned()),
                 ]);
@@ -253,7 +253,7 @@ impl<'a> Checkpoints<'a> {
         let found = GrowingSum::default().up_to(bytes, &mut file);
         let found = found.map_err(|reason| format!("cannot read {path}: {reason}"))?;
         if sum != Some(&*found) {
-            return Err(format!("the checksum of {path} is not the one of what was written"));
+            return Err(format!("the checksum of {path} does not match what was written"));
         }
         Ok(())
     }

@@ -173,7 +173,7 @@ impl<'a> LensSeen<'a> {
         if let Some(Resampled { what, keys }) = self.resampled(settings).filter(|_| output.image) {
             if !output.truth.layers.is_empty() {
                 warnings.push(format!(
-                    "image.png is {what}, where ground truth is not; write {keys}, and both show things in the same places"
+                    "image.png is {what}, but ground truth is not; write {keys}, and both show things in the same places"
                 ));
             }
             if !has_dng && !output.raw.is_empty() {

@@ -140,7 +140,7 @@ impl Drop for UntilTraceEnds<'_> {
 pub(crate) fn go_on(monitor: &dyn Monitor) -> crate::Result<()> {
     if monitor.is_cancelled() {
         return Err(cancelled(
-            "give the same command again, and it begins anew, or goes on from its checkpoint".to_owned(),
+            "run the same command again, and it starts again, or continues from its checkpoint".to_owned(),
         ));
     }
     Ok(())

@@ -86,7 +86,7 @@ impl OutputFolder {
     pub fn claim(path: &Path, force: bool) -> Result<Self> {
         refuse_results(path, force)?;
         if let Some(file) = path.ancestors().find(|part| part.is_file()) {
-            return Err(unusable(file, "is a file, where a folder is needed for the results"));
+            return Err(unusable(file, "is a file, but a folder is needed for the results"));
         }
         let created: Vec<_> = path.ancestors().take_while(|part| !part.exists()).map(Path::to_owned).collect();
         let mut folder = Self::inside(path, force, created);
@@ -379,9 +379,9 @@ fn refuse_results(path: &Path, force: bool) -> Result<()> {
     let Some(name) = in_the_way.filter(|_| !force && !is_broken_off()) else { return Ok(()) };
     Err(Error::Usage {
         message: match name.as_str() {
-            REPORT => format!("{} holds the results of an earlier render", path.display()),
-            PART => format!("{} holds a part of a render", path.display()),
-            _ => format!("{} holds a file {name} already", path.display()),
+            REPORT => format!("{} contains the results of an earlier render", path.display()),
+            PART => format!("{} contains a part of a render", path.display()),
+            _ => format!("{} already contains a file {name}", path.display()),
         },
         help: Some(Help::any([Remedy::Overwrite, Remedy::Elsewhere("another folder".to_owned())])),
     })

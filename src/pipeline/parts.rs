@@ -34,16 +34,16 @@ pub fn check_samples(samples: &Range<u32>, capture: &Capture) -> Result<()> {
     if capture.render.noise_target.is_some() {
         return refuse(
             "noise_target",
-            "cannot go with a part of the samples: no part knows the noise of the whole",
+            "cannot be combined with a part of the samples: no part knows the noise of the whole",
             help,
         );
     }
     if capture.render.time_limit.is_some() {
-        return refuse("time_limit_s", "cannot go with a part of the samples: parts would end anywhere", help);
+        return refuse("time_limit_s", "cannot be combined with a part of the samples: parts would end anywhere", help);
     }
     let count = capture.render.samples_per_pixel;
     if samples.end > count {
-        let message = format!("the samples {}..{}: there are {count} samples a pixel", samples.start, samples.end);
+        let message = format!("the samples {}..{}: there are {count} samples per pixel", samples.start, samples.end);
         let more = Remedy::Override(format!("render.samples_per_pixel={}", samples.end));
         let help = Help::any([Remedy::Say(format!("write at most 0..{count}")), more]);
         return Err(Error::Usage { message, help: Some(help) });
@@ -69,7 +69,7 @@ impl Parts {
             if part.provenance["fingerprint"] != next.provenance["fingerprint"] {
                 let [earlier, now] = [part, next].map(|part| Value::Object(part.provenance.clone()));
                 let difference = difference(&earlier, &now);
-                let message = format!("{one} and {two} are no parts of the same render: in {two}, {difference}");
+                let message = format!("{one} and {two} are not parts of the same render: in {two}, {difference}");
                 return refuse(message, "give parts of the same capture, seed and version".into());
             }
             if next.samples[0] < part.samples[1] {
@@ -144,7 +144,7 @@ impl Parts {
             let found = FileSum::of(&path).map_err(unreadable)?;
             let known = path.file_name().and_then(|name| part.sums.get(&*name.to_string_lossy()));
             if known != Some(&found) {
-                let message = format!("is damaged: its checksum is not the one that {PART} has");
+                let message = format!("is damaged: its checksum does not match {PART}");
                 return Err(Invalid::new("", message).help("render that part again").in_file(&path));
             }
             let file = input::open(&path).map_err(unreadable)?;
@@ -172,11 +172,11 @@ pub(super) fn read_part(folder: &Path) -> Result<PartReport> {
     if !path.exists() {
         let whole = folder.join(REPORT).exists();
         let message = if whole {
-            "holds a whole picture and no part of one".to_owned()
+            "contains a whole picture, not a part of one".to_owned()
         } else {
-            format!("holds no part of a render: there is no {PART}")
+            format!("does not contain a part of a render: there is no {PART}")
         };
-        let help = "give folders that hold a finished part; one that was broken off has to be rendered \
+        let help = "give folders that contain a finished part; one that was broken off has to be rendered \
                     again";
         return Err(Invalid::new("", message).help(help).in_file(folder));
     }

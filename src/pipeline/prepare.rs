@@ -235,7 +235,7 @@ fn autofocus_warning(capture: &Capture, camera: &Camera, is_nearest: bool) -> Op
         )),
         (AutofocusMethod::Contrast(_), _) if is_nearest => Some(format!(
             "autofocus: at pixel {x}, {y} the contrast is highest at the nearest focus of the lens, {} m, and what is seen \
-             there may be nearer still; lens.min_focus_distance_m says how near the lens goes",
+             there may be even nearer; lens.min_focus_distance_m says how near the lens goes",
             u as f32
         )),
         (AutofocusMethod::Exact | AutofocusMethod::Contrast(_), _) => None,
@@ -263,9 +263,9 @@ fn ineffective_settings(capture: &Capture, scene: &Scene) -> Vec<String> {
     let render = &capture.render;
     let (light_paths, shines) = (render.light_paths > 0.0, scene.lights().has_emitters());
     let own_filter = render.wavelengths == WavelengthChoice::OwnFilter;
-    let focusing = "nothing focuses light, as mirrors, glass and polished metal do, so that no paths set out";
+    let focusing = "nothing focuses light, as mirrors, glass and polished metal do, so that no paths start";
     [
-        ("light_paths", light_paths && !shines, "no surface shines, so that no paths set out"),
+        ("light_paths", light_paths && !shines, "no surface shines, so that no paths start"),
         ("light_paths", light_paths && shines && !scene.may_cast_caustics(), focusing),
         (
             "reuse",

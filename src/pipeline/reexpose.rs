@@ -45,7 +45,7 @@ impl StoredRender {
     pub fn of_picture(sandbox: &Sandbox, input: &Path, scale: &PictureScale, overrides: &[String]) -> Result<Self> {
         let start = Instant::now();
         if StoredLight::read(input).is_ok() {
-            let invalid = Invalid::new("", "is stored light, and says itself what it holds");
+            let invalid = Invalid::new("", "is stored light, which states itself what it contains");
             return Err(invalid.help("expose it without a unit").in_file(input));
         }
         let PictureLight { planes, assumed } = read_picture_light(input, scale.is_linear)?;

@@ -48,7 +48,7 @@ impl Stored {
             if input.is_dir() { (input, None) } else { (input.parent().unwrap_or(Path::new("")), Some(input)) };
         let path = folder.join(REPORT);
         if file.is_none() && !path.exists() {
-            let invalid = Invalid::new("", format!("holds no {REPORT}, so nothing tells how it was rendered"));
+            let invalid = Invalid::new("", format!("has no {REPORT}, so nothing tells how it was rendered"));
             let help = if folder.join(PART).exists() {
                 "it is a part of a render: photosite merge makes a picture of all parts"
             } else {
@@ -209,7 +209,7 @@ fn light_file(folder: &Path, numbered: bool, same_response: bool) -> Result<Path
     } else if electrons.exists() {
         Err(no_irradiance(folder))
     } else {
-        let invalid = Invalid::new("", "holds no stored light: neither electrons.exr nor irradiance.exr");
+        let invalid = Invalid::new("", "contains no stored light: neither electrons.exr nor irradiance.exr");
         Err(invalid.help("render with output.electrons = true or output.irradiance = true").in_file(folder))
     }
 }

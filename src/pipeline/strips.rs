@@ -22,7 +22,8 @@ pub struct FilmMemory {
 impl FilmMemory {
     /// At most so many GiB, a number above 0: a picture whose film needs more is traced in strips, one after the other.
     pub fn gib(gib: f64) -> Result<Self> {
-        let message = || format!("{gib} GiB is no memory for a film; write a number above 0, for example 2.5");
+        let message =
+            || format!("{gib} GiB is not an amount of memory for a film; write a number above 0, for example 2.5");
         let usable = gib.is_finite() && gib > 0.0;
         if usable { Ok(Self { gib }) } else { Err(Error::Usage { message: message(), help: None }) }
     }

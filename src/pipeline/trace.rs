@@ -270,7 +270,7 @@ impl<'a> Interim<'a> {
                 return ControlFlow::Break(());
             }
             if !std::mem::replace(&mut self.is_said, true) {
-                self.t.monitor.report(Event::Warning(&format!("{error}: the render goes on without it")));
+                self.t.monitor.report(Event::Warning(&format!("{error}: the render continues without it")));
             }
         }
         ControlFlow::Continue(())
@@ -287,11 +287,11 @@ impl<'a> Interim<'a> {
 
     fn stopped(&self) -> Error {
         let help = match &self.checkpoints {
-            None => "nothing is kept of it: it has no folder".to_owned(),
+            None => "nothing of it is kept: it has no folder".to_owned(),
             Some(checkpoints) if checkpoints.path().exists() => {
-                format!("give the same command again, and it goes on from {}", checkpoints.path().display())
+                format!("run the same command again, and it continues from {}", checkpoints.path().display())
             }
-            Some(_) => "nothing is kept of it, since output.checkpoint_interval_s is 0".to_owned(),
+            Some(_) => "nothing of it is kept, since output.checkpoint_interval_s is 0".to_owned(),
         };
         cancelled(help)
     }

@@ -52,7 +52,7 @@ pub(crate) fn damage_of_file(path: &Path, known: Option<&FileSum>, look: Look) -
     let Ok(found) = fs::metadata(path) else { return Some("is missing".to_owned()) };
     let Some(known) = known else {
         // Reports of earlier versions state no sums.
-        return (look == Look::Contents).then(|| "has no checksum that it could be held against".to_owned());
+        return (look == Look::Contents).then(|| "has no checksum to compare it with".to_owned());
     };
     if found.len() != known.bytes {
         return Some(format!("has {} bytes instead of {}", found.len(), known.bytes));
@@ -62,7 +62,7 @@ pub(crate) fn damage_of_file(path: &Path, known: Option<&FileSum>, look: Look) -
     }
     match FileSum::of(path) {
         Ok(found) if found == *known => None,
-        Ok(_) => Some("has another checksum than when it was written".to_owned()),
+        Ok(_) => Some("has a different checksum from when it was written".to_owned()),
         Err(reason) => Some(format!("cannot be read: {reason}")),
     }
 }

@@ -158,11 +158,11 @@ impl Report {
         let report: Self = serde_json::from_slice(bytes).map_err(|error| {
             let is_other = |value: serde_json::Value| !value["capture"].is_object();
             let message = if serde_json::from_slice(bytes).is_ok_and(is_other) {
-                "is no report of a render: it holds no capture".to_owned()
+                "is not a report of a render: it holds no capture".to_owned()
             } else {
                 format!("is damaged: {error}")
             };
-            Invalid::new("", message).help("give what photosite render wrote").in_file(path)
+            Invalid::new("", message).help("give a file that photosite render wrote").in_file(path)
         })?;
         if report.schema_version > SCHEMA_VERSION {
             let message = format!("is of version {}, and this program knows {SCHEMA_VERSION}", report.schema_version);

@@ -4,11 +4,13 @@ use schemars::generate::SchemaSettings;
 use serde_json::Value;
 
 use super::Report;
+use crate::schema_links::remove_rustdoc_links;
 
 /// The JSON Schema (draft 2020-12) of reports.
 pub fn report_schema() -> Value {
     let schema = SchemaSettings::draft2020_12().into_generator().into_root_schema_for::<Report>();
     let mut schema = schema.to_value();
+    remove_rustdoc_links(&mut schema);
     schema["title"] = "photosite's capture.json".into();
     schema
 }

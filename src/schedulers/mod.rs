@@ -10,6 +10,7 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 pub use openjd::{LONGEST_PARAMETER, template};
+use photosite_core::counted;
 pub use shell::{all_quoted, quoted};
 pub use slurm::{Site, index_command, script};
 
@@ -109,23 +110,23 @@ impl Tasks {
         let about = if forecast.is_at_most { "at most" } else { "about" };
         let memory = forecast.memory_bytes.map_or_else(|| "an unknown amount".to_owned(), size);
         let asked = memory_mib.map_or_else(
-            || "no memory, as what it takes is not known here".to_owned(),
+            || "no memory, as it is not known what it takes".to_owned(),
             |mib| format!("{mib} MiB of memory ({MEMORY_FACTOR} times what was measured)"),
         );
         vec![
             format!(
                 "frames that lack pictures: {}, each of {}; {} of at most {}",
                 forecast.missing.len(),
-                many(forecast.cameras, "camera"),
-                many(*tasks, "task"),
-                many(*frames_per_task, "frame")
+                counted(forecast.cameras, ["camera", "cameras"]),
+                counted(*tasks, ["task", "tasks"]),
+                counted(*frames_per_task, ["frame", "frames"])
             ),
             format!(
                 "a frame takes {about} {} with {} here, {} at once, and {memory} of memory; all of them take \
                  {} and {} of disk",
                 duration(forecast.frame_s),
-                many(*threads, "thread"),
-                many(forecast.jobs, "picture"),
+                counted(*threads, ["thread", "threads"]),
+                counted(forecast.jobs, ["picture", "pictures"]),
                 duration(forecast.time_s),
                 size(forecast.disk_bytes)
             ),
@@ -133,13 +134,8 @@ impl Tasks {
                 "each task takes {about} {} and asks for {time_limit_min} min (unless told otherwise, for {TIME_FACTOR} times \
                  that and {START_S} s to begin), {} and {asked}",
                 duration(*task_s),
-                many(*threads, "core")
+                counted(*threads, ["core", "cores"])
             ),
         ]
     }
-}
-
-/// So many of something.
-fn many(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }

@@ -110,7 +110,7 @@ for ((tries = 0; tries <= most_tries; tries++)); do
     echo "photosite ended with status $status; try $((tries + 2)) of $((most_tries + 1))" >&2
 done
 
-# It goes on from its checkpoint.
+# It continues from its checkpoint.
 if [[ $ended_by == time ]] && ((status != 0 && ${{SLURM_RESTART_COUNT:-0}} < most_tries)); then
     scontrol requeue "$SLURM_JOB_ID"
 fi

@@ -51,7 +51,7 @@ impl Access {
         let host = text(headers, HOST.as_str()).unwrap_or_default();
         // Of two hosts it is not known which one the browser means.
         if !is_address(host) || headers.get_all(HOST).iter().count() > 1 {
-            return Err(Refusal("this server is asked for by its address, 127.0.0.1 or localhost, and not by a name"));
+            return Err(Refusal("this server answers only at its address, 127.0.0.1 or localhost, not at a name"));
         }
         let path = request.uri().path().strip_prefix('/').unwrap_or_default();
         let (token, rest) = path.split_once('/').map_or((path, None), |(token, rest)| (token, Some(rest)));
@@ -61,7 +61,7 @@ impl Access {
         let own = format!("http://{host}");
         let is_foreign = headers.get(ORIGIN).is_some_and(|origin| origin.as_bytes() != own.as_bytes());
         if is_foreign || is_sent_elsewhere(request.method(), headers) {
-            return Err(Refusal("another page has asked, and this server answers its own alone"));
+            return Err(Refusal("the request comes from another page, and this server only answers its own"));
         }
         Ok(rest)
     }

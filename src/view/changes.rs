@@ -50,11 +50,11 @@ pub(super) fn for_trace(changes: &Map<String, Value>) -> Result<Vec<String>, Fai
         let wrong = |what: &str| Failure::new(StatusCode::BAD_REQUEST, format!("{key}: {what}"));
         let known = KEYS.iter().find(|(known, _)| known == key);
         let (_, holds) = known.ok_or_else(|| {
-            wrong("light is not traced anew for that")
+            wrong("light is not traced again for that")
                 .help(format!("there are {}", KEYS.map(|(key, _)| key).join(", ")))
         })?;
         // Numbers, lists of them and words are written alike in JSON and in TOML.
-        if holds.is(value) { Ok(format!("{key}={value}")) } else { Err(wrong("this is no such value")) }
+        if holds.is(value) { Ok(format!("{key}={value}")) } else { Err(wrong("this is not one of these values")) }
     };
     changes.iter().map(change).collect()
 }

@@ -155,17 +155,17 @@ impl Control {
             true => Ok(format!("{name:?}")),
             false => {
                 let names: Vec<&str> = options.iter().map(|option| option.name.as_str()).collect();
-                Err(wrong(format!("{name:?} is none of {}", names.join(", "))))
+                Err(wrong(format!("{name:?} is not one of {}", names.join(", "))))
             }
         };
         let toml = match &self.kind {
             Kind::Linear { .. } | Kind::Logarithmic { .. } => {
                 let number = value.parse::<f64>().ok().filter(|number| number.is_finite());
-                format!("{:?}", number.ok_or_else(|| wrong(format!("{value:?} is no number")))?)
+                format!("{:?}", number.ok_or_else(|| wrong(format!("{value:?} is not a number")))?)
             }
             Kind::Whole { .. } => {
                 let number = value.parse::<u32>();
-                number.map_err(|_| wrong(format!("{value:?} is no whole number")))?.to_string()
+                number.map_err(|_| wrong(format!("{value:?} is not a whole number")))?.to_string()
             }
             Kind::Choice { options } => quoted(value, options)?,
             Kind::Flag if value == "true" || value == "false" => value.to_owned(),

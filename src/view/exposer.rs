@@ -303,7 +303,8 @@ impl Kept {
             }
             Source::Stored(render, beside) => {
                 if query.f_number.is_some() {
-                    let failure = Failure::new(StatusCode::CONFLICT, "the light in this folder has passed the lens");
+                    let failure =
+                        Failure::new(StatusCode::CONFLICT, "the light in this folder has already passed the lens");
                     return Err(failure.help("view the capture, whose light is traced, to change its f-number"));
                 }
                 let base = self.stored.get_or_make((input, 1, sensor.clone()), || {

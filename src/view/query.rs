@@ -68,10 +68,10 @@ impl Query {
             let (key, value) = part.split_once('=').ok_or_else(|| bad(format!("{part:?} has no value")))?;
             let decode = |part: &str| match percent_decode_str(part).decode_utf8() {
                 Ok(text) => Ok(text.into_owned()),
-                Err(_) => Err(bad(format!("{part:?} is no UTF-8"))),
+                Err(_) => Err(bad(format!("{part:?} is not valid UTF-8"))),
             };
             let (key, value) = (decode(key)?, decode(value)?);
-            let whole = || value.parse::<u32>().map_err(|_| bad(format!("{key}: {value:?} is no whole number")));
+            let whole = || value.parse::<u32>().map_err(|_| bad(format!("{key}: {value:?} is not a whole number")));
             match key.as_str() {
                 "plane" => query.plane = value,
                 "frame" => {

@@ -125,7 +125,7 @@ pub fn serve(view: View, outside: &Outside, ready: impl FnOnce(&str)) -> Result<
             }
             Input::Scene(_) => {
                 let help = "render the other one, and give its folder".into();
-                let message = "one scene is traced at a time, and there are two".to_owned();
+                let message = "only one scene can be traced at a time, and there are two".to_owned();
                 return Err(Error::Usage { message, help: Some(help) });
             }
             Input::Light(render, beside) => Viewed::Stored(Source::Stored(Arc::from(render), beside)),
@@ -213,7 +213,7 @@ async fn answer(request: Request<Incoming>, shared: Arc<Shared>) -> Answer {
     let path = match shared.access.path(&request) {
         Ok(Some(path)) => path.to_owned(),
         Ok(None) => {
-            let mut answer = refused(StatusCode::PERMANENT_REDIRECT, "the address ends with a slash");
+            let mut answer = refused(StatusCode::PERMANENT_REDIRECT, "the address must end with a slash");
             if let Ok(address) = HeaderValue::from_str(&format!("/{}/", shared.access.token())) {
                 answer.headers_mut().insert(LOCATION, address);
             }
@@ -261,7 +261,7 @@ async fn answer(request: Request<Incoming>, shared: Arc<Shared>) -> Answer {
             overlays.map(|(overlays, _place)| of_json(&overlays))
         }
         (&Method::GET, name) => Ok(page::file(name, shared.sheet.is_some())),
-        (_, _) => Ok(refused(StatusCode::METHOD_NOT_ALLOWED, "this is asked for in another way")),
+        (_, _) => Ok(refused(StatusCode::METHOD_NOT_ALLOWED, "this needs another method (GET or POST)")),
     };
     answered.unwrap_or_else(|failure| failure.answer())
 }
@@ -341,7 +341,7 @@ async fn aside<T: Send + 'static>(
     let place = Arc::clone(&shared.pictures).try_acquire_owned().map_err(|_| busy())?;
     let shared = Arc::clone(shared);
     let made = tokio::task::spawn_blocking(move || Ok((work(&shared)?, place)));
-    let failed = |_| Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "photosite has a mistake, please report it");
+    let failed = |_| Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "this is a bug in photosite, please report it");
     made.await.map_err(failed)?
 }
 
@@ -359,7 +359,7 @@ async fn saved(text: &str, shared: &Arc<Shared>) -> Result<Answer, Failure> {
                 let table = capture.with(&changes)?.to_table()?;
                 // The seed of the page is that of the sensor's noise.
                 let has_seed = changes.iter().any(|change| change.starts_with("render.seed="));
-                let note = "The seed draws the noise of the light anew, too, which the page has left as it was.";
+                let note = "The seed also draws the noise of the light again, which the page has left as it was.";
                 let notes = if has_seed { &[note][..] } else { &[] };
                 return Ok(to_toml(name, &table, "render", [capture.overrides(), &changes], notes));
             }
@@ -384,10 +384,11 @@ async fn saved(text: &str, shared: &Arc<Shared>) -> Result<Answer, Failure> {
 
 async fn order(request: Request<Incoming>, shared: &Shared) -> Result<Answer, Failure> {
     let posted = timeout(PATIENCE, Limited::new(request.into_body(), POSTED).collect()).await;
-    let posted = posted.map_err(|_| Failure::new(StatusCode::REQUEST_TIMEOUT, "the order does not come"))?;
-    let posted = posted.map_err(|_| Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "this is too long"))?.to_bytes();
+    let posted = posted.map_err(|_| Failure::new(StatusCode::REQUEST_TIMEOUT, "the command does not arrive"))?;
+    let posted = posted.map_err(|_| Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "the request is too long"))?.to_bytes();
     let order = serde_json::from_slice(&posted);
-    let order = order.map_err(|reason| Failure::new(StatusCode::BAD_REQUEST, format!("this is no order: {reason}")))?;
+    let order =
+        order.map_err(|reason| Failure::new(StatusCode::BAD_REQUEST, format!("this is not a command: {reason}")))?;
     let nothing = || Failure::new(StatusCode::CONFLICT, "nothing is traced: the light is read from files");
     let tracer = shared.tracer.as_deref().ok_or_else(nothing)?;
     match order {

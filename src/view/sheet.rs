@@ -74,7 +74,9 @@ impl ContactSheet {
         match width {
             None => Ok(("image/png", std::fs::read(&path).map_err(read)?)),
             Some(width) if WIDTHS.iter().any(|known| *known as usize == width) => small(&path, width as u32),
-            Some(width) => Err(Failure::new(StatusCode::BAD_REQUEST, format!("width: {width} is none of {WIDTHS:?}"))),
+            Some(width) => {
+                Err(Failure::new(StatusCode::BAD_REQUEST, format!("width: {width} is not one of {WIDTHS:?}")))
+            }
         }
     }
 
@@ -93,7 +95,7 @@ fn no_picture() -> Failure {
 fn asked(query: &str, key: &str) -> Result<Option<usize>, Failure> {
     let values = query.split('&').filter_map(|part| part.split_once('='));
     let Some((_, value)) = values.into_iter().find(|(name, _)| *name == key) else { return Ok(None) };
-    let wrong = || Failure::new(StatusCode::BAD_REQUEST, format!("{key}: {value:?} is no whole number"));
+    let wrong = || Failure::new(StatusCode::BAD_REQUEST, format!("{key}: {value:?} is not a whole number"));
     value.parse().map(Some).map_err(|_| wrong())
 }
 

@@ -73,7 +73,7 @@ fn errors_name_file_key_and_line(
     "room.obj",
     "capture.toml",
     2,
-    "capture.toml is no scene of a known kind",
+    "capture.toml is not a scene of a known kind",
     ".gltf, .glb, .obj, .ply and .stl"
 )]
 #[case::illuminant("D65", "D66X", 3, "there is no illuminant \"D66X\"; did you mean `D65`?", "blackbodies as 3000K")]
@@ -129,7 +129,7 @@ fn environments_of_few_bits_are_refused() {
 #[test]
 fn errors_of_a_sensor_file_name_that_file() {
     let folder = folder(format!("{HEAD}[sensor]\npreset = 'mine.toml'\n"));
-    let preset = include_str!("../../assets/sensors/sony-imx249-mono.toml");
+    let preset = include_str!("../../crates/photosite-imaging/assets/sensors/sony-imx249-mono.toml");
     folder.add("mine.toml", preset.replace("full_well_e", "full_wel_e"));
     let line = preset.lines().position(|line| line.starts_with("full_well_e =")).expect("the key") + 1;
     folder.fail("render capture.toml", 1, &[&format!("mine.toml:{line}: "), "did you mean `full_well_e`?"]);

@@ -45,9 +45,9 @@ fn damaged_vertex() -> Document {
 #[rstest]
 #[case::truncated("a.glb", truncated(triangle()), "", "is truncated: it should hold", "copy it again")]
 #[case::torn_header("a.glb", b"glTF\x02".to_vec(), "", "is truncated", "the file is damaged")]
-#[case::empty_glb("a.glb", vec![], "", "is no glTF document: it ends too early", "glTF 2.0")]
-#[case::empty_gltf("a.gltf", vec![], "", "is no glTF document: it ends too early", "glTF 2.0")]
-#[case::syntax("a.gltf", b"{\n\"asset\": }".to_vec(), "\"asset\"", "is no glTF document", "glTF 2.0")]
+#[case::empty_glb("a.glb", vec![], "", "is not a glTF document: it ends too early", "glTF 2.0")]
+#[case::empty_gltf("a.gltf", vec![], "", "is not a glTF document: it ends too early", "glTF 2.0")]
+#[case::syntax("a.gltf", b"{\n\"asset\": }".to_vec(), "\"asset\"", "is not a glTF document", "glTF 2.0")]
 #[case::version(
     "a.gltf",
     triangle().with("/asset/version", json!("1.0")).text(),
@@ -110,7 +110,7 @@ fn damaged_vertex() -> Document {
 #[case::obj_index("a.obj", obj("f 1 2 9"), "f 1", "f: refers to vertex 9, but the file has 3", "indices count from 1")]
 #[case::obj_zero("a.obj", obj("f 0 1 2"), "f 0", "f: \"0\" refers to vertex 0", "indices count from 1")]
 #[case::obj_not_a_number("a.obj", obj("v 1 nan 0"), "nan", "v: \"nan\" is not finite", "divided by zero")]
-#[case::obj_word("a.obj", obj("v 0 0 zero"), "zero", "v: \"zero\" is no number", "")]
+#[case::obj_word("a.obj", obj("v 0 0 zero"), "zero", "v: \"zero\" is not a number", "")]
 #[case::obj_no_faces("a.obj", obj(""), "", "has no triangles", "export the scene with its faces")]
 #[case::obj_zero_area("a.obj", obj("f 1 2 1"), "", "has no triangles but 1 of zero area", "")]
 #[case::obj_empty("a.obj", vec![], "", "has no triangles", "")]
@@ -122,10 +122,10 @@ fn damaged_vertex() -> Document {
     "copy or export it again"
 )]
 #[case::ply_cloud("a.ply", b"ply\nformat ascii 1.0\nelement vertex 9\nend_header\n".to_vec(), "", "is a cloud of 9 points", "Poisson")]
-#[case::ply_empty("a.ply", vec![], "", "is no PLY file", "begins with the line \"ply\"")]
+#[case::ply_empty("a.ply", vec![], "", "is not a PLY file", "begins with the line \"ply\"")]
 #[case::stl_torn("a.stl", b"solid a\nfacet normal 0 0 1\n".to_vec(), "facet", "the file ends where \"outer\" must follow", "copy or export")]
 #[case::stl_short("a.stl", vec![1; 99], "", "is truncated: 16843009 facets are announced, and 0 are there", "copy or export")]
-#[case::stl_empty("a.stl", vec![], "", "is no STL file", "")]
+#[case::stl_empty("a.stl", vec![], "", "is not an STL file", "")]
 fn damaged_scenes_are_refused(
     #[case] name: &str,
     #[case] bytes: Vec<u8>,
@@ -185,7 +185,7 @@ fn with_attribute(name: &str, accessor: u32) -> Document {
 #[case::filter(sampled(json!({ "magFilter": 1 })), "samplers[0]: has an unknown filter")]
 #[case::alpha_mode(triangle().with("/materials/0/alphaMode", json!("GLASS")), "materials[0].alphaMode: is unknown")]
 #[case::sparse_target(with_vertices([[0.0; 3]; 3], [9, 0, 1]).with("/accessors/0/sparse", sparse(1, 5123)), "accessors[0].sparse.indices: entry 0 replaces element 9 of only 3")]
-#[case::sparse_component(triangle().with("/accessors/0/sparse", sparse(1, 5126)), "accessors[0].sparse.indices.componentType: is no unsigned integer type")]
+#[case::sparse_component(triangle().with("/accessors/0/sparse", sparse(1, 5126)), "accessors[0].sparse.indices.componentType: is not an unsigned integer type")]
 #[case::sparse_count(triangle().with("/accessors/0/sparse", sparse(1 << 40, 5123)), "reach beyond")]
 #[case::skin(triangle().with("/nodes/0/skin", json!(4)), "nodes[0].skin: refers to skins[4]")]
 #[case::joint(triangle().with("/nodes/0/skin", json!(0)).with("/skins", json!([{ "joints": [7] }])), "skins[0].joints[0]: refers to nodes[7]")]

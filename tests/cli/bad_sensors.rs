@@ -43,7 +43,7 @@ fn folder(capture: String) -> Folder {
 )]
 #[case::parts_of_bins(
     "[exposure]\nbinning = [2, 2]\nregion_px = [1, 0, 20, 10]",
-    "region_px: 20 × 10 pixels at 1, 0 are no whole bins of 2 × 2",
+    "region_px: 20 × 10 pixels at 1, 0 do not divide into whole bins of 2 × 2",
     "multiples"
 )]
 #[case::large_bins(
@@ -56,13 +56,17 @@ fn folder(capture: String) -> Folder {
 #[case::digital_gain("[exposure]\ndigital_gain_db = -3", "digital_gain_db: must lie from 0 to 48, got -3", "white")]
 #[case::gain("[exposure]\ngain_db = 90", "gain_db: 90 dB is not among the gains", "write 0 to 24 dB")]
 #[case::slow("[exposure]\niso = 1", "exposure.iso: 1 is not among the speeds", "its base ISO is")]
-#[case::iso_and_gain("[exposure]\ngain_db = 6\niso = 800", "exposure.iso: cannot go with gain_db", "keep one")]
+#[case::iso_and_gain("[exposure]\ngain_db = 6\niso = 800", "exposure.iso: cannot be combined with gain_db", "keep one")]
 #[case::mean("[exposure]\nauto_mean = 1.0", "auto_mean: must lie between 0 and 1, got 1", "auto_mean = 0.18")]
-#[case::two_targets("[exposure]\nauto_target = 0.9\nauto_mean = 0.2", "auto_mean: cannot go with auto_target", "keep")]
+#[case::two_targets(
+    "[exposure]\nauto_target = 0.9\nauto_mean = 0.2",
+    "auto_mean: cannot be combined with auto_target",
+    "keep"
+)]
 #[case::no_time("[exposure]\nmax_time_s = 0", "max_time_s: must be above 0, got 0", "max_time_s = 0.04")]
 #[case::compensation(
     "[exposure]\ntime_s = 1\ncompensation_ev = 1",
-    "compensation_ev: goes only with automatic",
+    "compensation_ev: only applies with automatic",
     "remove"
 )]
 #[case::least_gain(
@@ -72,7 +76,7 @@ fn folder(capture: String) -> Folder {
 )]
 #[case::fixed_time(
     "[exposure]\ntime_s = 0.1\nmax_time_s = 0.2",
-    "max_time_s: goes only with automatic exposure",
+    "max_time_s: only applies with automatic exposure",
     "remove time_s"
 )]
 #[case::companding_bits(
@@ -83,7 +87,7 @@ fn folder(capture: String) -> Folder {
 #[case::companding_curve("[sensor.adc]\ncompanding = { bits = 10 }", "adc.companding.gamma: is missing", "gamma = 2.2")]
 #[case::companding_curves(
     "[sensor.adc]\ncompanding = { bits = 10, gamma = 2, knee_points_dn = [[0, 0], [4095, 1023]] }",
-    "adc.companding.gamma: cannot go with knee_points_dn",
+    "adc.companding.gamma: cannot be combined with knee_points_dn",
     "keep one"
 )]
 #[case::gamma(
@@ -115,7 +119,7 @@ fn folder(capture: String) -> Folder {
 )]
 #[case::bracket_and_time(
     "[exposure]\ntime_s = 1\nbracket_times_s = [0.1, 1]",
-    "exposure.bracket_times_s: cannot go with time_s",
+    "exposure.bracket_times_s: cannot be combined with time_s",
     "bracket_ev"
 )]
 #[case::bracket_of_counts(
@@ -125,7 +129,7 @@ fn folder(capture: String) -> Folder {
 )]
 #[case::bracket_and_frames(
     "[exposure]\nbracket_ev = [0, 2]\nframes = 3",
-    "exposure.frames: cannot go with a bracket",
+    "exposure.frames: cannot be combined with a bracket",
     "remove it"
 )]
 #[case::close_rows(
@@ -146,16 +150,20 @@ fn folder(capture: String) -> Folder {
 )]
 #[case::mosaic(
     "[sensor]\nframe_grabber = { size_px = [40, 30] }",
-    "sensor.frame_grabber: cannot go with a mosaic",
+    "sensor.frame_grabber: cannot be combined with a mosaic",
     "keep"
 )]
 #[case::no_samples("[sensor.frame_grabber]\nsize_px = [40, 0]", "frame_grabber.size_px: must lie between 1", "[768")]
 #[case::counts(
     "[sensor]\npreset = 'swissspad2'\nvideo.gamma = 2",
-    "sensor.video: cannot go with kind = \"spad\"",
+    "sensor.video: cannot be combined with kind = \"spad\"",
     "keep one"
 )]
-#[case::control_of_auto("[exposure]\ngain_control = {}", "exposure.gain_control: cannot go with automatic", "keep")]
+#[case::control_of_auto(
+    "[exposure]\ngain_control = {}",
+    "exposure.gain_control: cannot be combined with automatic",
+    "keep"
+)]
 #[case::no_target(
     "[exposure]\ntime_s = 1\ngain_control = { target = 1 }",
     "gain_control.target: must lie between 0 and 1",
@@ -191,7 +199,7 @@ fn keys_that_make_a_sensor_are_known_as_the_others(#[case] set: &str, #[case] me
 
 #[test]
 fn errors_in_a_sensor_file_of_ones_own_name_its_line() {
-    let preset = include_str!("../../assets/sensors/sony-imx249-mono.toml");
+    let preset = include_str!("../../crates/photosite-imaging/assets/sensors/sony-imx249-mono.toml");
     for (key, wrong) in [("read_noise_e", "-1.0"), ("bits", "40"), ("full_well_e", "0")] {
         let folder = folder(format!("{HEAD}[sensor]\npreset = 'mine.toml'\n"));
         let line = preset.lines().position(|line| line.starts_with(&format!("{key} ="))).expect("the key");
@@ -201,7 +209,7 @@ fn errors_in_a_sensor_file_of_ones_own_name_its_line() {
             .map(|(i, text)| if i == line { format!("{key} = {wrong}") } else { text.to_owned() })
             .collect();
         folder.add("mine.toml", lines.join("\n").replace("../spectra/", "spectra/"));
-        let curve = include_str!("../../assets/spectra/quantum-efficiency/sony-imx249-mono.csv");
+        let curve = include_str!("../../crates/photosite-core/assets/spectra/quantum-efficiency/sony-imx249-mono.csv");
         folder.add("spectra/quantum-efficiency/sony-imx249-mono.csv", curve);
         folder.fail("render capture.toml", 1, &[&format!("mine.toml:{}: ", line + 1), key, wrong]);
     }

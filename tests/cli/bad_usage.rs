@@ -13,7 +13,7 @@ use crate::room::room;
 #[case::threads("render capture.toml --threads 0", "invalid value '0' for '--threads <N>'")]
 #[case::seed("render capture.toml --seed -1", "invalid value '-1' for '--seed <N>'")]
 #[case::set_without_value("render capture.toml --set lens.f_number", "--set lens.f_number: there is no value")]
-#[case::set_without_key("render capture.toml --set =4", "--set =4: \"\" is no key")]
+#[case::set_without_key("render capture.toml --set =4", "--set =4: \"\" is not a key")]
 #[case::set_half_a_list(
     "render capture.toml --set camera.position_m=[1,2",
     "\"[1,2\" is neither a TOML value nor a word"
@@ -39,7 +39,11 @@ fn errors_of_set_name_the_argument(#[case] argument: &str, #[case] message: &str
 fn earlier_results_are_kept_unless_told_otherwise() {
     let folder = room("[render]\nsamples_per_pixel = 1");
     folder.succeed("render capture.toml -o out");
-    folder.fail("render capture.toml --seed 2 -o out", 2, &["out holds the results of an earlier render", "--force"]);
+    folder.fail(
+        "render capture.toml --seed 2 -o out",
+        2,
+        &["out contains the results of an earlier render", "--force"],
+    );
     // A picture of that name may be anything, a texture for example.
     folder.add("image.png", "mine");
     folder.fail("render capture.toml -o .", 2, &[". holds a file image.png already", "--force"]);
@@ -57,7 +61,7 @@ fn a_folder_that_cannot_be_made_is_refused_before_the_render(#[case] output: &st
     folder.fail(
         &format!("render capture.toml -o {output}"),
         1,
-        &["file: is a file, where a folder is needed for the results", "-o"],
+        &["file: is a file, but a folder is needed for the results", "-o"],
     );
 }
 
@@ -74,9 +78,13 @@ fn a_render_that_fails_takes_its_folders_away() {
     let folder = room("");
     let dark = "[scene]\ngeometry = ['sails.gltf']\n[sensor]\nresolution_px = [8, 8]\n[exposure]\nauto = true\n";
     folder.add("dark.toml", dark);
-    folder.fail("render dark.toml -o new/and/deep", 1, &["dark.toml:6: exposure.auto: no time suits", "time_s = 0.01"]);
+    folder.fail(
+        "render dark.toml -o new/and/deep",
+        1,
+        &["dark.toml:6: exposure.auto: no exposure time suits", "time_s = 0.01"],
+    );
     std::fs::create_dir(folder.path("old")).expect("made");
-    folder.fail("render dark.toml -o old", 1, &["no time suits"]);
+    folder.fail("render dark.toml -o old", 1, &["no exposure time suits"]);
 }
 
 #[rstest]
@@ -102,7 +110,7 @@ fn missing_files_are_named(#[case] name: &str) {
 fn files_of_other_kinds_are_refused(#[case] name: &str, #[case] text: &str, #[case] help: &str) {
     let folder = Folder::new([(name, text.into())]);
     folder.fail(&format!("render {name}"), 1, &[&format!("{name}: is neither TOML nor a scene of a known kind"), help]);
-    folder.fail(&format!("info {name}"), 1, &[&format!("{name}: is of no kind that photosite knows"), ".dng"]);
+    folder.fail(&format!("info {name}"), 1, &[&format!("{name}: is not a kind of file that photosite knows"), ".dng"]);
 }
 
 #[test]

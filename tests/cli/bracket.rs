@@ -70,7 +70,7 @@ fn files_and_render_merge_to_the_same_light() {
     );
     assert!(std::fs::read(folder.path("toned.exr")).expect("a file") == many);
     let shown = folder.succeed("merge-hdr out/raw-0002.dng out/raw-0000.dng -o two.exr --set develop.colour_model=lab");
-    assert!(shown.stderr.contains("develop.colour_model has no part in merged light"), "{}", shown.stderr);
+    assert!(shown.stderr.contains("develop.colour_model does not affect merged light"), "{}", shown.stderr);
     // It reaches further than any of its pictures: 1 saturates the longest of them.
     let brightest = merged.planes.channels()[0].data.iter().copied().fold(0.0, f32::max);
     assert!(brightest > 4.0, "{brightest}");

@@ -43,7 +43,10 @@ fn hexagons_become_square_pixels_in_the_picture_and_from_the_file() {
 
 #[rstest]
 #[case::camera("camera board.toml --format opencv", "sensor.cells: formats of cameras")]
-#[case::binning("render board.toml --set exposure.binning=[2,2] -o x", "exposure.binning: cannot go with sensor.cells")]
+#[case::binning(
+    "render board.toml --set exposure.binning=[2,2] -o x",
+    "exposure.binning: cannot be combined with sensor.cells"
+)]
 #[case::odd_row("render board.toml --set exposure.region_px=[0,1,8,8] -o x", "exposure.region_px: row 1 is one of")]
 #[case::smoothing("render board.toml --set develop.noise_filter=median -o x", "develop.noise_filter: works on rows")]
 #[case::stored("expose out --set sensor.cells=rectangular -o x", "sensor.cells: cells of this shape")]
@@ -99,7 +102,11 @@ fn the_camera_of_the_picture_is_that_of_the_samples() {
     assert_eq!(report["sensor"]["resolution_px"], serde_json::json!([24, 36]));
     // (200·32/24) × (200·24/36).
     assert_eq!(report["sensor"]["pixel_pitch_um"], serde_json::json!([266.667, 133.333]));
-    folder.fail("expose out --set exposure.region_px=[0,0,8,8] -o x", 1, &["exposure.region_px: cannot go with"]);
+    folder.fail(
+        "expose out --set exposure.region_px=[0,0,8,8] -o x",
+        1,
+        &["exposure.region_px: cannot be combined with"],
+    );
 }
 
 #[test]
@@ -138,5 +145,5 @@ fn formats_have_names_and_pitches() {
     assert_eq!(row("1/3.2")["pixel_pitch_um"], serde_json::json!([1.135, 1.14]));
     assert_eq!(row("full-frame")["diagonal_mm"], 43.27);
     assert_eq!(folder.succeed("sensors --formats").stdout.lines().count(), rows.as_array().expect("rows").len() + 1);
-    folder.fail("sensors --formats many", 2, &["--formats: \"many\" is no number of columns and rows", "1920x1200"]);
+    folder.fail("sensors --formats many", 2, &["--formats: \"many\" is not a number of columns and rows", "1920x1200"]);
 }

@@ -180,7 +180,7 @@ fn a_longer_set_goes_on_where_a_shorter_one_ended() {
     let longer = "capture = 'board.toml'\nframes = 3\n[poses.random]\nlook_at_m = [0, 0, 0]\ndistance_m = [0.6, 0.9]\n";
     folder.add("set.toml", longer);
     let outcome = folder.succeed("dataset set.toml -o out");
-    assert!(outcome.stderr.contains("made 1 pictures; 3 of 3"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("made 1 picture; 3 of 3"), "{}", outcome.stderr);
 }
 
 #[test]
@@ -190,7 +190,7 @@ fn pictures_of_two_sets_are_not_mixed() {
     folder.fail(
         "dataset set.toml -o out --set exposure.gain_db=3",
         2,
-        &["holds another data set: its overrides say", "-o"],
+        &["contains another data set: its overrides say", "-o"],
     );
     folder.add("set.toml", "capture = 'board.toml'\nframes = 1\nseed = 2\n");
     folder.fail("dataset set.toml -o out", 2, &["the data set file says something else"]);
@@ -198,7 +198,7 @@ fn pictures_of_two_sets_are_not_mixed() {
     folder.add("board.toml", BOARD.replace("500", "600"));
     folder.fail("dataset set.toml -o out", 2, &["the capture says something else"]);
     folder.add("other/notes.txt", "mine");
-    folder.fail("dataset set.toml -o other", 2, &["is not empty, and holds no data set"]);
+    folder.fail("dataset set.toml -o other", 2, &["is not empty and does not contain a data set"]);
 }
 
 #[test]
@@ -256,15 +256,15 @@ fn a_trajectory_zooms() {
 )]
 #[case::two_laws(
     "capture = 'board.toml'\n[[vary]]\nkey = 'exposure.time_s'\nuniform = [1, 2]\nsweep = [1, 2]\n",
-    "set.toml:5: vary[0].sweep: cannot go with uniform"
+    "set.toml:5: vary[0].sweep: cannot be combined with uniform"
 )]
 #[case::two_kinds(
     "capture = 'board.toml'\n[poses]\nlist = []\n[poses.grid]\ndistance_m = [1]\n",
-    "cannot go with list"
+    "cannot be combined with list"
 )]
 #[case::name(
     "capture = 'board.toml'\n[[cameras]]\nname = 'a/b'\n",
-    "set.toml:3: cameras[0].name: \"a/b\" is no name for a folder"
+    "set.toml:3: cameras[0].name: \"a/b\" is not a name for a folder"
 )]
 #[case::twins(
     "capture = 'board.toml'\n[[cameras]]\nname = 'a'\n[[cameras]]\nname = 'A'\n",

@@ -81,15 +81,15 @@ fn every_format_and_setting_can_be_chosen() {
 fn what_goes_wrong_is_told() {
     let folder = rendered("");
     folder.add("torn.dng", &bytes(&folder, "out/raw.dng")[..2000]);
-    folder.add("notes.txt", b"no raw file");
+    folder.add("notes.txt", b"not a raw file");
     for (arguments, status, wanted) in [
         ("out/raw.dng -o p.gif", 2, &["p.gif", ".png, .tiff, .jpg, .pgm, .ppm, .exr or .npy"][..]),
         ("out/raw.dng -o p.pgm", 2, &["a PGM file holds grey, the picture has R, G, B", ".ppm"]),
-        ("out/raw.dng -o out/image.png", 2, &["exists already", "--force"]),
-        ("out/raw.dng -o nowhere/p.png", 1, &["nowhere: is no folder to write to"]),
+        ("out/raw.dng -o out/image.png", 2, &["already exists", "--force"]),
+        ("out/raw.dng -o nowhere/p.png", 1, &["nowhere: does not exist, or is not a folder"]),
         ("missing.dng", 1, &["missing.dng", "cannot read"]),
         ("torn.dng", 1, &["torn.dng"]),
-        ("notes.txt", 1, &["notes.txt", "no raw file", "DNG"]),
+        ("notes.txt", 1, &["notes.txt", "not a raw file", "DNG"]),
         ("out/raw.dng -o p.png --set develop.demosaic=menan", 1, &["menan", "did you mean", "menon"]),
         ("out/raw.dng -o p.png --set develop.demosaik=menon", 1, &["demosaik", "demosaic"]),
         ("out/raw.dng -o p.png --set demosaic=menon", 2, &["[develop]", "develop.demosaic=menon"]),
@@ -132,8 +132,9 @@ fn pictures_take_the_steps_that_are_not_of_raw_files() {
     let settings = "--set develop.demosaic=malvar --set develop.tone_curve=reinhard --set develop.jpeg_quality=50";
     let found = report(&folder, &format!("light.exr -o shown.png {settings}"));
     let warnings = found["warnings"].as_array().expect("a list");
-    let said =
-        |key: &str| warnings.iter().any(|w| w.as_str().expect("text").contains(&format!("develop.{key} has no part")));
+    let said = |key: &str| {
+        warnings.iter().any(|w| w.as_str().expect("text").contains(&format!("develop.{key} does not affect")))
+    };
     assert!(warnings.len() == 2 && said("demosaic") && said("jpeg_quality"), "{warnings:?}");
     assert!(bytes(&folder, "shown.png") != bytes(&folder, "later.png"));
     let zoomed =
@@ -415,12 +416,12 @@ fn files_of_numbers_alone_can_be_told_what_they_are() {
         assert!(bytes(&folder, &format!("{kind}.png")) == bytes(&folder, "dng.png"), "{kind}");
     }
     for (setting, words) in [
-        ("raw.cfa=full:RGB", &["develop.raw.cfa", "3 numbers a pixel, the file 1"][..]),
-        ("raw.cfa=RGBGR", &["develop.raw.cfa", "no square tile"]),
+        ("raw.cfa=full:RGB", &["develop.raw.cfa", "3 numbers per pixel, the file 1"][..]),
+        ("raw.cfa=RGBGR", &["develop.raw.cfa", "do not form a square tile"]),
         ("raw.white_level_dn=0", &["develop.raw.white_level_dn", "leave no range"]),
         ("raw.as_shot_neutral=[1,1]", &["develop.raw.as_shot_neutral", "2 entries"]),
         ("raw.cfo=RGGB", &["cfo", "cfa"]),
-        ("demosaic=menon", &["develop.demosaic", "nothing to do", "mono"]),
+        ("demosaic=menon", &["develop.demosaic", "does nothing", "mono"]),
     ] {
         folder.fail(&format!("develop out/raw.tiff -o p.png --set develop.{setting}"), 1, words);
     }

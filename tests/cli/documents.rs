@@ -136,7 +136,7 @@ fn the_capture_of_the_guide_is_one() {
     let schema = Folder::new([]).succeed("schema").stdout;
     let alternatives = capture.lines().filter_map(|line| line.split_once("# or ")).map(|(_, alternative)| alternative);
     for key in alternatives.flat_map(|text| text.split([' ', '{', ',', '"'])).filter(|word| word.contains('_')) {
-        assert!(schema.contains(&format!("\"{key}\": {{")), "{key} is no key");
+        assert!(schema.contains(&format!("\"{key}\": {{")), "{key} is not a key");
     }
 }
 

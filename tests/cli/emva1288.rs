@@ -123,12 +123,12 @@ fn every_format_holds_the_same_numbers_whatever_the_threads() {
 fn earlier_sets_are_replaced_only_if_asked_for() {
     let folder = Folder::new([]);
     folder.succeed(&format!("{SMALL} -q"));
-    folder.fail(SMALL, 2, &["sets holds image sets already", "--force"]);
+    folder.fail(SMALL, 2, &["sets already contains image sets", "--force"]);
     folder.succeed(&format!("{SMALL} -q --force --seed 3"));
     folder.add("mine/letter.txt", "dear");
-    folder.fail(&SMALL.replace("sets", "mine"), 2, &["mine holds other files", "-o"]);
-    folder.fail(&format!("{} --force", SMALL.replace("sets", "mine")), 2, &["mine holds other files"]);
-    folder.fail(&SMALL.replace("sets", "mine/letter.txt"), 2, &["is no folder"]);
+    folder.fail(&SMALL.replace("sets", "mine"), 2, &["mine contains other files", "-o"]);
+    folder.fail(&format!("{} --force", SMALL.replace("sets", "mine")), 2, &["mine contains other files"]);
+    folder.fail(&SMALL.replace("sets", "mine/letter.txt"), 2, &["is not a folder"]);
 }
 
 #[rstest]

@@ -54,9 +54,9 @@ fn texts_that_are_read_as_a_tree_have_a_largest_size() {
 fn the_line_of_a_text_that_is_no_text_is_named() {
     let folder = room("[render]\nsamples_per_pixel = 1\n");
     folder.add("latin.toml", b"# a\n# caf\xe9\n");
-    folder.fail("render latin.toml", 1, &["latin.toml", "line 2 is no text in UTF-8"]);
+    folder.fail("render latin.toml", 1, &["latin.toml", "line 2 is not valid UTF-8 text"]);
     folder.add("light.csv", b"400,1\n500,1\n600,\xff\n");
     let arguments = "render capture.toml \
                      --set lights=[{type=\"point\",position_m=[0,1,0],intensity_cd=1,spectrum={file=\"light.csv\"}}]";
-    folder.fail(arguments, 1, &["light.csv", "line 3 is no text in UTF-8"]);
+    folder.fail(arguments, 1, &["light.csv", "line 3 is not valid UTF-8 text"]);
 }

@@ -87,7 +87,7 @@ fn a_checkpoint_for_which_the_disk_is_too_small_is_a_warning() {
     assert!(said.contains("capture.json") && !said.contains("checkpoint"), "{said}{text}");
     let warning = "disk/out/checkpoint.film: cannot write: No space left on device";
     assert_eq!(text.matches(warning).count(), 1, "{text}");
-    assert!(text.contains("the render goes on without it"), "{text}");
+    assert!(text.contains("the render continues without it"), "{text}");
 }
 
 /// A process that is killed while it writes leaves a mark beside its files; what has none is somebody's.
@@ -99,7 +99,7 @@ fn results_of_a_killed_process_are_written_anew() {
     folder.add("out/.photosite.unfinished", "");
     folder.succeed("render capture.toml --quiet -o out");
     assert!(folder.raw("out/raw.dng").width > 0 && !folder.path("out/.photosite.unfinished").exists());
-    folder.fail("render capture.toml --seed 2 --quiet -o out", 2, &["out holds the results of an earlier render"]);
+    folder.fail("render capture.toml --seed 2 --quiet -o out", 2, &["out contains the results of an earlier render"]);
 }
 
 #[test]

@@ -150,6 +150,6 @@ fn everything_of_a_room_can_be_approximated() {
 fn an_earlier_scene_is_kept_unless_told_otherwise() {
     let folder = triangle();
     folder.succeed("export-mitsuba capture.toml -o out");
-    folder.fail("export-mitsuba capture.toml -o out", 2, &["out holds a scene already", "--force"]);
+    folder.fail("export-mitsuba capture.toml -o out", 2, &["out already contains a scene", "--force"]);
     folder.succeed("export-mitsuba capture.toml -o out --force");
 }

@@ -370,7 +370,11 @@ fn keys_that_an_argument_makes_void_are_named(#[case] exposure: &str, #[case] ar
 #[test]
 fn both_keys_in_a_file_are_an_error() {
     let folder = wall(500.0, "time_s = 0.01\nauto = true");
-    folder.fail("render capture.toml -o out", 1, &["exposure.auto: cannot go with time_s", "keep one of them"]);
+    folder.fail(
+        "render capture.toml -o out",
+        1,
+        &["exposure.auto: cannot be combined with time_s", "keep one of them"],
+    );
 }
 
 #[test]
@@ -396,7 +400,7 @@ fn automatic_exposure_says_where_it_ends() {
     let said = limited(0.2, gain_db);
     assert!(
         said.contains(
-            "at a gain of 0.00 dB, and the picture is 2.3 EV darker than it is to be: write exposure.max_time_s = "
+            "at a gain of 0.00 dB, and the picture is 2.3 EV darker than it should be: write exposure.max_time_s = "
         ),
         "{said}"
     );
@@ -406,7 +410,7 @@ fn automatic_exposure_says_where_it_ends() {
     assert!((1.0 - 1e-9..=1.1).contains(&(needed / free)), "{needed} s for {free} s");
     // 10 dB are √10.
     let said = limited(0.01, "--set exposure.max_gain_db=10");
-    assert!(said.contains("at a gain of 10.00 dB, and the picture is 5.0 EV darker than it is to be"), "{said}");
+    assert!(said.contains("at a gain of 10.00 dB, and the picture is 5.0 EV darker than it should be"), "{said}");
 
     // Times are in inverse proportion to light, but for the dark current. Where none is stated, 4 s are the longest, and
     // the gain rises as far as it can.
@@ -441,7 +445,7 @@ fn compensation_makes_an_automatic_exposure_longer_and_goes_with_no_other() {
         // Stored electrons are single precision.
         assert!((factor / f64::exp2(ev) - 1.0).abs() < 1e-6, "{metering} {ev}: {factor}");
     }
-    let wrong = [("time_s=0.01", "goes only with automatic exposure"), ("auto=true", "must lie between -20 and 20")];
+    let wrong = [("time_s=0.01", "only applies with automatic exposure"), ("auto=true", "must lie between -20 and 20")];
     for ((other, words), ev) in wrong.into_iter().zip([1, 30]) {
         let more = format!("--set exposure.compensation_ev={ev} --set exposure.{other}");
         let folder = wall(500.0, if ev == 1 { "time_s = 0.01" } else { "" });

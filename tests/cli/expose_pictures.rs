@@ -78,7 +78,7 @@ fn lux_takes_time_and_coded_pictures_are_decoded() {
         assert!((coded / grey - 0.502_886 / 0.5).abs() < 1e-4, "{coded} for {grey}");
     }
     let said = folder.succeed("expose coded.png -o linear --unit lux --one 20 --linear --set exposure.time_s=0.001");
-    assert!(said.text().contains("taken to be in proportion to light"));
+    assert!(said.text().contains("taken to be proportional to light"));
     for (grey, linear) in means(&folder, "short").into_iter().zip(means(&folder, "linear")) {
         assert!((linear / grey - 188.0 / 255.0 / 0.5).abs() < 1e-4);
     }
@@ -115,7 +115,7 @@ fn irradiance_of_one_wavelength_serves_any_sensor() {
 #[case::other_unit("grey.exr --unit lux --wavelength-nm 500", 2, "goes with --unit irradiance alone")]
 #[case::no_number("dark.exr --unit lux", 1, "holds NaN at column 0, row 0")]
 #[case::size("grey.exr --unit lux --set sensor.resolution_px=[8,8]", 1, "64 × 48 pixels, not 8 × 8")]
-#[case::table("grey.exr --unit lux --set lens.f_number=2", 2, "cannot change it any more")]
+#[case::table("grey.exr --unit lux --set lens.f_number=2", 2, "can no longer change it")]
 fn what_is_no_light_is_refused(#[case] arguments: &str, #[case] status: i32, #[case] message: &str) {
     let folder = folder();
     folder.fail(&format!("expose {arguments} -o x"), status, &[message]);

@@ -171,6 +171,16 @@ fn a_scene_without_lights_gets_a_clear_day_from_the_left_of_its_camera_and_a_gro
         Some(&json!("backdrop"))
     );
     assert_eq!(keys("--set scene.environment={illuminant='A',illuminance_lux=9}")["scene"].get("ground"), None);
+    // A key of the sky changes that one alone; where the sun is placed, all else is that of captures.
+    let scene = keys("--set scene.environment.sky.turbidity=6")["scene"].clone();
+    let sky = json!({ "turbidity": 6, "sun_elevation_deg": 40.0, "ground_albedo": 0.3 });
+    for (key, value) in sky.as_object().expect("a table") {
+        assert_eq!(&scene["environment"]["sky"][key], value, "{key}");
+    }
+    assert_eq!(scene["ground"], json!({ "reflectance": 0.3 }));
+    let scene = keys("--set scene.environment.sky.sun_elevation_deg=20")["scene"].clone();
+    assert_eq!(scene["environment"]["sky"], json!({ "sun_elevation_deg": 20 }));
+    assert_eq!(scene.get("ground"), None);
 }
 
 #[test]
@@ -231,5 +241,5 @@ fn what_init_writes_gives_the_same_pictures() {
     let printed = folder.succeed("init sail.obj").stdout;
     assert_eq!(printed, std::fs::read_to_string(folder.path("sail.toml")).expect("a capture"));
     folder.fail("init sail.obj -o sail.toml", 2, &["sail.toml exists already", "--force"]);
-    folder.fail("init sail.toml", 1, &["sail.toml", "is no scene file"]);
+    folder.fail("init sail.toml", 1, &["sail.toml", "is not a scene file"]);
 }

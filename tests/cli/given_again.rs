@@ -33,7 +33,11 @@ fn what_is_finished_is_left_as_it_is(#[values("render", "part", "merge")] what: 
     let (folder, command) = made(what);
     let before = folder.contents();
     let outcome = folder.succeed(command);
-    assert!(outcome.text().contains("out holds this render already; --force makes it anew"), "{}", outcome.stderr);
+    assert!(
+        outcome.text().contains("out already contains this render; --force renders it again"),
+        "{}",
+        outcome.stderr
+    );
     assert!(before == folder.contents());
     let report = if what == "part" { "out/part.json" } else { "out/capture.json" };
     let printed = folder.succeed(&format!("{command} --json")).stdout;
@@ -71,10 +75,10 @@ fn what_is_not_the_same_is_refused(#[case] command: &str, #[case] changed: &str)
     change(&folder, changed);
     if command.contains("--samples") {
         // A part leaves the picture as it is: it has other files.
-        folder.fail(command, 2, &["out holds the results of an earlier render"]);
+        folder.fail(command, 2, &["out contains the results of an earlier render"]);
         return;
     }
-    folder.fail(command, 2, &["out holds the results of an earlier render", "--force"]);
+    folder.fail(command, 2, &["out contains the results of an earlier render", "--force"]);
 }
 
 /// A checkpoint is of the files as they were, too, whoever names them.

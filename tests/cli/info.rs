@@ -106,13 +106,17 @@ fn of_damaged_results() {
     let folder = Folder::new([("a.exr", b"v/1\x01".to_vec()), ("a.dng", b"MM".to_vec()), ("a.tiff", vec![])]);
     folder.fail("info a.exr", 1, &["a.exr: cannot read it as "]);
     for name in ["a.dng", "a.tiff"] {
-        folder.fail(&format!("info {name}"), 1, &[&format!("{name}: is no raw file of a kind that photosite knows")]);
+        folder.fail(
+            &format!("info {name}"),
+            1,
+            &[&format!("{name}: is not a raw file of a kind that photosite knows")],
+        );
     }
 }
 
 #[test]
 fn of_sensors() {
-    let assets = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/sensors");
+    let assets = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/photosite-imaging/assets/sensors");
     let folder = Folder::new([]);
     let rows: Value = serde_json::from_str(&folder.succeed("sensors --json").stdout).expect("JSON");
     let table = folder.succeed("sensors").stdout;
@@ -222,20 +226,20 @@ fn units_that_are_hardly_metres_are_told_of() {
     ]);
     let doubts = |name: &str| {
         let found = facts(&folder, name)["warnings"].clone();
-        let doubtful = |warning: &&Value| warning.as_str().is_some_and(|text| text.contains(" m large, as "));
+        let doubtful = |warning: &&Value| warning.as_str().is_some_and(|text| text.contains(" m in size, as "));
         found.as_array().expect("a list").iter().filter(doubtful).cloned().collect::<Vec<_>>()
     };
     assert_eq!(
         doubts("large.obj"),
-        ["the scene is 30 × 40 × 0 m large, as large.obj states no unit and is taken to be in metres: write \
-          scene.meters_per_unit = 0.001 for millimetres, 0.01 for centimetres, 0.0254 for inches, or 1 if it is right"]
+        ["the scene is 30 × 40 × 0 m in size, as large.obj states no unit and is taken to be in metres: write \
+          scene.meters_per_unit = 0.001 for millimetres, 0.01 for centimetres, 0.0254 for inches, or 1 if this is right"]
     );
     assert_eq!(doubts("part.stl").len(), 1);
     assert_eq!(doubts("small.stl").len(), 0);
     assert_eq!(doubts("hall.gltf").len(), 0);
     assert_eq!(
         doubts("train.gltf"),
-        ["the scene is 101 × 1.5 × 0 m large, as glTF is in metres: if it is not, export it in metres"]
+        ["the scene is 101 × 1.5 × 0 m in size, as glTF is in metres: if it is not, export it in metres"]
     );
     assert_eq!(doubts("capture.toml").len(), 1);
     assert_eq!(doubts("stated.toml").len(), 0);

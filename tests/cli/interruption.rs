@@ -77,7 +77,7 @@ fn a_killed_render_goes_on_from_its_checkpoint(#[case] settings: &str) {
     folder.fail("render capture.toml -o out", 1, &["out/checkpoint.film", "another render"]);
     fs::write(&checkpoint, &bytes).expect("written");
     let outcome = folder.succeed("render capture.toml -o out");
-    assert!(outcome.text().contains("goes on from out/checkpoint.film at"), "{outcome:?}");
+    assert!(outcome.text().contains("continuing from out/checkpoint.film at"), "{outcome:?}");
     assert_same(&folder, "whole", "out");
 }
 
@@ -106,7 +106,7 @@ fn a_damaged_checkpoint_gives_way_to_the_one_before() {
         let outcome = folder.succeed("render capture.toml -o out");
         let said = outcome.text();
         assert!(said.contains("checkpoint.film: is a damaged checkpoint") && said.contains("the one before"), "{said}");
-        assert!(said.contains("goes on from out/checkpoint.film.before at"), "{said}");
+        assert!(said.contains("continuing from out/checkpoint.film.before at"), "{said}");
         assert_same(&folder, "whole", "out");
         assert_eq!(
             folder.results("out").keys().collect::<Vec<_>>(),

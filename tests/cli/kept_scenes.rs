@@ -125,7 +125,7 @@ fn a_file_that_changes_while_pictures_are_made_of_it_is_noticed() {
     assert_eq!(output.status.code(), Some(1), "{errors}");
     assert!(errors.contains("sky.hdr") && errors.contains("has changed while pictures were made of it"), "{errors}");
     // Another process finds another data set.
-    folder.fail("dataset set.toml -o out", 2, &["holds another data set"]);
+    folder.fail("dataset set.toml -o out", 2, &["contains another data set"]);
 }
 
 #[test]

@@ -20,7 +20,7 @@ fn every_command_that_reads_scenes_says_how_to_go_on_and_does_so() {
         "camera tri.obj --format opencv",
         "export-mitsuba tri.obj -o m --approximate",
     ] {
-        folder.fail(command, 1, &["tri.mtl", "map_Kd", "gone.png", "add --lenient, and grey stands for it"]);
+        folder.fail(command, 1, &["tri.mtl", "map_Kd", "gone.png", "add --lenient, and grey is used instead"]);
         folder.succeed(&format!("{command} --lenient"));
     }
     let warnings = &folder.report("r")["warnings"];

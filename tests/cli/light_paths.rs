@@ -54,7 +54,7 @@ fn a_number_of_paths_that_cannot_be_is_refused(#[case] set: &str, #[case] messag
 #[case::many("render.reuse=65", "render.reuse: must be from 1 to 64, got 65", "reuse = 16")]
 #[case::filters(
     "render.wavelengths=own-filter",
-    "render.reuse: cannot go with wavelengths = \"own-filter\"",
+    "render.reuse: cannot be combined with wavelengths = \"own-filter\"",
     "remove one"
 )]
 fn sharing_that_cannot_be_is_refused(#[case] set: &str, #[case] message: &str, #[case] help: &str) {
@@ -80,23 +80,23 @@ fn what_filters_see_alone_and_what_scans_is_refused() {
     folder.fail(
         &format!("render capture.toml {filters}"),
         1,
-        &["render.light_paths: cannot go with wavelengths", "remove"],
+        &["render.light_paths: cannot be combined with wavelengths", "remove"],
     );
     let scanning =
         "--set sensor.preset=sony-imx249-mono --set sensor.shutter.kind=scanning --set sensor.shutter.row_time_us=1000";
     folder.fail(
         &format!("render capture.toml {scanning}"),
         1,
-        &["render.light_paths: cannot go with a sensor that scans"],
+        &["render.light_paths: cannot be combined with a sensor that scans"],
     );
 }
 
 #[test]
 fn what_moves_is_refused() {
     let moving = "frames = 2\nframe_interval_s = 0.01\n[camera.motion]\nvelocity_m_per_s = [20, 0, 0]";
-    let message = "render.light_paths: cannot go with a camera or a scene that moves";
+    let message = "render.light_paths: cannot be combined with a camera or a scene that moves";
     room_with(0.5, moving).fail("render capture.toml", 1, &[message, "remove it, or camera.motion"]);
-    let message = "render.reuse: cannot go with a camera or a scene that moves";
+    let message = "render.reuse: cannot be combined with a camera or a scene that moves";
     room_of("reuse = 2", moving).fail("render capture.toml", 1, &[message, "remove it, or camera.motion"]);
 }
 

@@ -69,7 +69,7 @@ fn an_error_in_a_log_for_programs_names_file_line_key_and_status() {
 #[test]
 fn counts_beyond_sense_are_answered_at_once() {
     let folder = room("[render]\nsamples_per_pixel = 1\n");
-    folder.fail("render capture.toml -o out --threads 65535", 2, &["--threads 65535: at most", "nothing faster"]);
+    folder.fail("render capture.toml -o out --threads 65535", 2, &["--threads 65535: at most", "would not be faster"]);
     let frames = "render capture.toml -o out --frames 100000000";
     folder.fail(frames, 1, &["frames", "must be at most 1000000, got 100000000", "a data set"]);
     assert!(!folder.path("out").exists());

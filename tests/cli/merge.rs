@@ -96,9 +96,9 @@ fn parts() -> Folder {
     "--samples 6..8 --seed 5 -o seed",
     "part0 part1 seed",
     2,
-    &["part1 and seed are no parts of the same render: in seed, the capture says"]
+    &["part1 and seed are not parts of the same render: in seed, the capture says"]
 )]
-#[case::whole("-o whole", "part0 whole", 1, &["whole", "holds a whole picture and no part"])]
+#[case::whole("-o whole", "part0 whole", 1, &["whole", "contains a whole picture, not a part"])]
 #[case::nowhere("", "part0 nowhere", 1, &["nowhere", "there is no part.json", "broken off"])]
 #[case::nothing("", "", 2, &["<DIR>"])]
 fn parts_that_make_no_whole_are_refused(
@@ -116,13 +116,13 @@ fn parts_that_make_no_whole_are_refused(
 
 #[rstest]
 #[case::exposed("expose part0", 1, &["part0", "holds no capture.json", "photosite merge"])]
-#[case::rendered_over("render capture.toml -o part0", 2, &["part0 holds a part of a render", "--force"])]
+#[case::rendered_over("render capture.toml -o part0", 2, &["part0 contains a part of a render", "--force"])]
 #[case::merged_over_a_render(
     "merge part0 part1 part2 -o whole",
     2,
-    &["whole holds the results of an earlier render", "--force"]
+    &["whole contains the results of an earlier render", "--force"]
 )]
-#[case::merged_over_a_part("merge part0 part1 part2 -o part0", 2, &["part0 holds a part of a render"])]
+#[case::merged_over_a_part("merge part0 part1 part2 -o part0", 2, &["part0 contains a part of a render"])]
 fn parts_and_renders_are_not_taken_for_each_other(#[case] command: &str, #[case] status: i32, #[case] wanted: &[&str]) {
     let folder = parts();
     if command.contains("whole") {
@@ -187,17 +187,17 @@ fn damaged_and_foreign_parts_are_refused(#[case] damage: fn(&Folder), #[case] st
 }
 
 #[rstest]
-#[case::beyond("--samples 4..9", 2, "the samples 4..9: there are 8 samples a pixel")]
+#[case::beyond("--samples 4..9", 2, "the samples 4..9: there are 8 samples per pixel")]
 #[case::backwards("--samples 4..4", 2, "the first number must be below the second")]
 #[case::noise(
     "--samples 0..4 --set render.noise_target=0.5",
     1,
-    "render.noise_target: cannot go with a part of the samples"
+    "render.noise_target: cannot be combined with a part of the samples"
 )]
 #[case::time(
     "--samples 0..4 --set render.time_limit_s=3",
     1,
-    "render.time_limit_s: cannot go with a part of the samples"
+    "render.time_limit_s: cannot be combined with a part of the samples"
 )]
 fn impossible_parts_are_refused(#[case] arguments: &str, #[case] status: i32, #[case] message: &str) {
     let folder = room("[render]\nsamples_per_pixel = 8\n");
@@ -251,7 +251,7 @@ fn parts_of_a_data_set_make_the_whole_even_if_they_are_killed() {
         assert!(folder.killed_at(point, 3, "merge a b c -o merged -q"), "{point}");
     }
     let outcome = folder.succeed("merge a b c -o merged");
-    assert!(outcome.text().contains("24 of 24 pictures are in merged"), "{outcome:?}");
+    assert!(outcome.text().contains("24 of 24 are in merged"), "{outcome:?}");
     assert_eq!(manifest(&folder, "merged").len(), 24);
     assert!(files(&folder, "whole") == files(&folder, "merged"));
     let again = folder.succeed("merge a b c -o merged");
@@ -268,7 +268,7 @@ fn parts_of_data_sets_are_not_mixed() {
     };
     fail(&format!("dataset set.toml {set} --samples 2..4 -o a"), &["a holds the samples 0..2 of each pixel", "-o"]);
     fail(&format!("dataset set.toml {set} -o a"), &["a holds the samples 0..2 of each pixel"]);
-    fail(&format!("dataset set.toml {set} --samples 2..5 -o b"), &["the samples 2..5: there are 4 samples a pixel"]);
+    fail(&format!("dataset set.toml {set} --samples 2..5 -o b"), &["the samples 2..5: there are 4 samples per pixel"]);
     fail("merge a -o merged", &["samples 2..4 are missing after those of a/camera/000000"]);
     folder.succeed(&format!("dataset set.toml {set} --samples 2..4 --frames 0..1 -o b"));
     fail("merge a b -o merged", &["samples 2..4 are missing after those of a/camera/000001"]);
@@ -280,9 +280,9 @@ fn parts_of_data_sets_are_not_mixed() {
     folder.succeed("dataset set.toml --set render.samples_per_pixel=4 --set exposure.gain_db=3 --samples 2..4 -o c");
     fail("merge a c -o merged", &["c is a part of another data set: its overrides say something else"]);
     folder.succeed(&format!("dataset set.toml {set} -o whole"));
-    folder.fail("merge a whole -o merged", 1, &["whole", "holds a whole data set"]);
-    folder.fail("merge a set.toml -o merged", 1, &["set.toml", "holds no part of a data set"]);
-    fail(&format!("dataset set.toml {set} --samples 0..2 -o whole"), &["whole holds the whole of this data set"]);
+    folder.fail("merge a whole -o merged", 1, &["whole", "contains a whole data set"]);
+    folder.fail("merge a set.toml -o merged", 1, &["set.toml", "does not contain a part of a data set"]);
+    fail(&format!("dataset set.toml {set} --samples 0..2 -o whole"), &["whole contains the whole of this data set"]);
     folder.succeed("merge b a -o merged");
     assert!(files(&folder, "whole") == files(&folder, "merged"));
     // What the parts were made from has changed.

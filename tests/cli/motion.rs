@@ -75,7 +75,11 @@ fn a_single_picture_of_a_moving_camera_has_plain_names() {
     let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
     let camera = "position_m = [0.2, 1.1, 3.2]\nlook_at_m = [0, 0.7, 0]\n";
     assert!(capture.contains(camera));
-    folder.fail("render capture.toml", 1, &["camera.motion.poses: cannot go with position_m of [camera]", "remove"]);
+    folder.fail(
+        "render capture.toml",
+        1,
+        &["camera.motion.poses: cannot be combined with position_m of [camera]", "remove"],
+    );
     folder.add("capture.toml", capture.replace(camera, ""));
     folder.succeed("render capture.toml -o out");
     assert_eq!(
@@ -130,10 +134,14 @@ fn a_line_camera_sees_every_line_with_the_same_pixels() {
     "camera.motion.poses[1].time_s: 1 s is not after 1 s",
     "order"
 )]
-#[case::both("[camera.motion]\nvelocity_m_per_s = [1, 0, 0]\nposes = []", "velocity_m_per_s: cannot go with poses", "")]
+#[case::both(
+    "[camera.motion]\nvelocity_m_per_s = [1, 0, 0]\nposes = []",
+    "velocity_m_per_s: cannot be combined with poses",
+    ""
+)]
 #[case::no_row_time("[sensor.shutter]\nkind = 'rolling'", "sensor.shutter.row_time_us: missing", "row_time_us = 20.0")]
 #[case::negative("[sensor.shutter]\nkind = 'rolling'\nrow_time_us = -1", "row_time_us: must be above 0", "20.0")]
-#[case::global("[sensor.shutter]\nkind = 'global'\nrow_time_us = 10", "says nothing of a global shutter", "rolling")]
+#[case::global("[sensor.shutter]\nkind = 'global'\nrow_time_us = 10", "does not apply to a global shutter", "rolling")]
 #[case::ccd(
     "[sensor]\npreset = 'textbook-ccd'\nshutter = { kind = 'rolling', row_time_us = 1 }",
     "all its rows at once",

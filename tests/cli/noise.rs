@@ -69,9 +69,9 @@ fn sigma_maps_pages_and_plots_are_written_on_request() {
         assert_eq!((plot.width(), plot.height()), (720, 480));
     }
     for (arguments, status, message) in [
-        ("--sigma-map s.exr", 2, "exists already"),
-        ("--page page.html", 2, "exists already"),
-        ("--plots plots", 2, "exists already"),
+        ("--sigma-map s.exr", 2, "already exists"),
+        ("--page page.html", 2, "already exists"),
+        ("--plots plots", 2, "already exists"),
         ("--sigma-map s.png", 2, "ends with .exr, .npy or .tiff"),
         ("--square 1", 2, "--square"),
     ] {
@@ -95,9 +95,9 @@ fn places_of_a_mosaic_are_looked_at_one_by_one() {
 
 #[rstest]
 #[case::missing("noise nowhere.dng", 1, "nowhere.dng: cannot read")]
-#[case::kind("noise a.txt", 2, "no picture of a kind")]
+#[case::kind("noise a.txt", 2, "not a picture of a kind")]
 #[case::patch("noise flats/Y/images/stack-dark-0.dng --patch 60,0,8,8", 2, "reaches beyond the 64 × 48 pixels")]
-#[case::small("noise flats/Y/images/stack-dark-0.dng --patch 0,0,1,8", 2, "no patch")]
+#[case::small("noise flats/Y/images/stack-dark-0.dng --patch 0,0,1,8", 2, "do not form a patch")]
 #[case::rectangle("noise flats/Y/images/stack-dark-0.dng --patch 1,2,3", 2, "write left, top, width and height")]
 fn what_cannot_be_done_is_refused(#[case] arguments: &str, #[case] status: i32, #[case] message: &str) {
     let folder = Folder::new([("a.txt", b"text".to_vec())]);

@@ -94,7 +94,7 @@ fn floating_point_numbers_are_neither_rounded_nor_clipped_and_keep_what_their_fi
     for (arguments, message) in [
         ("--set salt_and_pepper.part=0.1", "full_scale: is not given"),
         ("--set levels=full-scale --set gaussian.sigma=0.1", "--set full_scale=1"),
-        ("--linear --set gaussian.sigma=0.1", "no codes to be decoded"),
+        ("--linear --set gaussian.sigma=0.1", "not codes that could be decoded"),
     ] {
         let status = if arguments.contains("linear") { 2 } else { 1 };
         folder.fail(&format!("noise add even.exr -o x.exr {arguments}"), status, &[message]);
@@ -166,12 +166,16 @@ fn a_sigma_map_is_a_picture_of_its_own() {
 #[case::negative("grey.png -o x.png --set gaussian.sigma=-1", 1, "gaussian.sigma: must be a finite number")]
 #[case::nan("grey.png -o x.png --set gaussian.sigma=nan", 1, "gaussian.sigma: must be")]
 #[case::part("grey.png -o x.png --set salt_and_pepper.part=2", 1, "must lie from 0 to 1, got 2")]
-#[case::format("grey.png -o x.jpg --set gaussian.sigma=1", 2, "no name of a picture whose numbers stay as they are")]
+#[case::format(
+    "grey.png -o x.jpg --set gaussian.sigma=1",
+    2,
+    "not the name of a picture whose numbers stay as they are"
+)]
 #[case::floats("even.exr -o x.png --set gaussian.sigma=1", 2, "holds whole numbers")]
 #[case::channels("colour.png -o x.pgm --set gaussian.sigma=1", 2, "does not hold the channels R, G, B")]
 #[case::ten_bits("even.pgm -o x.png --set gaussian.sigma=1", 2, "reach to 1023")]
-#[case::kind("missing.txt -o x.png --set gaussian.sigma=1", 2, "no picture of a kind")]
-#[case::exists("grey.png -o colour.png --set gaussian.sigma=1", 2, "exists already")]
+#[case::kind("missing.txt -o x.png --set gaussian.sigma=1", 2, "not a picture of a kind")]
+#[case::exists("grey.png -o colour.png --set gaussian.sigma=1", 2, "already exists")]
 fn what_cannot_be_done_is_refused(#[case] arguments: &str, #[case] status: i32, #[case] message: &str) {
     let folder = folder();
     folder.fail(&format!("noise add {arguments}"), status, &[message]);

@@ -221,7 +221,7 @@ fn ground_truth_appears_in_the_formats_that_are_asked_for() {
     }
     // The camera stands 3.2 m before the middle of the room, and nothing of it is farther away than its corner.
     assert!(depths.iter().any(|d| (2.0..4.0).contains(d)) && depths.iter().all(|d| *d < 5.0 || d.is_infinite()));
-    folder.fail("render capture.toml --seed 2 -o out", 2, &["holds the results of an earlier render", "--force"]);
+    folder.fail("render capture.toml --seed 2 -o out", 2, &["contains the results of an earlier render", "--force"]);
 }
 
 #[rstest]

@@ -43,7 +43,7 @@ fn lists_and_shards_of_frames_make_the_whole() {
 fn frames_past_the_end_are_left_out_with_a_warning(#[case] frames: &str, #[case] made: u64) {
     let folder = folder(SIX);
     let outcome = folder.succeed(&format!("dataset set.toml -o out --frames {frames}"));
-    assert!(outcome.text().contains("warning: --frames names frames that there are not: the data set has 6, 0..6"));
+    assert!(outcome.text().contains("warning: --frames names frames that do not exist: the data set has 6, 0..6"));
     assert!(outcome.stderr.contains(&format!("made {made} pictures")), "{}", outcome.stderr);
 }
 
@@ -64,7 +64,7 @@ fn what_is_no_share_is_refused(#[case] arguments: &str, #[case] message: &str) {
 fn an_index_alone_tells_what_is_missing() {
     let folder = folder(SIX);
     let lacking = "out: lacks pictures of the frames 0,3..6";
-    folder.fail("dataset set.toml -o out --index-only", 1, &["out: holds no data set"]);
+    folder.fail("dataset set.toml -o out --index-only", 1, &["out: does not contain a data set"]);
     folder.succeed("dataset set.toml -o out --frames 1..3");
     fs::remove_file(folder.path("out/manifest.jsonl")).expect("removed");
     let outcome = folder.run("dataset set.toml -o out --index-only");
@@ -88,7 +88,7 @@ fn a_picture_that_lost_a_file_is_made_again(#[values("raw.dng", "capture.json")]
     let outcome = folder.succeed("dataset set.toml -o out");
     let text = outcome.text();
     assert!(text.contains(&format!("warning: camera/000004 is made again: {lost} is missing")), "{text}");
-    assert!(text.contains("made 1 pictures; 6 of 6 pictures"), "{text}");
+    assert!(text.contains("made 1 picture; 6 of 6 are in"), "{text}");
     assert!(whole == files(&folder, "out"));
 }
 
@@ -123,17 +123,17 @@ fn a_flipped_bit_is_found_by_reading_every_file(#[values("raw.dng", "image.png",
     file.seek(SeekFrom::Start(digit as u64)).expect("there");
     file.write_all(&bytes[digit..=digit]).expect("written");
     drop(file);
-    let damage = format!("warning: camera/000002 is damaged: {name} has another checksum than when it was written");
+    let damage = format!("warning: camera/000002 is damaged: {name} has a different checksum from when it was written");
     // Whoever looks at names and sizes notices nothing, and the damage does not become what is known of the file.
     folder.succeed("dataset set.toml -o out");
     for _ in 0..2 {
         let outcome = folder.run("dataset set.toml -o out --verify --index-only");
         assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
         assert!(outcome.text().contains(&damage), "{}", outcome.stderr);
-        assert!(outcome.text().contains("out: has pictures that are damaged, in number 1"), "{}", outcome.stderr);
+        assert!(outcome.text().contains("out: has 1 damaged picture"), "{}", outcome.stderr);
     }
     let outcome = folder.succeed("dataset set.toml -o out --verify");
-    assert!(outcome.text().contains(&damage) && outcome.text().contains("made 1 pictures"), "{}", outcome.stderr);
+    assert!(outcome.text().contains(&damage) && outcome.text().contains("made 1 picture"), "{}", outcome.stderr);
     assert!(whole == files(&folder, "out"));
     folder.succeed("dataset set.toml -o out --verify --index-only");
 }
@@ -167,7 +167,7 @@ fn bad_frames_are_named_and_gone_past() {
     for words in [
         "warning: frame 2 of camera is left out: set.toml:3: vary[0]: in frame 2: exposure.gain_db: 40 dB",
         "warning: frame 3 of camera is left out:",
-        "out: is without frames that could not be made: 2..4",
+        "out: lacks frames that could not be made: 2..4",
         "--frames 2..4",
     ] {
         assert!(text.contains(words), "{words:?} is missing in: {}", outcome.stderr);
@@ -184,7 +184,7 @@ fn frames_without_a_pose_are_gone_past() {
     let outcome = folder.run("dataset set.toml -o out --keep-going");
     assert_eq!(outcome.status, Some(1));
     assert!(outcome.text().contains("warning: frame 1 is left out: set.toml:"), "{}", outcome.stderr);
-    assert!(outcome.text().contains("is without frames that could not be made: 0..2"), "{}", outcome.stderr);
+    assert!(outcome.text().contains("lacks frames that could not be made: 0..2"), "{}", outcome.stderr);
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn sizes_that_are_none_are_refused(#[case] option: &str, #[case] message: &str) 
 #[case::region("exposure.region_px=[0,0,8,8]", "exposure.region_px")]
 fn places_in_pixels_do_not_go_with_another_size(#[case] change: &str, #[case] key: &str) {
     let options = format!("render capture.toml -o out --size 48x32 --set {change}");
-    room("").fail(&options, 1, &["sensor.scaled_to_px: cannot go with ", key]);
+    room("").fail(&options, 1, &["sensor.scaled_to_px: cannot be combined with ", key]);
 }
 
 /// A panorama takes the place of whatever lit the scene, wherever it lies.
@@ -126,7 +126,7 @@ fn the_field_of_view_is_that_of_the_width(#[case] lens: &str, #[case] degrees: f
 #[rstest]
 #[case::both(
     "focal_length_mm = 8\nhorizontal_fov_deg = 40",
-    "horizontal_fov_deg: cannot go with focal_length_mm",
+    "horizontal_fov_deg: cannot be combined with focal_length_mm",
     "keep one"
 )]
 #[case::wide("horizontal_fov_deg = 180", "must be an angle above 0 that the projection can show, got 180", "40.0")]

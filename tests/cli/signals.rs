@@ -49,7 +49,7 @@ fn a_signal_ends_a_render_with_a_checkpoint(#[case] signal: &str, #[case] status
     let begun = |folder: &Folder| folder.path("out/preview.png").exists();
     let (code, said) = interrupt(&folder, &arguments, signal, &begun);
     assert_eq!(code, Some(status), "{said}");
-    let help = "give the same command again, and it goes on from out/checkpoint.film";
+    let help = "run the same command again, and it continues from out/checkpoint.film";
     assert!(said.contains(&format!("stopped by {name}")) && said.contains(help), "{said}");
     // A minute has not passed, after which there would be one anyway; and the rest is gone.
     assert_eq!(folder.results("out").into_keys().collect::<Vec<_>>(), ["checkpoint.film"]);
@@ -161,7 +161,7 @@ fn without_checkpoints_nothing_is_left() {
     let begun = |folder: &Folder| folder.path("out/preview.png").exists();
     let (code, said) = interrupt(&folder, &format!("render capture.toml -o out {ENDLESS}"), "TERM", &begun);
     assert_eq!(code, Some(143), "{said}");
-    assert!(said.contains("nothing is kept of it"), "{said}");
+    assert!(said.contains("nothing of it is kept"), "{said}");
     assert_eq!(folder.contents(), before);
 }
 

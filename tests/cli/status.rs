@@ -46,13 +46,13 @@ fn it_tells_what_is_done_and_what_is_missing() {
     assert_eq!(whole["command"], "photosite dataset FILE.toml -o out --set exposure.gain_db=6 --frames 0,3,5");
     let text = folder.run("status out");
     assert_eq!(text.status, Some(3));
-    assert!(text.stdout.starts_with("out: 3 of 6 pictures are done (6 frames, 1 cameras), 3 missing\n"), "{text:?}");
+    assert!(text.stdout.starts_with("out: 3 of 6 pictures done (6 frames, 1 camera), 3 missing\n"), "{text:?}");
     assert!(files(&folder, "out") == before, "nothing is changed");
     // What it says to run makes the rest.
     folder.succeed("dataset set.toml -o out --set exposure.gain_db=6 --frames 0,3,5");
     let outcome = folder.succeed("status out --json");
     assert_eq!(told(&outcome).1["complete"], true);
-    assert_eq!(folder.succeed("status out").stdout, "out: 6 of 6 pictures are done (6 frames, 1 cameras)\n");
+    assert_eq!(folder.succeed("status out").stdout, "out: 6 of 6 pictures done (6 frames, 1 camera)\n");
 }
 
 /// A folder's description is that of earlier versions, but for how many frames there are; a longer set says so anew.
@@ -290,19 +290,19 @@ fn a_full_disk_is_no_worse_for_it() {
     assert!(errors.contains("No space left on device"), "{said}{errors}");
     let lines: Vec<&str> = said.lines().filter(|line| !line.starts_with(' ') && !line.starts_with("failed")).collect();
     assert_eq!(lines[0], "dataset 75", "{said}{errors}");
-    assert!(said.contains("2 of 6 pictures are done"), "{said}{errors}");
+    assert!(said.contains("2 of 6 pictures done"), "{said}{errors}");
     assert_eq!(
         lines[lines.len() - 4..],
-        ["dataset 0", "disk/out: 6 of 6 pictures are done (6 frames, 1 cameras)", "status 0", "the same"]
+        ["dataset 0", "disk/out: 6 of 6 pictures done (6 frames, 1 camera)", "status 0", "the same"]
     );
 }
 
 #[test]
 fn what_is_no_data_set_is_refused() {
     let folder = board(SIX);
-    folder.fail("status none", 2, &["none holds no data set", "the one after its -o"]);
+    folder.fail("status none", 2, &["none does not contain a data set", "the one after its -o"]);
     folder.add("other/notes.txt", "mine");
-    folder.fail("status other", 2, &["other holds no data set"]);
+    folder.fail("status other", 2, &["other does not contain a data set"]);
     folder.add("other/dataset.json", "{");
     folder.fail("status other", 1, &["other/dataset.json: is damaged"]);
 }

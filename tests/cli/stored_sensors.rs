@@ -191,7 +191,7 @@ fn files_that_hold_no_capture_are_refused() {
         folder.fail(
             &format!("{command} other.json"),
             1,
-            &["other.json: is no report of a render: it holds no capture"],
+            &["other.json: is not a report of a render: it holds no capture"],
         );
         folder.fail(&format!("{command} broken.json"), 1, &["broken.json: is damaged"]);
     }
@@ -242,7 +242,7 @@ fn presets_can_lose_keys_and_sensors_begin_from_nothing() {
 #[case::no_list("without = 'filter'", "sensor.without: ", "a list")]
 #[case::incomplete("preset = 'none'", "the key `resolution_px` is missing", "")]
 #[case::needed("without = ['charge']", "the key `charge` is missing", "")]
-#[case::no_name("name = ' '", "sensor.name: \" \" is no name", "my camera")]
+#[case::no_name("name = ' '", "sensor.name: \" \" is not a name", "my camera")]
 fn what_cannot_be_taken_away_is_told(#[case] sensor: &str, #[case] message: &str, #[case] more: &str) {
     let folder = folder();
     folder.add("scenes/bad.toml", format!("{CAPTURE}[sensor]\n{sensor}\n"));
@@ -310,4 +310,29 @@ fn what_cannot_follow_the_bits_is_told() {
     assert_eq!(set(12, ""), (Some(1.0), false));
     let free = "--set sensor.spad.counting=free-running --set sensor.spad.dead_time_ns=50 --set sensor.charge.full_well_e=5000";
     assert_eq!(set(12, free), (Some(1.0), true));
+}
+
+/// A path typed on the command line leads to the file that it leads to there; one that does not counts from the capture,
+/// as those in it.
+#[test]
+fn typed_paths_count_from_the_current_folder() {
+    let folder = folder();
+    let render = |name: &str, change: &str| {
+        folder.succeed(&format!("render scenes/capture.toml --set {change} -o {name}"));
+    };
+    render("from-capture", "sensor.preset=../sensors/rgb.toml");
+    render("from-here", "sensor.preset=sensors/rgb.toml");
+    assert_same(&folder, "from-capture", "from-here");
+    // As a part of a value, too, and quoted.
+    render("quoted", "sensor.preset='sensors/rgb.toml'");
+    assert_same(&folder, "from-capture", "quoted");
+    let channel = "sensor.channels.R.quantum_efficiency={file='sensors/curves/c.csv'}";
+    folder.succeed(&format!(
+        "render scenes/capture.toml --set sensor.preset=sensors/rgb.toml --set {channel} -o changed"
+    ));
+    assert!(folder.results("changed")["raw.dng"] != folder.results("quoted")["raw.dng"]);
+    // Of a data set the capture may lie in another folder than its file.
+    folder.add("set.toml", "capture = 'scenes/capture.toml'\nframes = 1\n");
+    folder.succeed("dataset set.toml --set sensor.preset=sensors/rgb.toml -o set");
+    folder.fail("render scenes/capture.toml --set sensor.preset=sensors/none.toml", 1, &["cannot read", "none.toml"]);
 }

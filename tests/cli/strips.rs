@@ -102,18 +102,18 @@ fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] ot
     folder.fail(&other, 1, &["out/checkpoint.film", "another render", message]);
     let rows = fs::read(folder.path("out/checkpoint.rows")).expect("rows");
     folder.add("out/checkpoint.rows", &rows[..1000]);
-    folder.fail(&go_on, 1, &["out/checkpoint.film", "damaged", "holds 1000 bytes of", "starts anew"]);
+    folder.fail(&go_on, 1, &["out/checkpoint.film", "damaged", "holds 1000 bytes of", "starts again"]);
     let mut damaged = rows.clone();
     damaged[1000] ^= 1;
     folder.add("out/checkpoint.rows", damaged);
-    folder.fail(&go_on, 1, &["out/checkpoint.film", "damaged", "the checksum of out/checkpoint.rows", "starts anew"]);
+    folder.fail(&go_on, 1, &["out/checkpoint.film", "damaged", "the checksum of out/checkpoint.rows", "starts again"]);
     folder.add("out/checkpoint.rows", &*rows);
 
     // An earlier checkpoint goes with later rows: what is killed may have written these alone. With more memory the
     // strip under way is finished as it was begun, and those after it are others.
     folder.add("out/checkpoint.film", checkpoint.clone());
     let outcome = folder.succeed(&wide);
-    assert!(outcome.text().contains("goes on from out/checkpoint.film at"), "{outcome:?}");
+    assert!(outcome.text().contains("continuing from out/checkpoint.film at"), "{outcome:?}");
     for left in ["checkpoint.film", "checkpoint.rows"] {
         assert!(!folder.path("out").join(left).exists(), "{left}");
     }

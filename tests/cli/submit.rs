@@ -103,7 +103,7 @@ fn what_is_complete_needs_no_jobs() {
     folder.succeed("dataset set.toml -o out");
     let outcome = folder.succeed("submit slurm set.toml -o out");
     assert_eq!(outcome.stdout, "");
-    assert!(outcome.text().contains("all 6 pictures that can be made are there: nothing is to be sent"));
+    assert!(outcome.text().contains("all 6 pictures that can be made exist: there is nothing to submit"));
     assert_eq!(json(&folder.succeed("submit slurm set.toml -o out --json").stdout)["tasks"], 0);
 }
 
@@ -254,12 +254,12 @@ fn folders_of_something_else_are_refused(
     let folder = board(SIX);
     folder.succeed("dataset set.toml -o out --frames 1");
     let another = format!("submit {scheduler} set.toml -o out --set exposure.gain_db=6 {submit}");
-    folder.fail(&another, 2, &["out holds another data set: its overrides say something else", "-o"]);
+    folder.fail(&another, 2, &["out contains another data set: its overrides say something else", "-o"]);
     folder.add("notes/text", "mine");
     folder.fail(
         &format!("submit {scheduler} set.toml -o notes {submit}"),
         2,
-        &["notes is not empty, and holds no data set"],
+        &["notes is not empty and does not contain a data set"],
     );
     folder.fail(&format!("submit {scheduler} set.toml -o set.toml {submit}"), 2, &["set.toml is a file"]);
     folder.add("set.toml", "capture = 'board.toml'\nframes = 4\n[[vary]]\nkey = 'exposure.gain_db'\nsweep = [0, 60]\n");

@@ -46,12 +46,8 @@ fn a_target_is_printed_photographed_and_handed_on() {
     1,
     "marker_mm: 40 mm does not fit into the square of 30 mm"
 )]
-#[case::page(
-    "target flat -o a.pdf --set size_mm=[6000,10]",
-    1,
-    "a.pdf: 6.00 m is longer than a page of a PDF file can be"
-)]
-#[case::folder("target flat -o no/a.svg", 1, "no: is no folder to write to")]
+#[case::page("target flat -o a.pdf --set size_mm=[6000,10]", 1, "a.pdf: 6.00 m is longer than a PDF page can be")]
+#[case::folder("target flat -o no/a.svg", 1, "no: does not exist, or is not a folder")]
 fn wrong_targets_are_told(#[case] arguments: &str, #[case] status: i32, #[case] message: &str) {
     Folder::new([]).fail(arguments, status, &[message]);
 }

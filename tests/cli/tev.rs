@@ -157,7 +157,7 @@ fn a_render_goes_on_without_tev() {
         let said = outcome.stderr.lines().filter(|line| line.starts_with("warning:") && line.contains("tev"));
         let said: Vec<&str> = said.collect();
         assert_eq!(said.len(), 1, "{}", outcome.stderr);
-        let wanted = format!("warning: tev at {address} shows nothing more of the render, which goes on without it: ");
+        let wanted = format!("warning: tev at {address} no longer shows the render, which continues without it: ");
         assert!(said[0].starts_with(&wanted) && said[0].contains(reason), "{}", said[0]);
         assert_eq!(&folder.results("out")["raw.dng"], expected);
     };
@@ -178,7 +178,7 @@ fn a_render_goes_on_without_tev() {
 
     let (silent, port) = listener();
     let waiting = thread::spawn(move || silent.accept().expect("a connection").0);
-    rendered(&format!("127.0.0.1:{port}"), "it does not take the last picture within 5 s");
+    rendered(&format!("127.0.0.1:{port}"), "it has not taken the last picture within 5 s");
     waiting.join().expect("it came");
 }
 

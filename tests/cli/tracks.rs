@@ -225,15 +225,19 @@ fn a_data_set_along_a_trajectory_takes_what_moves_along() {
 #[rstest]
 #[case::both(
     "motion = { velocity_m_per_s = [1, 0, 0], turntable = { speed_deg_per_s = 1 } }",
-    "scene.objects[0].motion.velocity_m_per_s: cannot go with turntable",
+    "scene.objects[0].motion.velocity_m_per_s: cannot be combined with turntable",
     "keep one"
 )]
 #[case::pose_and_poses(
     "position_m = [0, 0, 0]\nmotion.poses = [{ time_s = 0, position_m = [0, 0, 0] }, { time_s = 1, position_m = [1, 0, 0] }]",
-    "scene.objects[0].motion.poses: cannot go with position_m of the object",
+    "scene.objects[0].motion.poses: cannot be combined with position_m of the object",
     "remove position_m"
 )]
-#[case::interpolation("motion.interpolation = 'spline'", "motion.interpolation: goes only with poses", "write poses")]
+#[case::interpolation(
+    "motion.interpolation = 'spline'",
+    "motion.interpolation: only applies with poses",
+    "write poses"
+)]
 #[case::unknown_interpolation(
     "motion = { interpolation = 'cubic', poses = [] }",
     "interpolation: unknown value \"cubic\"",
@@ -246,7 +250,7 @@ fn a_data_set_along_a_trajectory_takes_what_moves_along() {
 )]
 #[case::two_rotations(
     "motion.poses = [{ time_s = 0, position_m = [0, 0, 0], rotation_deg = [0, 0, 0], look_at_m = [1, 0, 0] }]",
-    "scene.objects[0].motion.poses[0].look_at_m: cannot go with rotation_deg",
+    "scene.objects[0].motion.poses[0].look_at_m: cannot be combined with rotation_deg",
     "keep one"
 )]
 #[case::no_axis(
@@ -268,5 +272,5 @@ fn impossible_tracks_are_refused(#[case] keys: &str, #[case] message: &str, #[ca
 #[test]
 fn a_time_without_motion_is_refused() {
     let folder = folder("", STILL_CAMERA, "");
-    folder.fail("render capture.toml --set scene.time_s=1", 1, &["scene.time_s: goes only with", "motion"]);
+    folder.fail("render capture.toml --set scene.time_s=1", 1, &["scene.time_s: only applies with", "motion"]);
 }

@@ -173,7 +173,7 @@ fn a_capture_names_the_next_picture() {
     folder.fail(
         &format!("render board.toml -o no {set} --set output.truth_next=false --frames 2"),
         1,
-        &["output.truth_next: cannot go with exposure.frames"],
+        &["output.truth_next: cannot be combined with exposure.frames"],
     );
     folder.fail(
         &format!("render board.toml -o no {set} --set output.truth_next=['lens.f=1']"),
@@ -236,8 +236,8 @@ fn disparity_is_positive_for_both_cameras(#[case] first: &str, #[case] second: &
 }
 
 #[rstest]
-#[case::above("position_m = [0, 0.1, 0]", &["output.truth_formats: a disparity of", "px is none that PNG files hold", "\"exr\""])]
-#[case::towed_in("position_m = [0.1, 0, 0]\nlook_at_m = [0.05, 0, -0.1]", &["px is none that PNG files hold", "\"exr\""])]
+#[case::above("position_m = [0, 0.1, 0]", &["output.truth_formats: a disparity of", "px cannot be stored in PNG files", "\"exr\""])]
+#[case::towed_in("position_m = [0.1, 0, 0]\nlook_at_m = [0.05, 0, -0.1]", &["px cannot be stored in PNG files", "\"exr\""])]
 fn what_png_files_cannot_hold_of_disparity_is_refused(#[case] place: &str, #[case] wanted: &[&str]) {
     let set = pair("", "").replace("position_m = [0.1, 0, 0]", &format!("{place}\ndisparity_to = 'left'"));
     let folder = folder(&format!("frames = 1\n{}", set.replace("[0.6, 0.9]", "[0.9, 1.2]")));

@@ -6,7 +6,7 @@ use crate::dataset::{BOARD, sky};
 use crate::folder::Folder;
 
 fn folder() -> Folder {
-    let sensor = include_str!("../../assets/sensors/sony-imx249-mono.toml");
+    let sensor = include_str!("../../crates/photosite-imaging/assets/sensors/sony-imx249-mono.toml");
     Folder::new([
         ("board.toml", BOARD.into()),
         ("set.toml", b"capture = 'board.toml'\nframes = 1\n".to_vec()),
@@ -61,6 +61,6 @@ fn files_of_the_right_kind_are_taken() {
     // What a name alone does not decide is read.
     for arguments in ["develop raw.npy", "develop picture.png", "develop raw.dng", "expose sky.hdr"] {
         let outcome = folder.run(arguments);
-        assert!(!outcome.stderr.contains("is wanted here"), "{arguments}: {}", outcome.stderr);
+        assert!(!outcome.stderr.contains("is expected here"), "{arguments}: {}", outcome.stderr);
     }
 }

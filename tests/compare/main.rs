@@ -197,7 +197,7 @@ fn a_variance_that_only_one_side_has_judges_nothing() {
     );
     assert_eq!(report["untested"][0]["channels"], serde_json::json!(["G"]));
     for (arguments, complaint) in [
-        (["--variance-b", "-1"], "-1 is no variance"),
+        (["--variance-b", "-1"], "-1 is not a variance"),
         (["--variance-b", "nowhere.exr"], "cannot read"),
         (["--variance-b", "grey.exr"], "holds no variances for the channels of b.exr"),
         (["--samples-b", "64"], "b.exr holds no second moments"),
@@ -334,7 +334,7 @@ fn pictures_that_do_not_fit_together_are_wrong_usage() {
         (vec![&colour, &colour, "--alpha", "1"], "between 0 and 1"),
         (vec![&colour, &colour, "--max-rmse", "nan"], "of at least 0"),
         (vec![&colour, &colour, "--range", "1"], "--picture"),
-        (vec![&colour, "picture.docx"], "picture.docx is no picture of a kind that photosite knows"),
+        (vec![&colour, "picture.docx"], "picture.docx is not a picture of a kind that photosite knows"),
         (vec![&colour], "<B>"),
     ] {
         let (status, said) = folder.complaint(&arguments);

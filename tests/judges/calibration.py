@@ -5,7 +5,7 @@
 
 18 views of 1280 × 960 pixels through a lens with distortion, f = 1500 px (a fisheye 600 px), with all the noise of a sensor
 that counts 10 000 electrons where the board is white. The targets shine by themselves, as on a screen, so that a few
-samples a pixel are enough. What is not named is left out; without names all are judged. Renders that are in DIR already are
+samples per pixel are enough. What is not named is left out; without names all are judged. Renders that are in DIR already are
 taken as they are.
 """
 

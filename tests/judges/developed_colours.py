@@ -240,7 +240,7 @@ def judge_picture(folder: Path):
         return []
     ours = numpy.asarray(Image.open(folder / "image.png").convert("RGB"))
     with rawpy.imread(str(folder / "raw.dng")) as raw:
-        # Of pictures with several numbers a pixel, LibRaw takes the white level above 0 and not above black.
+        # Of pictures with several numbers per pixel, LibRaw takes the white level above 0 and not above black.
         is_full = raw.raw_image.ndim == 3
         theirs = raw.postprocess(
             user_sat=raw.white_level - raw.black_level_per_channel[0] if is_full else None,

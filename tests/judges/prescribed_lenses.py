@@ -10,7 +10,7 @@ Usage: prescribed_lenses.py PHOTOSITE [grid] [edge] [off-axis] [light]
 - light: uniform light at three stops: irradiance over radiance is the projected solid angle that passes all apertures times
   what Fresnel's equations leave, over the field, within 0.3 %.
 
-Lenses are read from assets/lenses, by Python's tomllib. Exit status 0 where all is well.
+Lenses are read from crates/photosite-lens/assets/lenses, by Python's tomllib. Exit status 0 where all is well.
 """
 
 import json

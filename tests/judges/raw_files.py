@@ -120,7 +120,7 @@ class Judge:
                 self.levels(raw, tags)
             self.colour(raw, tags)
         tile = tags.get("SubIFD:CFARepeatPatternDim", "2 2")
-        # Of pictures with several numbers a pixel, dcraw takes the corner instead of the active area.
+        # Of pictures with several numbers per pixel, dcraw takes the corner instead of the active area.
         moved = numbers.ndim == 3 and self.active(tags)[:2] != [0, 0]
         if not is_float and not moved and tile in ("2 2", "6 6"):
             self.dcraw(path, tags, linear)

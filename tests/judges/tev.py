@@ -103,7 +103,7 @@ def main(photosite):
             times = updates.count(0)
             assert times > 1, f"{name} was sent {times} times"
             print(f"{name}: {shown.shape}, sent {times} times, at last as {file}")
-        print(f"{len(messages)} messages, byte by byte those of tevclient")
+        print(f"{len(messages)} messages, byte for byte those of tevclient")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """A tracer of lenses in NumPy, and renders of them: what the judges of lenses from a prescription share.
 
-Lenses are read from assets/lenses by Python's tomllib; of photosite nothing is used but the command.
+Lenses are read from crates/photosite-lens/assets/lenses by Python's tomllib; of photosite nothing is used but the command.
 """
 
 import math
@@ -20,7 +20,7 @@ class Lens:
     """Spheres and planes, mm; z = 0 at the first vertex, +z towards the sensor."""
 
     def __init__(self, name, last_gap=None, stop_radius=None):
-        file = tomllib.loads((ROOT / f"assets/lenses/{name}.toml").read_text())
+        file = tomllib.loads((ROOT / f"crates/photosite-lens/assets/lenses/{name}.toml").read_text())
         self.surfaces = file["surfaces"]
         self.glasses = file["glasses"]
         assert not any(key in surface for surface in self.surfaces for key in ("conic", "asphere"))
@@ -207,5 +207,5 @@ def quads(path, squares, material="lamp"):
 
 def bare(name, path):
     """The lens without coatings, whose losses are those of Fresnel's equations."""
-    text = (ROOT / f"assets/lenses/{name}.toml").read_text()
+    text = (ROOT / f"crates/photosite-lens/assets/lenses/{name}.toml").read_text()
     path.write_text(text.replace("semi_aperture =", 'coating = "none", semi_aperture ='))

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 ROOT = Path(__file__).resolve().parents[2]
-SPECTRA = ROOT / "assets" / "spectra"
+SPECTRA = ROOT / "crates" / "photosite-core" / "assets" / "spectra"
 GEOMETRY = Path(__file__).resolve().parent / "geometry"
 PLANCK, LIGHT_SPEED = 6.62607015e-34, 299792458.0
 LUMENS_PER_WATT = 683.0
@@ -54,7 +54,7 @@ def illuminant_a():
 
 def film(preset, columns, rows, pitch_um, f_number, focal_length, image_distance, seconds):
     """A film that counts electrons: QE·λ/(hc) · filter · pixel area · π·sin²θ' · time, tan θ' = D/2v, without falloff."""
-    path = ROOT / "assets" / "sensors" / f"{preset}.toml"
+    path = ROOT / "crates" / "photosite-imaging" / "assets" / "sensors" / f"{preset}.toml"
     sensor = tomllib.loads(path.read_text(encoding="utf-8"))
     filter_ = at(path.parent / sensor["filter"]["transmittance"]["file"]) if "filter" in sensor else 1.0
     per_joule = GRID * 1e-9 / (PLANCK * LIGHT_SPEED) * sensor["fill_factor"] * filter_

@@ -70,5 +70,8 @@ fn hexagonal_cells_are_read_out_one_by_one_from_an_even_row() {
     assert_eq!(read(part(5)).expect_err("an odd row").key, "region_px");
     assert!(read(part(4)).expect("valid").metadata.is_staggered);
     let binning = Binning { factor: [2, 2], method: BinningMethod::Mean };
-    assert_eq!(read(RegionOfInterest { binning, ..RegionOfInterest::WHOLE }).expect_err("no columns").key, "binning");
+    assert_eq!(
+        read(RegionOfInterest { binning, ..RegionOfInterest::WHOLE }).expect_err("do not form columns").key,
+        "binning"
+    );
 }

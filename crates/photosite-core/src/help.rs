@@ -79,8 +79,8 @@ impl fmt::Display for Remedy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Say(words) => f.write_str(words),
-            Self::Overwrite => f.write_str("allow that it is overwritten"),
-            Self::StartAnew => f.write_str("allow that it starts anew"),
+            Self::Overwrite => f.write_str("allow overwriting"),
+            Self::StartAnew => f.write_str("allow it to start again"),
             Self::Elsewhere(place) => write!(f, "choose {place}"),
             Self::Override(change) => write!(f, "override {change}"),
             Self::Example(change) => write!(f, "for example {change}"),
@@ -91,11 +91,13 @@ impl fmt::Display for Remedy {
             Self::Masked { name, area } => {
                 write!(f, "of {name} the active area is looked at, {area}; ask for its masked pixels, too")
             }
-            Self::Variance(picture) => write!(f, "give the variance of {picture}, which is 0 where it is exact"),
-            Self::Moments(picture) => write!(f, "say of how many samples a pixel the second moments of {picture} are"),
-            Self::Lenient => f.write_str("override scene.lenient=true, and grey stands for it"),
-            Self::Nearest => f.write_str("ask for the nearest that there is"),
-            Self::Linear => f.write_str("say that its codes are in proportion to light"),
+            Self::Variance(picture) => write!(f, "give the variance of {picture}; 0 if it is exact"),
+            Self::Moments(picture) => {
+                write!(f, "state how many samples per pixel the second moments of {picture} come from")
+            }
+            Self::Lenient => f.write_str("override scene.lenient=true, and grey is used instead"),
+            Self::Nearest => f.write_str("ask for the closest equivalent"),
+            Self::Linear => f.write_str("state that its codes are proportional to light"),
             Self::LightUnit => f.write_str("say what the numbers of the picture are on the sensor"),
         }
     }
@@ -140,9 +142,9 @@ mod tests {
         let elsewhere = || Remedy::Elsewhere("another folder".to_owned());
         assert_eq!(Help::from("wait").to_string(), "wait");
         let two = Help::any([Remedy::Overwrite, elsewhere()]);
-        assert_eq!(two.to_string(), "allow that it is overwritten, or choose another folder");
+        assert_eq!(two.to_string(), "allow overwriting, or choose another folder");
         let three = Help::any(["undo the change".into(), Remedy::StartAnew, elsewhere()]);
-        assert_eq!(three.to_string(), "undo the change, allow that it starts anew, or choose another folder");
+        assert_eq!(three.to_string(), "undo the change, allow it to start again, or choose another folder");
         let flags = two.in_words(|remedy| if *remedy == Remedy::Overwrite { "--force".into() } else { "-o".into() });
         assert_eq!(flags, "--force, or -o");
     }

@@ -24,7 +24,7 @@ pub fn open(path: &Path) -> io::Result<File> {
     // Before it is opened: that of a pipe waits for somebody who writes.
     let found = fs::metadata(path)?;
     if let Some(kind) = other_kind(found.file_type()) {
-        return Err(io::Error::new(ErrorKind::InvalidInput, format!("it is {kind}, where a file is needed")));
+        return Err(io::Error::new(ErrorKind::InvalidInput, format!("it is {kind}, but a file is needed")));
     }
     File::open(path)
 }
@@ -41,9 +41,9 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let length = usize::try_from(file.metadata()?.len()).unwrap_or(usize::MAX);
     memory::check(length as u64, "reading it", "")
         .map_err(|invalid| io::Error::new(ErrorKind::OutOfMemory, invalid))?;
-    bytes.try_reserve_exact(length).map_err(|_| {
-        io::Error::new(ErrorKind::OutOfMemory, format!("its {length} bytes are more than there is memory for"))
-    })?;
+    bytes
+        .try_reserve_exact(length)
+        .map_err(|_| io::Error::new(ErrorKind::OutOfMemory, format!("its {length} bytes do not fit into memory")))?;
     file.read_to_end(&mut bytes)?;
     Ok(bytes)
 }
@@ -59,7 +59,7 @@ pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     // It may grow while it is read.
     file.take(most + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > most {
-        let message = format!("it has more than {} MiB, the most that is read of such a file", most >> 20);
+        let message = format!("it is larger than {} MiB, the limit for such files", most >> 20);
         return Err(io::Error::new(ErrorKind::FileTooLarge, message));
     }
     Ok(bytes)
@@ -85,7 +85,7 @@ pub fn text(bytes: Vec<u8>) -> io::Result<String> {
         let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
         io::Error::new(
             ErrorKind::InvalidData,
-            format!("line {line} is no text in UTF-8; save the file in that encoding"),
+            format!("line {line} is not valid UTF-8 text; save the file in that encoding"),
         )
     })
 }

@@ -9,6 +9,7 @@
 pub mod cells;
 pub mod cleanup;
 pub mod colour;
+mod counted;
 pub mod error;
 pub mod fail_point;
 pub mod help;
@@ -27,6 +28,7 @@ pub mod suggest;
 pub mod units;
 pub mod warnings;
 
+pub use counted::counted;
 pub use error::{Error, Invalid, Result};
 pub use help::{Help, Remedy};
 pub use sandbox::Sandbox;

@@ -225,8 +225,8 @@ fn same(reason: &io::Error) -> io::Error {
 pub fn folder_of(path: &Path) -> Result<&Path> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !folder.is_dir() {
-        let help = "make it first, or choose another name";
-        return Err(Invalid::new("", "is no folder to write to").help(help).in_file(folder));
+        let help = "create it first, or choose another name";
+        return Err(Invalid::new("", "does not exist, or is not a folder").help(help).in_file(folder));
     }
     Ok(folder)
 }

@@ -50,7 +50,7 @@ fn check(prescription: &Prescription) -> Result<(), Invalid> {
     let surfaces = &prescription.surfaces;
     if !surfaces.iter().any(|surface| surface.glass.is_some()) {
         let message = format!("none of the {} surfaces refracts: there is no glass", surfaces.len());
-        return Err(Invalid::new("surfaces", message).help("a lens takes one piece of glass at least"));
+        return Err(Invalid::new("surfaces", message).help("a lens needs at least one piece of glass"));
     }
     if surfaces.len() > MOST_SURFACES {
         let message = format!("{} surfaces are more than {MOST_SURFACES}", surfaces.len());
@@ -59,7 +59,7 @@ fn check(prescription: &Prescription) -> Result<(), Invalid> {
     check_stop(surfaces)?;
     if let Some(blades) = prescription.blades {
         if blades.count < 3 {
-            let message = format!("{} blades enclose no opening", blades.count);
+            let message = format!("{} blades do not enclose an opening", blades.count);
             return Err(Invalid::new("blades", message).help("3 or more, or none for a round opening"));
         }
         finite("blades", "rotation", blades.rotation_deg)?;
@@ -152,7 +152,7 @@ fn check_layer(number: usize, layer: &Layer) -> Result<(), Invalid> {
         LayerIndex::Table { n, k } => (f64::from(n.min()), f64::from(k.min())),
     };
     if !(least_n.is_finite() && least_n > 0.0 && least_k.is_finite() && least_k >= 0.0) {
-        let message = format!("the index {least_n} + {least_k}i of a layer is none");
+        let message = format!("the index {least_n} + {least_k}i of a layer is impossible");
         return Err(Invalid::new(key, message).help("n is above 0, and k is 0 or above, where the layer absorbs"));
     }
     Ok(())
@@ -229,7 +229,7 @@ fn check_positions(prescription: &Prescription) -> Result<(), Invalid> {
         if let Some(distance) = position.object_distance_mm
             && (distance.is_nan() || distance <= 0.0)
         {
-            let message = format!("what is sharp must be before the lens, got a distance of {distance} mm");
+            let message = format!("what is sharp must be in front of the lens, got a distance of {distance} mm");
             return Err(Invalid::new(key, message));
         }
     }

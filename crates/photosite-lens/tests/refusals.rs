@@ -71,7 +71,7 @@ fn a_singlet_is_accepted_with_the_focal_length_of_the_lensmakers_equation() {
 #[case(|p: &mut Prescription| p.surfaces[0].glass = glass(Dispersion::Polynomial { terms: vec![[1e9, 400.0], [-1.0, 0.0]] }), "surfaces[0].glass", "NaN at 400 nm")]
 #[case(|p: &mut Prescription| p.surfaces[0].glass = glass(Dispersion::constant(1.0)), "surfaces", "afocal at 550 nm")]
 #[case(|p: &mut Prescription| { p.surfaces[0].radius_mm = Some(-50.0); p.surfaces[1].radius_mm = Some(50.0); }, "surfaces", "the lens diverges")]
-#[case(|p: &mut Prescription| p.blades = Some(Blades { count: 2, rotation_deg: 0.0 }), "blades", "2 blades enclose no opening")]
+#[case(|p: &mut Prescription| p.blades = Some(Blades { count: 2, rotation_deg: 0.0 }), "blades", "2 blades do not enclose an opening")]
 #[case(|p: &mut Prescription| p.surfaces[0].coating = layer(1.38, 0.0, -1.0), "surfaces[0].coating[0]", "cannot be -1 nm thick")]
 #[case(|p: &mut Prescription| p.surfaces[0].coating = layer(0.0, 0.0, 1.0), "surfaces[0].coating[0]", "the index 0 + 0i")]
 #[case(|p: &mut Prescription| p.surfaces[0].coating = layer(1.5, -1.0, 1.0), "surfaces[0].coating[0]", "the index 1.5 + -1i")]

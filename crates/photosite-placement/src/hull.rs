@@ -19,7 +19,7 @@ impl Hull {
     /// The hull of the points of some triangles; of flat ones a foil around them.
     pub(crate) fn around(points: &[Vector], triangles: &[[u32; 3]]) -> Result<Self, Invalid> {
         Self::of(points).or_else(|| Self::foil(points, triangles)).ok_or_else(|| {
-            Invalid::new("", "the mesh has no convex hull").help("it must have an extent in two directions at least")
+            Invalid::new("", "the mesh has no convex hull").help("it must extend in at least two directions")
         })
     }
 

@@ -148,7 +148,7 @@ impl Region {
         if is_number && min.cmple(max).all() {
             return Ok(());
         }
-        Err(Invalid::new("region", format!("must go from a lowest to a highest corner, got {min} and {max}"))
+        Err(Invalid::new("region", format!("must be the lowest and the highest corner, got {min} and {max}"))
             .help("write min_m = [-0.2, 0, -0.2], max_m = [0.2, 0.3, 0.2]"))
     }
 }
@@ -182,7 +182,7 @@ impl Request {
         }
         let is_fixed = |on: usize| match on < self.fixed.len() {
             true => Ok(()),
-            false => Err(Invalid::new("surface", "names an object that is not there")),
+            false => Err(Invalid::new("surface", "names an object that does not exist")),
         };
         match &self.how {
             Method::Box { region, turn: _ } => region.check(false),
@@ -209,7 +209,7 @@ impl Request {
     fn ground(&self) -> Result<(), Invalid> {
         match self.ground_height_m {
             Some(_) => Ok(()),
-            None => Err(Invalid::new("ground_height_m", "missing: there is nothing that objects could lie on")
+            None => Err(Invalid::new("ground_height_m", "missing: there is nothing for objects to lie on")
                 .help("write ground_height_m = 0, or name a surface or a bin")),
         }
     }

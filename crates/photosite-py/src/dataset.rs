@@ -165,7 +165,7 @@ impl Dataset {
 
 fn unknown_format(name: &str) -> Error {
     let known: Vec<&str> = ShardFormat::ALL.into_iter().map(ShardFormat::name).collect();
-    let message = format!("{name:?} is no layout that workers write");
+    let message = format!("{name:?} is not a layout that workers write");
     Invalid::new("layouts", message).help(format!("there are {}", known.join(", "))).in_file(Path::new(PYTHON))
 }
 

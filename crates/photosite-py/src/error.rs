@@ -61,22 +61,22 @@ fn words(help: Option<Help>) -> Option<String> {
 pub(crate) fn in_arguments(remedy: &Remedy) -> String {
     match remedy {
         Remedy::Overwrite => "overwrite it with overwrite=True".to_owned(),
-        Remedy::StartAnew => "start anew with overwrite=True".to_owned(),
+        Remedy::StartAnew => "start again with overwrite=True".to_owned(),
         Remedy::Override(change) | Remedy::Example(change) => {
             let (key, value) = change.split_once('=').unwrap_or((change, ""));
             format!("for example set={{\"{key}\": {value}}}")
         }
-        Remedy::Lenient => "set={\"scene.lenient\": True} lets grey stand for it".to_owned(),
+        Remedy::Lenient => "set={\"scene.lenient\": True} lets grey be used instead".to_owned(),
         Remedy::FilmMemory(gib) => format!("allow more with film_memory_gib={gib}"),
-        Remedy::Linear => "say linear=True where its codes are in proportion to light".to_owned(),
+        Remedy::Linear => "pass linear=True if its codes are proportional to light".to_owned(),
         Remedy::LightUnit => "say what its numbers are with unit=".to_owned(),
         Remedy::Variance(picture) => {
             let argument = picture.to_lowercase();
-            format!("give it with variance_{argument}=, which is 0 where {argument} is exact")
+            format!("give it with variance_{argument}=; 0 if {argument} is exact")
         }
         Remedy::Moments(picture) => {
             let argument = picture.to_lowercase();
-            format!("say of how many samples a pixel its second moments are, with samples_{argument}=")
+            format!("state how many samples per pixel its second moments come from, with samples_{argument}=")
         }
         Remedy::Say(_)
         | Remedy::Elsewhere(_)

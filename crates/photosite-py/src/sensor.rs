@@ -119,7 +119,7 @@ pub(crate) fn expose_planes(
         ("lux", _) => PictureUnit::Lux,
         ("irradiance", Some(wavelength_nm)) => PictureUnit::Irradiance { wavelength_nm },
         _ => {
-            let invalid = Invalid::new("unit", format!("{unit:?} is no unit of light on a sensor"));
+            let invalid = Invalid::new("unit", format!("{unit:?} is not a unit of light on a sensor"));
             let help = "write \"electrons\", \"full-well\", \"lux\", or \"irradiance\" with wavelength_nm";
             return Err(raise(py, invalid.help(help).in_file(Path::new(PYTHON))));
         }

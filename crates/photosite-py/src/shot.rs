@@ -95,7 +95,7 @@ impl Shot {
         let mut shots = Vec::new();
         for frame in 0..frames {
             if monitor.is_cancelled() {
-                let help = Some("nothing is kept of it".into());
+                let help = Some("nothing of it is kept".into());
                 return Err(photosite::Error::Cancelled { message: "the work was cancelled".to_owned(), help });
             }
             let mut shot = source.expose(frame, before.clone(), &[])?;

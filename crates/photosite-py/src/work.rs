@@ -48,7 +48,7 @@ impl Monitor for Watch {
                 }
             }
             Event::PictureFails { camera, frame, error } => {
-                self.report(Event::Warning(&format!("frame {frame} of {camera} is left out: {error}")));
+                self.report(Event::Warning(&format!("frame {frame} of {camera} is skipped: {error}")));
             }
             Event::SetBegins { pictures } => {
                 self.of_pictures.store(true, Ordering::Relaxed);
@@ -104,8 +104,8 @@ impl Threads {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let most = FEW.max(4 * cores);
         if count > most {
-            let invalid = Invalid::new("threads", format!("at most {most} can be asked for, got {count}"));
-            let help = format!("this machine runs {cores} at once; more than these make nothing faster");
+            let invalid = Invalid::new("threads", format!("at most {most} can be used, got {count}"));
+            let help = format!("this machine runs {cores} at once; more would not be faster");
             return Err(invalid.help(help).in_file(Path::new(PYTHON)));
         }
         let process = std::process::id();
@@ -194,7 +194,7 @@ pub(crate) fn work<T: Send>(
     let outcome = outcome.map_err(|panic| {
         let words = panic.downcast_ref::<String>().map(String::as_str);
         let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no reason is known");
-        PyRuntimeError::new_err(format!("photosite has a mistake, please report it: {words}"))
+        PyRuntimeError::new_err(format!("this is a bug in photosite, please report it: {words}"))
     })?;
     let value = outcome.map_err(|error| raise(py, error))?;
     if let Some(progress) = &how.progress {

@@ -24,7 +24,7 @@ pub fn read_environment(path: &Path, warnings: &mut Warnings) -> Result<Bitmap, 
     let name = path.display().to_string();
     let bytes = input::read(path).map_err(|source| {
         Invalid::new("", format!("cannot read {name}: {source}"))
-            .help("paths are relative to the file that they are written in")
+            .help("paths are relative to the file that contains them")
     })?;
     decode_environment(&bytes, name, warnings)
 }
@@ -46,7 +46,7 @@ pub fn decode_environment(bytes: &[u8], name: String, warnings: &mut Warnings) -
         let (x, y) = (i % picture.width, i / picture.width);
         let message = format!("{}: the texel in column {x}, row {y} is not finite: {:?}", picture.name, texels[i]);
         return Err(Invalid::new("", message)
-            .help("mend the picture; a sun brighter than 65504 does not fit into half-precision files"));
+            .help("fix the picture; a sun brighter than 65504 does not fit into half-precision files"));
     }
     let mut negative = 0;
     for component in texels.as_flattened_mut().iter_mut().filter(|component| **component < 0.0) {
@@ -54,7 +54,7 @@ pub fn decode_environment(bytes: &[u8], name: String, warnings: &mut Warnings) -
         negative += 1;
     }
     if negative > 0 {
-        warnings.once(format!("{}: {negative} negative values are taken as 0", picture.name));
+        warnings.once(format!("{}: {negative} negative values are taken to be 0", picture.name));
     }
     Ok(picture)
 }

@@ -39,7 +39,7 @@ impl Numbers<'_> {
     fn next(&mut self, what: &str) -> Result<f64, Problem> {
         let Some((line, word)) = self.rest.next() else {
             let invalid = Invalid::new(what, "is missing: the file ends too early");
-            return Err((invalid.help("get the file again; it was cut off"), self.last_line));
+            return Err((invalid.help("get the file again; it was truncated"), self.last_line));
         };
         self.last_line = line;
         match word.parse::<f64>() {
@@ -77,7 +77,7 @@ fn parse(text: &str) -> Result<Profile, Problem> {
     let lines = || text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
     let tilt = lines().find_map(|(line, text)| Some((line, text.strip_prefix("TILT=")?.trim().to_owned())));
     let Some((tilt_line, tilt)) = tilt else {
-        let invalid = Invalid::new("", "is no IES file: it has no line TILT=");
+        let invalid = Invalid::new("", "is not an IES file: it has no line TILT=");
         return Err((invalid.help("give a photometric file of LM-63"), 0));
     };
     let words = lines().skip(tilt_line).flat_map(|(line, text)| {

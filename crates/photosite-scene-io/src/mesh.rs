@@ -63,7 +63,7 @@ pub(crate) fn checked(mut mesh: MeshDescription) -> Result<(MeshDescription, Men
 fn all_finite<T: std::fmt::Display>(key: &str, values: &[T], is_finite: impl Fn(&T) -> bool) -> Result<(), Invalid> {
     match values.iter().position(|v| !is_finite(v)) {
         Some(i) => Err(Invalid::new(key, format!("vertex {i} is not finite: {}", values[i])).help(
-            "the file is damaged, or the program that wrote it divided by zero; mend the vertex and export again",
+            "the file is damaged, or the program that wrote it divided by zero; fix the vertex and export again",
         )),
         None => Ok(()),
     }

@@ -42,7 +42,7 @@ pub(crate) fn decode_picture(bytes: &[u8], name: String) -> Result<Bitmap, Inval
 pub fn decode(bytes: &[u8], name: &str) -> Result<DynamicImage, Invalid> {
     let bad = |problem: &str| {
         Invalid::new("", format!("cannot decode {name}: {problem}"))
-            .help("the picture is damaged, or of another kind than PNG, JPEG and WebP; export it again as one of them")
+            .help("the picture is damaged, or not one of PNG, JPEG and WebP; export it again as one of them")
     };
     let bad_image = |e: ImageError| {
         let is_cut = matches!(&e, ImageError::IoError(e) if e.kind() == ErrorKind::UnexpectedEof);

@@ -32,8 +32,8 @@ pub(crate) fn stand_in(holds: Holds, name: String) -> Bitmap {
 /// Says that a picture stands for one that cannot be had.
 pub(crate) fn stands_in(problem: &str, holds: Holds) -> String {
     let what = match holds {
-        Holds::Colours => "grey stands for it",
-        Holds::Factors | Holds::Normals | Holds::Directions => "the surface is as without it",
+        Holds::Colours => "grey is used instead",
+        Holds::Factors | Holds::Normals | Holds::Directions => "the surface is left as if there were none",
     };
     format!("{problem}; {what}")
 }

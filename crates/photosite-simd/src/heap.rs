@@ -19,7 +19,7 @@ const DIGITS: usize = 20;
 /// What is written before and after the number of bytes that there are not.
 static MESSAGE: OnceLock<[&'static str; 2]> = OnceLock::new();
 const PLAIN: [&str; 2] =
-    ["error: there is no more memory: ", " bytes cannot be had; lower the resolution, or free some memory\n"];
+    ["error: out of memory: ", " bytes could not be allocated; lower the resolution, or free some memory\n"];
 
 /// The system's heap, which ends the program on standard error with status 1 where memory ends.
 ///

@@ -14,7 +14,7 @@ from .task import Failure, Job, Task
 __all__ = ["Folder", "Output", "failures_of", "fingerprint_in", "open_output", "part_folder"]
 
 
-#: The folder for folders of samples, which goes when pictures are made of them. Of a data set's folder it is no part.
+#: The folder for folders of samples, which goes when pictures are made of them. It is not part of a data set's folder.
 _PARTS = ".photosite-parts"
 
 

@@ -72,7 +72,7 @@ class Retries:
         tries = self._failures[key]
         if tries > self._most:
             reason = f"frame {failure.frame} failed {tries} times, at last: {failure.message}"
-            help = "remove the cause, and call run again, which goes on with what is missing"
+            help = "remove the cause, and call run again, which continues with what is missing"
             raise Error(reason, reason=reason, help=help, is_temporary=True)
         self._add(now + _FIRST_PAUSE_S * 2 ** (tries - 1), task)
 

@@ -55,7 +55,7 @@ class Store:
             if is_claimed:
                 self._tried("read", lambda: self._files.get_file(self._at(_IDENTITY), os.path.join(folder, _IDENTITY)))
             elif self._listed(""):
-                reason = "is not empty, and holds no data set"
+                reason = "is not empty and does not contain a data set"
                 help = "choose another place, as pictures of two data sets must not be mixed"
                 raise InputError(f"{self.url} {reason}", file=self.url, reason=reason, help=help)
             self._claim_scratch(dataset, folder)

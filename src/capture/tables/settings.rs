@@ -85,7 +85,7 @@ pub(crate) struct GainControlTable {
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RenderTable {
-    /// Samples a pixel; with a time limit or a noise target, at most so many. Left out: 64.
+    /// Samples per pixel; with a time limit or a noise target, at most so many. Left out: 64.
     pub(crate) samples_per_pixel: Option<u32>,
     /// Stop after so many seconds.
     pub(crate) time_limit_s: Option<f64>,

@@ -69,13 +69,21 @@ use super::*;
     6,
     "lens.focus_distance_m: 0.04 m does not lie beyond the focal length"
 )]
-#[case::two_foci("[lens]\nautofocus_px = 'centre'\nfocus_distance_m = 1", 5, "cannot go with focus_distance_m")]
-#[case::two_foci_by_place("[lens]\nfocus_distance_m = 1\nimage_distance_mm = 20", 6, "cannot go with focus_distance_m")]
-#[case::two_openings("[lens]\nf_number = 2\ndiameter_mm = 4", 6, "lens.diameter_mm: cannot go with f_number")]
+#[case::two_foci(
+    "[lens]\nautofocus_px = 'centre'\nfocus_distance_m = 1",
+    5,
+    "cannot be combined with focus_distance_m"
+)]
+#[case::two_foci_by_place(
+    "[lens]\nfocus_distance_m = 1\nimage_distance_mm = 20",
+    6,
+    "cannot be combined with focus_distance_m"
+)]
+#[case::two_openings("[lens]\nf_number = 2\ndiameter_mm = 4", 6, "lens.diameter_mm: cannot be combined with f_number")]
 #[case::two_focal_lengths(
     "[lens]\nfocal_length_mm = 20\nlensmaker = { radii_mm = [50, -50], glass = 'BK7' }",
     5,
-    "lens.focal_length_mm: cannot go with lensmaker"
+    "lens.focal_length_mm: cannot be combined with lensmaker"
 )]
 #[case::glass(
     "[lens]\nlensmaker = { radii_mm = [50, -50], glass = 'BK8' }",
@@ -88,12 +96,12 @@ use super::*;
 #[case::two_elements(
     "[[lens.supplementary]]\npower_dpt = 2\nradii_mm = [50, -50]\nindex = 1.5",
     6,
-    "lens.supplementary[0].radii_mm: cannot go with power_dpt"
+    "lens.supplementary[0].radii_mm: cannot be combined with power_dpt"
 )]
 #[case::glass_of_no_surface(
     "[[lens.supplementary]]\npower_dpt = 2\nglass = 'BK7'",
     6,
-    "lens.supplementary[0].glass: goes only with radii_mm"
+    "lens.supplementary[0].glass: only applies with radii_mm"
 )]
 #[case::element_of_a_hole(
     "[lens]\ntype = 'hole'\nsupplementary = [{ power_dpt = 2 }]",
@@ -108,7 +116,7 @@ use super::*;
 #[case::truth_of_a_bare_sensor(
     "[lens]\ntype = 'none'\n[output]\ntruth = ['depth']",
     7,
-    "output.truth: cannot go with lens.type = \"none\""
+    "output.truth: cannot be combined with lens.type = \"none\""
 )]
 #[case::diverging(
     "[lens]\nfocal_length_mm = -50\nfocus_distance_m = 1",
@@ -127,7 +135,7 @@ use super::*;
     "lens.autofocus.steps: must lie between 5 and 200, got 2"
 )]
 #[case::off_sensor("[lens]\nautofocus_px = [900, 10]", 5, "is not on the sensor of 800 × 600 pixels")]
-#[case::blades("[lens]\nblades = 2", 5, "lens.blades: 2 blades make no opening")]
+#[case::blades("[lens]\nblades = 2", 5, "lens.blades: 2 blades do not enclose an opening")]
 #[case::transmittance(
     "[lens]\ntransmittance = 1.5",
     5,
@@ -171,12 +179,12 @@ use super::*;
 #[case::sphere_shines(
     "[[scene.spheres]]\nmaterial = 'hot'\nposition_m = [0, 0, 0]\nradius_m = 1\n[materials.hot]\ntype = 'diffuse'\nreflectance = 0.5\nemission = { illuminant = 'D65', luminance_nit = 1 }",
     5,
-    "scene.spheres[0].material: \"hot\" shines, but a sphere cannot"
+    "scene.spheres[0].material: \"hot\" has an emission, and a sphere of [scene] cannot emit light"
 )]
 #[case::disk_normal(
     "[[scene.disks]]\nmaterial = 'wall'\nposition_m = [0, 0, 0]\nnormal = [0, 0, 0]\nradius_m = 1",
     7,
-    "scene.disks[0].normal: must be a direction, got [0.0, 0.0, 0.0]"
+    "scene.disks[0].normal: must be a direction (not zero), got [0.0, 0.0, 0.0]"
 )]
 #[case::cylinder_length(
     "[[scene.cylinders]]\nmaterial = 'wall'\nposition_m = [0, 0, 0]\naxis = [0, 1, 0]\nradius_m = 1\nlength_m = -1",
@@ -186,7 +194,7 @@ use super::*;
 #[case::disk_shines(
     "[[scene.disks]]\nmaterial = 'hot'\nposition_m = [0, 0, 0]\nnormal = [0, 1, 0]\nradius_m = 1\n[materials.hot]\ntype = 'diffuse'\nreflectance = 0.5\nemission = { illuminant = 'D65', luminance_nit = 1 }",
     5,
-    "scene.disks[0].material: \"hot\" shines, but a disk cannot"
+    "scene.disks[0].material: \"hot\" has an emission, and a disk of [scene] cannot emit light"
 )]
 #[case::material_missing("[materials.wall]\ntype = 'diffuse'", 4, "materials.wall: the key `reflectance` is missing")]
 #[case::reflectance(
@@ -239,7 +247,7 @@ use super::*;
 #[case::two_colours(
     "[materials.wall]\nemission = { illuminant = 'A', rgb = [1, 1, 1], luminance_nit = 1 }",
     5,
-    "rgb: cannot go with illuminant"
+    "rgb: cannot be combined with illuminant"
 )]
 #[case::illuminant(
     "[materials.wall]\nemission = { illuminant = 'D6S', luminance_nit = 1 }",
@@ -280,7 +288,7 @@ use super::*;
     "sensor.channels.R.quantum_efficiency: must lie between 0 and 1, but is 1.2"
 )]
 #[case::time("[exposure]\ntime_s = -1", 5, "exposure.time_s: must be above 0, got -1")]
-#[case::auto_and_time("[exposure]\ntime_s = 1\nauto = true", 6, "exposure.auto: cannot go with time_s")]
+#[case::auto_and_time("[exposure]\ntime_s = 1\nauto = true", 6, "exposure.auto: cannot be combined with time_s")]
 #[case::gain("[exposure]\ngain_db = 90", 5, "exposure.gain_db: 90 dB is not among the gains")]
 #[case::frames("[exposure]\nframes = 0", 5, "exposure.frames: must be at least 1")]
 #[case::samples("[render]\nsamples_per_pixel = 0", 5, "render.samples_per_pixel: must be at least 1")]
@@ -302,7 +310,7 @@ fn errors_name_file_key_and_line(#[case] more: &str, #[case] line: usize, #[case
 /// The same for the `[scene]` table itself.
 #[rstest]
 #[case::geometry("[scene]\ngeometry = ['room.obj', 'gone.obj']", 2, "scene.geometry[1]: there is no file")]
-#[case::kind("[scene]\ngeometry = ['capture.toml']", 2, "is no scene of a known kind")]
+#[case::kind("[scene]\ngeometry = ['capture.toml']", 2, "is not a scene of a known kind")]
 #[case::unit("[scene]\ngeometry = ['room.obj']\nmeters_per_unit = 0", 3, "scene.meters_per_unit: must be above 0")]
 #[case::environment(
     "[scene]\ngeometry = ['room.obj']\nenvironment = { illuminence_lux = 5 }",
@@ -349,9 +357,9 @@ fn errors_of_the_scene_name_file_key_and_line(#[case] text: &str, #[case] line: 
 #[case("lens.f_number=wide", "override lens.f_number=wide: lens.f_number: expected a number, found string \"wide\"")]
 #[case("lns.f_number=4", "override lns.f_number=4: lns: unknown key `lns`; did you mean `lens`?")]
 #[case("lens.f_number", "override lens.f_number: there is no value")]
-#[case("=4", "override =4: \"\" is no key")]
+#[case("=4", "override =4: \"\" is not a key")]
 #[case("lens.f_number=[4", "is neither a TOML value nor a word")]
-#[case("a\nb=4", "is no key")]
+#[case("a\nb=4", "is not a key")]
 #[case("sensor.preset=nikon", "override sensor.preset=nikon: sensor.preset: photosite has no sensor \"nikon\"")]
 fn errors_of_arguments_name_the_argument(#[case] argument: &str, #[case] message: &str) {
     let error = Files::new(&room("[lens]\nf_number = 2")).read(&[argument]).expect_err(argument).to_string();
@@ -361,7 +369,7 @@ fn errors_of_arguments_name_the_argument(#[case] argument: &str, #[case] message
 #[test]
 fn errors_in_a_sensor_file_name_that_file() {
     let files = Files::new(&room("[sensor]\npreset = 'mine.toml'"));
-    let text = include_str!("../../../assets/sensors/sony-imx249-mono.toml");
+    let text = include_str!("../../../crates/photosite-imaging/assets/sensors/sony-imx249-mono.toml");
     let text = text.replace("{ file = \"../spectra/quantum-efficiency/sony-imx249-mono.csv\" }", "0.5");
     let lines = text.lines().take_while(|line| !line.starts_with("full_well_e =")).count();
     for (from, to) in [("full_well_e =", "full_wel_e ="), ("full_well_e = ", "full_well_e = -")] {

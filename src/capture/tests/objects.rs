@@ -98,7 +98,7 @@ fn objects_of_one_file_share_its_meshes() {
 #[case::two_turns(
     "file = 'corner.obj'\nrotation_deg = [0, 0, 0]\nlook_at_m = [0, 0, 1]",
     "look_at_m",
-    "cannot go with rotation_deg"
+    "cannot be combined with rotation_deg"
 )]
 #[case::no_turn("file = 'corner.obj'\nquaternion_wxyz = [0, 0, 0, 0]", "quaternion_wxyz", "must not be 0")]
 #[case::straight_up("file = 'corner.obj'\nlook_at_m = [0, 1, 0]", "look_at_m", "which way is up")]
@@ -110,7 +110,11 @@ fn objects_of_one_file_share_its_meshes() {
 #[case::materials("file = 'corner.obj'\nmaterial = { pant = 'paint' }", "material.pant", "did you mean `paint`?")]
 #[case::variant("file = 'corner.obj'\nvariant = 'night'", "variant", "no material variant")]
 #[case::animation("file = 'corner.obj'\nanimation = 'walk'", "animation", "needs an exposure time")]
-#[case::animation_time("file = 'corner.obj'\nanimation_time_s = 1", "animation_time_s", "goes only with an animation")]
+#[case::animation_time(
+    "file = 'corner.obj'\nanimation_time_s = 1",
+    "animation_time_s",
+    "only applies with an animation"
+)]
 #[case::same_name(
     "file = 'corner.obj'\nname = 'a'\n[[scene.objects]]\nfile = 'corner.obj'\nname = 'a'",
     "scene.objects[1].name",

@@ -34,21 +34,24 @@ fn what_does_not_go_with_a_prescription_is_an_error_that_names_the_key() {
             "lens.prescription: no lens \"double-gaus\" ships with photosite; did you mean",
         ),
         ("prescription = 'none.zmx'", "lens.prescription: cannot read"),
-        ("prescription = 'double-gauss'\ntype = 'thin'", "lens.type: cannot go with prescription"),
-        ("prescription = 'double-gauss'\nhorizontal_fov_deg = 30", "lens.horizontal_fov_deg: cannot go with"),
-        ("prescription = 'double-gauss'\nfalloff = 'none'", "lens.falloff: cannot go with lens.prescription"),
-        ("prescription = 'double-gauss'\npsf = { kind = 'airy' }", "lens.psf: cannot go with lens.prescription"),
+        ("prescription = 'double-gauss'\ntype = 'thin'", "lens.type: cannot be combined with prescription"),
+        ("prescription = 'double-gauss'\nhorizontal_fov_deg = 30", "lens.horizontal_fov_deg: cannot be combined with"),
+        ("prescription = 'double-gauss'\nfalloff = 'none'", "lens.falloff: cannot be combined with lens.prescription"),
+        (
+            "prescription = 'double-gauss'\npsf = { kind = 'airy' }",
+            "lens.psf: cannot be combined with lens.prescription",
+        ),
         (
             "prescription = 'double-gauss'\nautofocus_px = 'centre'\nautofocus = { method = 'contrast' }",
             "lens.autofocus.method: the search for contrast",
         ),
         (
             "prescription = 'double-gauss'\ndistortion = { model = 'brown-conrady', k = [-0.1, 0, 0] }",
-            "lens.distortion: cannot go with lens.prescription",
+            "lens.distortion: cannot be combined with lens.prescription",
         ),
         (
             "prescription = 'double-gauss'\n[render]\nlight_paths = 1",
-            "render.light_paths: cannot go with lens.prescription",
+            "render.light_paths: cannot be combined with lens.prescription",
         ),
     ] {
         let error = Files::new(&room(&format!("[lens]\n{keys}"))).read(&[]).expect_err(keys).to_string();

@@ -121,6 +121,10 @@ fn metals_indices_and_textures_come_in_several_shapes() {
         ("type = 'plastic'\nreflectance = 0.5\nglass = 'BK7'\nroughness = 0.2", "Sellmeier"),
         ("type = 'thin-dielectric'\nindex = 1.5\ntransmittance = { file = 'part.csv' }", "ThinDielectric"),
         ("type = 'translucent'\nreflectance = { file = 'part.csv' }\ntransmittance = 0.3", "Translucent"),
+        (
+            "type = 'translucent'\nreflectance = 'reflectances/leaf'\ntransmittance = 'reflectances/leaf-transmittance'",
+            "Translucent",
+        ),
         ("type = 'retroreflective'\nretroreflectance = 0.4\nreflectance = [1, 1, 0]\nindex = 1.5", "Retroreflective"),
         ("type = 'phong'\ndiffuse = 0.3\nspecular = 0.6\nexponent = 20", "Phong"),
         (
@@ -302,7 +306,7 @@ fn a_sensor_is_a_preset_or_a_file_with_changes() {
     let read = |sensor: &str| {
         let files = Files::new(&room(sensor));
         fs::create_dir(files.0.path().join("sensors")).expect("created");
-        let text = include_str!("../../../assets/sensors/sony-imx249-mono.toml");
+        let text = include_str!("../../../crates/photosite-imaging/assets/sensors/sony-imx249-mono.toml");
         let quantum_efficiency = "../spectra/quantum-efficiency/sony-imx249-mono.csv";
         assert!(text.contains(quantum_efficiency));
         files.add("sensors/mine.toml", text.replace(quantum_efficiency, "qe.csv").as_bytes());

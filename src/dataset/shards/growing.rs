@@ -65,12 +65,14 @@ impl Shards {
         let path = dataset.join(IDENTITY);
         if !path.is_file() {
             let help = "give the folder that `photosite dataset` fills";
-            return Err(Invalid::new("", "holds no data set").help(help).in_file(dataset));
+            return Err(Invalid::new("", "does not contain a data set").help(help).in_file(dataset));
         }
         let identity = read_identity(&path)?;
         if !identity["part"].is_null() {
             let help = "merge the parts with `photosite merge`, and give the folder that it fills";
-            return Err(Invalid::new("", "holds a part of every picture, and no pictures").help(help).in_file(dataset));
+            return Err(Invalid::new("", "contains a part of every picture, but no finished pictures")
+                .help(help)
+                .in_file(dataset));
         }
         let frames = frames.map_or_else(|| frames_of_manifest(dataset), Ok)?;
         let samples = Samples::new(dataset, SetFacts::of_identity(&identity, frames, &path)?);

@@ -108,7 +108,7 @@ impl Container for ParquetFile {
         let raw = sample.raw.as_ref().map_or(Ok(None), raw_png).map_err(failed)?;
         if raw.is_none() && sample.raw.is_some() {
             warn(
-                "Parquet files hold raw images of one number a pixel, and are without those of all channels at every pixel",
+                "Parquet files hold raw images of one number per pixel, and are without those of all channels at every pixel",
             );
         }
         let depth = sample.truth.get("depth").map(depth_png).transpose().map_err(failed)?;

@@ -109,7 +109,7 @@ impl Wanted {
     /// What the folder has recorded, which must be what is wanted; `None` of a new or empty folder.
     pub(super) fn recorded(&self, folder: &Path) -> Result<Option<Settings>> {
         if folder.is_file() {
-            return Err(elsewhere(format!("{} is a file, where a folder is needed", folder.display())));
+            return Err(elsewhere(format!("{} is a file, but a folder is needed", folder.display())));
         }
         let path = folder.join(SETTINGS);
         let text = match fs::read_to_string(&path) {
@@ -119,7 +119,10 @@ impl Wanted {
                 let mut names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
                 // Another process may have begun meanwhile.
                 if names.any(|name| !name.starts_with('.')) && !path.exists() {
-                    return Err(elsewhere(format!("{} is not empty, and holds no {SETTINGS}", folder.display())));
+                    return Err(elsewhere(format!(
+                        "{} is not empty and does not contain {SETTINGS}",
+                        folder.display()
+                    )));
                 }
                 return if path.exists() { self.recorded(folder) } else { Ok(None) };
             }
@@ -131,7 +134,7 @@ impl Wanted {
         };
         let settings: Settings = serde_json::from_str(&text).map_err(|error| damaged(&error.to_string()))?;
         if settings.frames_per_shard == 0 {
-            return Err(damaged("a shard of no frames"));
+            return Err(damaged("a shard without frames"));
         }
         self.difference(&settings)
             .map_or(Ok(Some(settings)), |what| Err(elsewhere(format!("{} {what}", folder.display()))))
@@ -143,14 +146,14 @@ impl Wanted {
             return Some(format!("holds {} files, and not {}", known.format.name(), self.format.name()));
         }
         if known.fingerprint != self.fingerprint {
-            return Some("holds shards of another data set".to_owned());
+            return Some("contains shards of another data set".to_owned());
         }
         if known.photosite_version != version {
             return Some(format!("was written by photosite {}, and this is {version}", known.photosite_version));
         }
         if known.frames != self.frames {
             let (then, now) = (known.frames, self.frames);
-            return Some(format!("was begun when the data set had {then} frames, and it has {now}"));
+            return Some(format!("was started when the data set had {then} frames, and it has {now}"));
         }
         if let Some(frames) =
             self.size.frames.filter(|&frames| (frames, None) != (known.frames_per_shard, known.limit_mb))

@@ -27,7 +27,7 @@ pub(super) fn write_index(folder: &Path, samples: usize) -> Result<()> {
     let found: u64 = shards.iter().filter_map(|shard| shard["nsamples"].as_u64()).sum();
     if found != samples as u64 {
         let message = format!("holds {found} samples, of {samples}: a file of a shard is lost");
-        let help = "remove all files of the shard that lacks one, and give the command again, which writes it anew";
+        let help = "remove all files of the shard that lacks one, and run the command again, which writes it again";
         return Err(Invalid::new("", message).help(help).in_file(folder));
     }
     let index = json!({ "__kind__": "wids-shard-index-v1", "wids_version": 1, "shardlist": shards });

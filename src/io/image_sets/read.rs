@@ -31,7 +31,7 @@ pub fn read_set(path: &Path, taken: &dyn Fn() -> Result<()>) -> Result<MeasuredS
     let descriptor = Descriptor::parse(&text).map_err(|(line, invalid)| invalid.at_line(path, line))?;
     let Descriptor { width, height, .. } = descriptor;
     let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(PIXEL);
-    memory::check(bytes, &format!("evaluating images of {width} × {height} pixels"), "give smaller ones")
+    memory::check(bytes, &format!("evaluating images of {width} × {height} pixels"), "use smaller images")
         .map_err(|invalid| invalid.in_file(path))?;
     let reader = ImageReader { folder: path.parent().unwrap_or(Path::new("")), descriptor: &descriptor, taken };
     let unfit = |message: String| Invalid::new("", message).in_file(path);
@@ -76,7 +76,9 @@ pub fn read_set(path: &Path, taken: &dyn Fn() -> Result<()>) -> Result<MeasuredS
     let stacks = match stacks {
         [Some((dark_time, dark)), Some((bright_time, bright))] if dark_time == bright_time => Some([dark, bright]),
         [None, None] => None,
-        [_, _] => return Err(unfit("the stacks are no dark and bright one of the same exposure time".to_owned())),
+        [_, _] => {
+            return Err(unfit("the stacks are not a dark and a bright one with the same exposure time".to_owned()));
+        }
     };
     Ok(MeasuredSet { points, stacks, descriptor })
 }

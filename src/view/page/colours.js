@@ -88,7 +88,7 @@ export function toImage(picture, map, [low, high]) {
   const colours = table(map);
   for (let i = 0, j = 0; i < count; i++, j += n) {
     const v = values[j];
-    // What is no number has a colour that no map has.
+    // What is not a number has a colour that no map has.
     if (Number.isNaN(v)) { out[i] = rgb(255, 0, 255); continue; }
     const level = 3 * Math.round(Math.min(Math.max((v - low) * factor, 0), 1) * (LEVELS - 1));
     out[i] = rgb(colours[level], colours[level + 1], colours[level + 2]);

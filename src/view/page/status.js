@@ -11,7 +11,7 @@ export function tellStatus() {
   if (!status) return;
   const isTraced = ["tracing", "paused"].includes(status.phase), isStored = status.phase === "stored";
   const lines = [status.frame === null ? PHASES[status.phase] : `${PHASES[status.phase]}, frame ${status.frame}`];
-  if (!isStored) lines.push(`${readable(status.samples_per_pixel, 4)} samples a pixel, ${clock(status.elapsed_s)}${isTraced && status.left_s !== null ? `, ${clock(status.left_s)} left` : ""}`);
+  if (!isStored) lines.push(`${readable(status.samples_per_pixel, 4)} samples per pixel, ${clock(status.elapsed_s)}${isTraced && status.left_s !== null ? `, ${clock(status.left_s)} left` : ""}`);
   if (status.message) lines.push(status.message);
   if (state.latency !== null) lines.push(`Answer within ${state.latency.toFixed(0)} ms`);
   $("status").textContent = lines.join("\n");

@@ -52,7 +52,7 @@ pub fn opencv_pair(pair: &StereoPair<'_>) -> Result<String, Invalid> {
     let models = [model(first)?, model(second)?];
     if models[0] != models[1] || first.resolution != second.resolution {
         let message = format!(
-            "OpenCV's stereo files are of two cameras of one kind and size, and {} and {} differ",
+            "OpenCV's stereo files need two cameras of one kind and size, but {} and {} differ",
             first.name, second.name
         );
         return Err(Invalid::new("cameras", message).help("give both the same projection and resolution_px"));

@@ -39,7 +39,7 @@ impl<'a> StereoPair<'a> {
         let from_first = second.from_world() * first.from_world().inverse();
         let refused = |why: &str| {
             let message = format!("{} and {} cannot be rectified: {why}", first.name, second.name);
-            Invalid::new("cameras", message).help("let them stand side by side and look at the same things")
+            Invalid::new("cameras", message).help("place them side by side, looking at the same things")
         };
         let turn = DQuat::from_mat3(&from_first.matrix3).normalize();
         let turn = if turn.w < 0.0 { -turn } else { turn };
@@ -48,7 +48,7 @@ impl<'a> StereoPair<'a> {
         let is_vertical = between.x.abs() <= between.y.abs();
         let along = if is_vertical { between.y } else { between.x };
         if along == 0.0 {
-            return Err(refused("they stand at the same place, or one behind the other"));
+            return Err(refused("they are at the same place, or one behind the other"));
         }
         let wanted = if is_vertical { DVec3::Y } else { DVec3::X } * along.signum();
         let axis = between.normalize().cross(wanted);
@@ -64,8 +64,7 @@ impl<'a> StereoPair<'a> {
         let focal_length_px = 0.5 * (across(first) + across(second));
         let mut centre_px = DVec2::ZERO;
         for (camera, rotation) in cameras.into_iter().zip(rotations) {
-            let shown =
-                mean_direction(camera, rotation).ok_or_else(|| refused("they look into different directions"))?;
+            let shown = mean_direction(camera, rotation).ok_or_else(|| refused("they look in different directions"))?;
             let middle = DVec2::from_array(camera.resolution.map(|n| (f64::from(n) - 1.0) / 2.0));
             centre_px += 0.5 * (middle - focal_length_px * shown);
         }

@@ -86,7 +86,7 @@ impl Law {
             return Err(Invalid::new("", "does not say how the key varies").help("for example uniform = [0, 12]"));
         };
         if let Some((other, _)) = given.next() {
-            return Err(Invalid::new(other, format!("cannot go with {name}")).help("keep one of them"));
+            return Err(Invalid::new(other, format!("cannot be combined with {name}")).help("keep one of them"));
         }
         let law = law.map_err(|invalid| invalid.within(name))?;
         let Some(weights) = &d.weights else { return Ok(law) };
@@ -106,8 +106,8 @@ impl Law {
                 | ValueLaw::Hsv(_),
             )
             | Self::Count(_) => {
-                let help = "they go with choice, choices and files; remove them";
-                Err(Invalid::new("", format!("cannot go with {name}")).help(help))
+                let help = "they apply to choice, choices and files; remove them";
+                Err(Invalid::new("", format!("cannot be combined with {name}")).help(help))
             }
         };
         weighted.map_err(|invalid| invalid.within("weights"))
@@ -140,7 +140,7 @@ impl ValueLaw {
 impl<T> Choice<T> {
     fn new(things: Vec<T>) -> Result<Self, Invalid> {
         if things.is_empty() {
-            return Err(Invalid::new("", "has nothing to choose from").help("for example [\"D65\", \"A\"]"));
+            return Err(Invalid::new("", "has no choices").help("for example [\"D65\", \"A\"]"));
         }
         Ok(Self { things, up_to: None })
     }
@@ -148,7 +148,7 @@ impl<T> Choice<T> {
     fn weighted(self, weights: &[f64]) -> Result<Self, Invalid> {
         let sum: f64 = weights.iter().sum();
         if weights.len() != self.things.len() {
-            let message = format!("are {}, and there are {} to choose from", weights.len(), self.things.len());
+            let message = format!("has {} entries, but there are {} choices", weights.len(), self.things.len());
             return Err(Invalid::new("", message).help("write a number for each, in their order"));
         }
         if !(weights.iter().all(|weight| *weight >= 0.0) && sum > 0.0 && sum.is_finite()) {
@@ -183,13 +183,13 @@ fn checked(tables: Vec<Map<String, Value>>) -> Result<Vec<Map<String, Value>>, I
         let at = format!("[{i}]");
         if table.is_empty() {
             let help = "for example choices = [{ \"lens.f_number\" = 2, \"exposure.time_s\" = 0.01 }, …]";
-            return Err(Invalid::new(at, "changes no key").help(help));
+            return Err(Invalid::new(at, "does not change any key").help(help));
         }
         let [lacking, odd] = [(&tables[0], table), (table, &tables[0])]
             .map(|(of, other)| of.keys().find(|key| !other.contains_key(*key)));
         let message = match (lacking, odd) {
             (Some(key), _) => format!("has no {key:?}, which the first table has"),
-            (None, Some(key)) => format!("has {key:?}, which the first table has not"),
+            (None, Some(key)) => format!("has {key:?}, which the first table does not have"),
             (None, None) => continue,
         };
         return Err(Invalid::new(at, message).help("write the same keys in all tables"));
@@ -241,7 +241,8 @@ fn within(key: &str, range: [f64; 2], [low, high]: [f64; 2]) -> Result<[f64; 2],
 
 fn direction(key: &str, value: [f64; 3]) -> Result<DVec3, Invalid> {
     DVec3::from_array(value).try_normalize().ok_or_else(|| {
-        Invalid::new(key, format!("must be a direction, got {value:?}")).help(format!("for example {key} = [0, 1, 0]"))
+        Invalid::new(key, format!("must be a direction (not zero), got {value:?}"))
+            .help(format!("for example {key} = [0, 1, 0]"))
     })
 }
 
@@ -303,7 +304,7 @@ impl Rotation {
         match (d.axis, d.angle_deg) {
             (None, None) => Ok(Self::Any),
             (None, Some(_)) => {
-                Err(Invalid::new("angle_deg", "goes only with an axis").help("for example axis = [0, 1, 0]"))
+                Err(Invalid::new("angle_deg", "only applies with an axis").help("for example axis = [0, 1, 0]"))
             }
             (Some(axis), angle_deg) => {
                 let angle_deg = within("angle_deg", angle_deg.unwrap_or([0.0, 360.0]), [-360.0, 360.0])?;

@@ -207,13 +207,13 @@ fn check_variations(variations: &[Variation], cameras: &[RigCamera]) -> Result<(
             return refuse("key", message, "remove it; for other noise write seed = 1, without a table");
         }
         if key == SERIAL && cameras.len() > 1 && !variation.is_per_camera() {
-            return refuse("per_camera", "all cameras of the rig would be one specimen", "add per_camera = true");
+            return refuse("per_camera", "all cameras of the rig would be the same specimen", "add per_camera = true");
         }
         let decides_geometry =
             ["lens.", "sensor.resolution_px", "sensor.pixel_pitch_um", "sensor.format", "sensor.preset"];
         let parts_pair = decides_geometry.iter().any(|start| key.starts_with(start));
         if is_pair && variation.is_per_camera() && parts_pair {
-            let message = "disparity is that of two cameras of one kind, and these would differ";
+            let message = "disparity needs two cameras of one kind, and these would differ";
             return refuse("per_camera", message, "remove per_camera, or disparity_to of the cameras");
         }
     }
@@ -265,10 +265,10 @@ impl DatasetDescription {
                 && d.name != CALIBRATION_FOLDER;
             if !is_folder {
                 let help = "letters, digits, - and _ make folders everywhere";
-                return Err(at(Invalid::new("name", format!("{:?} is no name for a folder", d.name)).help(help)));
+                return Err(at(Invalid::new("name", format!("{:?} is not a name for a folder", d.name)).help(help)));
             }
             if !names.insert(d.name.to_ascii_lowercase()) {
-                return Err(at(Invalid::new("name", format!("there are two cameras {:?}", d.name))));
+                return Err(at(Invalid::new("name", format!("two cameras are called {:?}", d.name))));
             }
             let position = d.position_m.unwrap_or_default();
             let [x, y, z] = position;

@@ -91,7 +91,7 @@ impl Poses {
         ];
         let mut names = given.iter().filter(|(_, is_given)| *is_given).map(|(name, _)| *name);
         if let (Some(first), Some(second)) = (names.next(), names.next()) {
-            return Err(Invalid::new(second, format!("cannot go with {first}")).help("keep one of them"));
+            return Err(Invalid::new(second, format!("cannot be combined with {first}")).help("keep one of them"));
         }
         if let Some(list) = &d.list {
             let pose = |(i, p): (usize, &super::PoseDescription)| {
@@ -153,9 +153,11 @@ impl Poses {
 /// The subject that is named, or a point.
 fn subject(target: Option<&String>, look_at_m: Option<[f64; 3]>, subjects: &[Subject]) -> Result<Subject, Invalid> {
     match (target, look_at_m) {
-        (Some(_), Some(_)) => Err(Invalid::new("look_at_m", "cannot go with target").help("keep one of them")),
-        (None, None) => Err(Invalid::new("", "does not say what is looked at")
-            .help("write target = \"board\" or look_at_m = [0, 0, 0]")),
+        (Some(_), Some(_)) => Err(Invalid::new("look_at_m", "cannot be combined with target").help("keep one of them")),
+        (None, None) => {
+            Err(Invalid::new("", "does not say what to look at")
+                .help("write target = \"board\" or look_at_m = [0, 0, 0]"))
+        }
         (None, Some(point)) => Ok(Subject::point(DVec3::from_array(point))),
         (Some(name), None) => subjects.iter().find(|s| s.name == *name).cloned().ok_or_else(|| {
             let names: Vec<_> = subjects.iter().map(|s| s.name.as_str()).collect();
@@ -254,7 +256,7 @@ impl Around {
                 }
             }
         }
-        let message = format!("in none of {VIEWS} views are all points in the pictures of all cameras");
+        let message = format!("in none of {VIEWS} views do all cameras see all points");
         Err(Invalid::new("distance_m", message).help("write larger distances, or a smaller margin_px"))
     }
 

@@ -46,25 +46,29 @@ impl Variation {
                 return refuse("", "the key `key` is missing", "for example key = \"exposure.time_s\"");
             }
             (Some(_), Some(_)) => {
-                return refuse("key", "cannot go with choices, whose tables name their keys", "remove one of them");
+                return refuse(
+                    "key",
+                    "cannot be combined with choices, whose tables name their keys",
+                    "remove one of them",
+                );
             }
             (Some(_), None) | (None, Some(_)) => {}
         }
         let is_pattern =
             d.key.as_ref().is_some_and(|key| key_path::keys(key).iter().any(|key| key_path::is_pattern(key)));
         if d.together && !(is_pattern && matches!(law, Law::Value(_))) {
-            let message = "goes only with a key that stands for several, such as \"materials.paint-*.roughness\"";
+            let message = "only applies with a key that matches several, such as \"materials.paint-*.roughness\"";
             return refuse("together", message, "remove it");
         }
         if let Law::Count([_, most]) = law {
             let keys = found.keys.len();
             if !is_pattern {
-                let message = "goes only with a key that stands for several, such as \"lights.*.on\"";
+                let message = "only applies with a key that matches several, such as \"lights.*.on\"";
                 return refuse("count", message, "choice = [true, false] varies one key");
             }
             if most as usize > keys {
-                let message = format!("asks for {most}, and the key stands for {keys}");
-                return refuse("count", &message, "write a number that there are");
+                let message = format!("asks for {most}, but the key matches {keys}");
+                return refuse("count", &message, "write a number up to that");
             }
         }
         let keys = match &law {

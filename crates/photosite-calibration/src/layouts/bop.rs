@@ -83,11 +83,11 @@ fn check(shot: &Shot) -> Result<(), Invalid> {
         | None => {
             return Err(shot
                 .calibrated
-                .no_model("BOP", "make a data set with lens.distortion left out, and through no lens.prescription"));
+                .no_model("BOP", "make a data set without lens.distortion and lens.prescription"));
         }
     }
     if shot.is_skewed {
-        let message = format!("the rows of {} are taken one after the other while something moves", shot.folder);
+        let message = format!("the rows of {} are exposed one after another while something moves", shot.folder);
         let help = "BOP files have one pose for each picture: make a data set with sensor.shutter = \"global\"";
         return Err(Invalid::new("sensor.shutter", message).help(help));
     }
@@ -137,7 +137,7 @@ impl Built {
             a.name == b.name && a.numbers == b.numbers && a.to_world.abs_diff_eq(b.to_world, 1e-9)
         };
         if found.len() != objects.len() || !found.iter().zip(objects).all(is_same) {
-            let message = "the geometry that the captures name is not that of the pictures any more";
+            let message = "the geometry files have changed since the pictures were made";
             return Err(Invalid::new("", message).help("put the files back, or make the data set again"));
         }
         let quadric = |i: &InstanceDescription| {

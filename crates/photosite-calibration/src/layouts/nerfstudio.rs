@@ -41,7 +41,7 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
     let model = lenses[0].model;
     if let Some(i) = lenses.iter().position(|lens| lens.model != model) {
         let message = format!(
-            "Nerfstudio has one camera_model for all pictures, and {} is {}, {} {model}",
+            "Nerfstudio has one camera_model for all pictures, but {} is {}, {} {model}",
             set.shots[i].calibrated.name, lenses[i].model, first.calibrated.name,
         );
         return Err(
@@ -55,10 +55,10 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
     let shutter = shutters[0].filter(|_| shutters.iter().all(|other| other == &shutters[0]));
     if shutter.is_none() && set.shots.iter().any(|shot| shot.is_skewed) {
         files.warn(if set.shots.iter().any(|shot| shot.shutter.as_ref().is_some_and(|shutter| !shutter.is_downwards)) {
-            "the sensor takes its rows from the middle outwards, for which transforms.json has no words: each picture has \
+            "the sensor takes its rows from the middle outwards, which transforms.json cannot describe: each picture has \
              but one pose"
         } else if shutters.iter().any(Option::is_none) {
-            "things move while rows are taken one after the other, and transforms.json tells of cameras that do so in all \
+            "things move while rows are exposed one after another, and transforms.json tells of cameras that do so in all \
              pictures alone: the pictures have one pose for all of their rows, or no rolling_shutter"
         } else {
             "exposure times differ from picture to picture: transforms.json is without rolling_shutter, which is one for all"

@@ -126,14 +126,14 @@ impl PictureSet {
             };
             for (shot, head) in shots.zip(self.of_camera(0).skip(1)) {
                 if !is_same_lens(&shot.calibrated, &first.calibrated) {
-                    let help = "one camera is to stand for all frames: make a data set that varies neither lens nor \
+                    let help = "one camera has to represent all frames: make a data set that varies neither lens nor \
                                 sensor, without autofocus, or lay this one out for colmap, which has a camera for each";
                     return Err(differs("the lens", shot, help));
                 }
                 let place = |shot: &Shot, head: &Shot| head.start.inverse() * shot.start;
                 let Some(first_head) = self.of_camera(0).next() else { continue };
                 if !place(shot, head).abs_diff_eq(place(first, first_head), SAME) {
-                    let help = "the cameras of a rig are to keep their places on it: make a data set that does not vary \
+                    let help = "the cameras of a rig must keep their places on it: make a data set that does not vary \
                                 them, or lay this one out for colmap";
                     return Err(differs("the place on the rig", shot, help));
                 }

@@ -82,7 +82,8 @@ impl EsfrChart {
         let side = length("square_mm", self.square_mm)?;
         let spacing = length("spacing_mm", self.spacing_mm)?;
         if spacing < 1.5 * side {
-            let message = format!("{} mm leave too little between squares of {} mm", self.spacing_mm, self.square_mm);
+            let message =
+                format!("{} mm leaves too little room between squares of {} mm", self.spacing_mm, self.square_mm);
             let help = format!("edges need light on their outer side: write at least {}", 1.5 * self.square_mm);
             return Err(Invalid::new("spacing_mm", message).help(help));
         }
@@ -124,7 +125,9 @@ impl EsfrChart {
 fn turned_square(middle: DVec2, side: f64, angle_deg: f64) -> Result<Vec<DVec2>, Invalid> {
     if !(0.5..=44.5).contains(&angle_deg.abs()) {
         let message = format!("must lie between 0.5 and 44.5 either way, got {angle_deg}");
-        return Err(Invalid::new("angle_deg", message).help("an edge along the pixels tells nothing; 5 is usual"));
+        return Err(
+            Invalid::new("angle_deg", message).help("an edge along the pixels does not show anything; 5 is usual")
+        );
     }
     let turn = DVec2::from_angle(angle_deg.to_radians());
     let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(DVec2::from_array);

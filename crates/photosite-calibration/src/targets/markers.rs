@@ -25,7 +25,7 @@ pub struct Dictionary {
 }
 
 macro_rules! files {
-    ($($name:literal),*) => { [$(include_str!(concat!("../../../../assets/markers/", $name, ".txt"))),*] };
+    ($($name:literal),*) => { [$(include_str!(concat!("../../assets/markers/", $name, ".txt"))),*] };
 }
 
 const FILES: [&str; 10] = files![
@@ -92,7 +92,7 @@ impl Dictionary {
         let Some(dictionary) = Self::named(name) else {
             let names = DICTIONARIES.map(|dictionary| dictionary.name).join(", ");
             let message = format!("there is no dictionary {name:?}");
-            return Err(Invalid::new("dictionary", message).help(format!("known are {names}")));
+            return Err(Invalid::new("dictionary", message).help(format!("known names are {names}")));
         };
         if needed <= dictionary.len {
             return Ok(dictionary);

@@ -77,7 +77,7 @@ pub fn pdf(target: &Target, title: &str) -> Result<Vec<u8>, Invalid> {
     let size = target.size_m() * POINTS_PER_M;
     if size.max_element() > LONGEST_PAGE {
         let metres = LONGEST_PAGE / POINTS_PER_M;
-        let message = format!("{:.2} m is longer than a page of a PDF file can be", target.size_m().max_element());
+        let message = format!("{:.2} m is longer than a PDF page can be", target.size_m().max_element());
         return Err(Invalid::new("", message).help(format!("at most {metres:.2} m; write SVG instead")));
     }
     let [catalog, pages, page, contents, info] = [1, 2, 3, 4, 5].map(Ref::new);

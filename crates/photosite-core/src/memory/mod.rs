@@ -27,7 +27,8 @@ static LIMIT: AtomicU64 = AtomicU64::new(0);
 /// A number that is none.
 pub fn set_limit(gib: f64) -> Result<()> {
     if !(gib.is_finite() && gib > 0.0) {
-        let message = format!("{gib} GiB is no memory to work with; write a number above 0, for example 2.5");
+        let message =
+            format!("{gib} GiB is not an amount of memory to work with; write a number above 0, for example 2.5");
         return Err(Error::Usage { message, help: None });
     }
     // The conversion saturates at the largest number.

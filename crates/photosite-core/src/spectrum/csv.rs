@@ -224,7 +224,7 @@ impl SpectralTable {
         match &self.columns[..] {
             [only] => self.column(&only.name),
             columns => {
-                let message = format!("has {} columns of values where one is wanted", columns.len());
+                let message = format!("has {} columns of values where one is expected", columns.len());
                 Err(CsvError::whole(message).help("keep two columns: wavelength_nm,value"))
             }
         }
@@ -286,7 +286,7 @@ mod tests {
             ("400,1\n450,nan\n", Some(2), "not a finite number"),
             ("400,1\n450\n", Some(2), "1 columns"),
             ("400,1\n450,1,2\n", Some(2), "3 columns"),
-            ("400,0,5\n", None, "2 columns of values where one is wanted"),
+            ("400,0,5\n", None, "2 columns of values where one is expected"),
             ("400,1\n\n# c\n400,2\n", Some(4), "does not come after 400 nm"),
             ("# outside: never\n400,1", Some(1), "neither zero nor hold"),
             ("# outside: blackbody hot\n400,1", Some(1), "neither zero nor hold"),

@@ -17,7 +17,7 @@ pub const OBSERVER: &str = "cie-1931-2deg";
 /// The text of `assets/spectra/NAME.csv` for every name.
 macro_rules! embed {
     ($($name:literal,)*) => {
-        &[$(($name, include_str!(concat!("../../../../assets/spectra/", $name, ".csv")))),*]
+        &[$(($name, include_str!(concat!("../../assets/spectra/", $name, ".csv")))),*]
     };
 }
 
@@ -98,7 +98,7 @@ const TABLES: &[(&str, &str)] = embed![
 ];
 
 /// Sellmeier and Cauchy coefficients of glasses, liquids and plastics.
-const GLASSES: &str = include_str!("../../../../assets/spectra/glasses.toml");
+const GLASSES: &str = include_str!("../../assets/spectra/glasses.toml");
 
 /// The complex refractive index n + ik of a metal.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,6 +117,13 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// Names of the tables that [`reflectance`] finds.
 pub fn reflectances() -> impl Iterator<Item = &'static str> {
     TABLES.iter().filter(|(_, text)| holds(text, "reflectance")).map(|(name, _)| *name)
+}
+
+/// Names of what can stand for the part of the light that a surface lets through: measured transmittances, and
+/// reflectances, whose spectra serve as well.
+pub fn transmittances() -> impl Iterator<Item = &'static str> {
+    let is_one = |text| holds(text, "transmittance") || holds(text, "reflectance");
+    TABLES.iter().filter(move |(_, text)| is_one(text)).map(|(name, _)| *name)
 }
 
 /// Symbols of the metals that [`conductor`] finds.
@@ -237,7 +244,7 @@ mod tests {
     #[test]
     fn no_file_of_the_folder_is_forgotten() {
         let mut found = BTreeSet::new();
-        files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../assets/spectra"), "", &mut found);
+        files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/spectra"), "", &mut found);
         assert_eq!(names().map(str::to_owned).collect::<BTreeSet<_>>(), found);
         assert!(names().is_sorted());
     }

@@ -131,7 +131,7 @@ impl Descriptor {
             ("d", _) => return wrong("write the exposure time in ns, 0 where it is not known: d 1000000"),
             ("i", _) if !rest.is_empty() => match self.series.last_mut() {
                 Some(series) => series.images.push(rest.replace('\\', "/")),
-                None => return wrong("say first of what it was taken: b 1000000 250.0 or d 1000000"),
+                None => return wrong("first state what it was taken of: b 1000000 250.0 or d 1000000"),
             },
             _ => return wrong("lines begin with v, n, b, d or i, or # for a comment"),
         }

@@ -20,7 +20,7 @@ impl PairStatistics {
     /// Of two images of the same size, which must have pixels.
     pub fn new(first: &[u16], second: &[u16]) -> Result<Self, Invalid> {
         if first.is_empty() || first.len() != second.len() {
-            let message = format!("images of {} and of {} pixels are no pair", first.len(), second.len());
+            let message = format!("images of {} and of {} pixels do not form a pair", first.len(), second.len());
             return Err(Invalid::new("", message));
         }
         // Sums of integers are exact: squares of 32 bits for up to 2³² pixels.

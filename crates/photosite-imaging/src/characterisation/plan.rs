@@ -32,12 +32,12 @@ impl OperatingPoint {
                  noise takes the figures of its pictures",
             ));
         }
-        const NONLINEAR: &str = "makes numbers that are not in proportion to light";
+        const NONLINEAR: &str = "produces numbers that are not proportional to light";
         let refused = [
             ("charge.logarithmic_reference_e_per_s", sensor.logarithmic.is_some(), NONLINEAR),
             ("adc.companding", sensor.converter.companding.is_some(), NONLINEAR),
             ("video.gamma", sensor.video.curve.is_some(), NONLINEAR),
-            ("video.bandwidth_mhz", sensor.video.low_pass.is_some(), "makes the noise of neighbours go together"),
+            ("video.bandwidth_mhz", sensor.video.low_pass.is_some(), "correlates the noise of neighbouring pixels"),
             ("frame_grabber", sensor.frame_grabber.is_some(), "makes samples that share the noise of pixels"),
             ("image_circle_mm", sensor.cells.image_circle.is_some(), "leaves pixels without light"),
         ];
@@ -180,7 +180,7 @@ fn saturating_flux(sensor: &SensorModel, point: &OperatingPoint, time: Seconds) 
     let photons = free / quantum_efficiency(sensor, point.channel, point.wavelength_nm);
     if photons > MOST_PHOTONS {
         let channel = &sensor.cfa.channels()[point.channel];
-        let message = format!("channel {channel} sees nothing at {} nm", point.wavelength_nm);
+        let message = format!("channel {channel} is blind at {} nm", point.wavelength_nm);
         return Err(Invalid::new("", message).help("choose a wavelength at which it has a quantum efficiency"));
     }
     Ok(photons / time.0)

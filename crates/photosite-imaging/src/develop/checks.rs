@@ -94,7 +94,7 @@ impl DevelopSettings {
         ] {
             if is_given && !fits {
                 return Err(
-                    Invalid::new(key, format!("goes only with {wanted}")).help(format!("add it, or remove {key}"))
+                    Invalid::new(key, format!("only applies with {wanted}")).help(format!("add it, or remove {key}"))
                 );
             }
         }

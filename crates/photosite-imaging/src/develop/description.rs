@@ -53,7 +53,7 @@ impl RawDescription {
             let cfa = Cfa::parse(text)?;
             let [given, stored] = [&cfa, &raw.cfa].map(Cfa::samples_per_pixel);
             if given != stored {
-                let message = format!("{text:?} has {given} numbers a pixel, the file {stored}");
+                let message = format!("{text:?} has {given} numbers per pixel, the file {stored}");
                 return Err(Invalid::new("cfa", message).help("give the filters of the sensor that took it"));
             }
             if cfa.channels() != raw.cfa.channels() {

@@ -47,7 +47,7 @@ pub(super) fn neutral(raw: &RawImage, signal: &[f32], settings: &DevelopSettings
     };
     if neutral.len() != channels || neutral.iter().any(|n| !(n.is_finite() && *n > 0.0)) {
         let key = if settings.white_balance == WhiteBalance::AsShot { "AsShotNeutral" } else { "white_balance" };
-        let message = format!("{neutral:?} is no response to white of {channels} channels");
+        let message = format!("{neutral:?} is not a response to white of {channels} channels");
         return Err(Invalid::new(key, message).help("choose another white_balance, for example \"grey-world\""));
     }
     let largest = neutral.iter().copied().fold(0.0, f64::max);
@@ -201,7 +201,7 @@ fn nothing_to_balance() -> Invalid {
 fn of_temperature(raw: &RawImage, settings: &DevelopSettings) -> Result<Vec<f64>, Invalid> {
     let (kelvin, tint) = (settings.temperature_k.unwrap_or(f64::NAN), settings.tint.unwrap_or(0.0));
     let Some(white) = temperature::chromaticity(kelvin, tint) else {
-        let message = format!("{kelvin} K with a tint of {tint} is no colour of light");
+        let message = format!("{kelvin} K with a tint of {tint} is not a colour of light");
         return Err(Invalid::new("temperature_k", message).help("for example temperature_k = 5000 and tint = 0"));
     };
     response_to(white, raw)
@@ -210,7 +210,7 @@ fn of_temperature(raw: &RawImage, settings: &DevelopSettings) -> Result<Vec<f64>
 /// The response to a white of this chromaticity.
 fn response_to(white: [f64; 2], raw: &RawImage) -> Result<Vec<f64>, Invalid> {
     let Some(matrices) = colour::CameraMatrices::new(&raw.metadata)? else {
-        let message = "the raw file has no colour matrix, so a colour of light says nothing of its channels";
+        let message = "the raw file has no colour matrix, so a colour of light does not determine its channels";
         return Err(Invalid::new("white_balance", message).help("for example white_balance = \"grey-world\""));
     };
     let white = cie::xyz_of_chromaticity(white);

@@ -40,7 +40,7 @@ impl BlackLevel {
     /// A level for each place of a tile of `width` columns, DN, row by row.
     pub fn of_tile(width: usize, dn: Vec<f32>) -> Result<Self, Invalid> {
         if width == 0 || dn.is_empty() || !dn.len().is_multiple_of(width) || dn.iter().any(|level| !level.is_finite()) {
-            let message = format!("{} levels are no tile of {width} columns", dn.len());
+            let message = format!("{} levels do not form a tile of {width} columns", dn.len());
             return Err(Invalid::new("black_level_dn", message).help("give finite numbers, row by row"));
         }
         Ok(Self { width, tile: dn, ..Self::uniform(0.0) })

@@ -74,7 +74,7 @@ impl Cfa {
         }
         readable(&letters)?;
         if let Some(i) = (1..letters.len()).find(|&i| letters[..i].contains(&letters[i])) {
-            let message = format!("channel {} comes twice in \"{FULL}{text}\"", letters[i]);
+            let message = format!("channel {} appears twice in \"{FULL}{text}\"", letters[i]);
             return Err(invalid(message).help("write each channel once"));
         }
         let channels = channels_of(&letters);
@@ -107,7 +107,7 @@ impl Cfa {
         })?;
         let side = letters.len().isqrt();
         if side * side != letters.len() {
-            let message = format!("the {} letters of {text:?} are no square tile", letters.len());
+            let message = format!("the {} letters of {text:?} do not form a square tile", letters.len());
             return Err(invalid(message).help("write the rows with a slash between them, for example \"RGRG/GBGB\""));
         }
         Self::tile(&letters.chunks(side).map(String::from_iter).collect::<Vec<_>>())
@@ -138,7 +138,7 @@ impl Cfa {
         let known = tile.iter().all(|&channel| usize::from(channel) < channels.len());
         if width == 0 || height == 0 || width > MAX_TILE || height > MAX_TILE || width * height != tile.len() || !known
         {
-            return Err(invalid(format!("{} filters are no tile of {width} columns", tile.len())));
+            return Err(invalid(format!("{} filters do not form a tile of {width} columns", tile.len())));
         }
         let channels = channels.iter().map(|&name| name.to_owned()).collect();
         Ok(Self { width, height, samples_per_pixel: 1, tile, channels })
@@ -258,7 +258,7 @@ fn invalid(message: impl Into<String>) -> Invalid {
 /// Refuses what is no letter from A to Z.
 fn readable(letters: &[char]) -> Result<(), Invalid> {
     match letters.iter().find(|letter| !letter.is_ascii_uppercase()) {
-        Some(other) => Err(invalid(format!("{other:?} is no channel, which has a letter from A to Z")).help(HELP)),
+        Some(other) => Err(invalid(format!("{other:?} is not a channel, which has a letter from A to Z")).help(HELP)),
         None => Ok(()),
     }
 }
@@ -373,17 +373,17 @@ mod tests {
         for (text, complaint) in [
             ("", "empty"),
             ("bayer", "unknown colour filter array \"bayer\""),
-            ("rggb", "'r' is no channel"),
+            ("rggb", "'r' is not a channel"),
             ("RGG", "3 letters"),
             ("RG/GBG", "row 2 of the tile has 3 letters, the first 2"),
             ("RG//GB", "row 2 of the tile has 0 letters"),
             ("/", "row 1 of the tile has 0 letters"),
-            ("R1/GB", "'1' is no channel"),
-            ("RГGB", "'Г' is no channel"),
+            ("R1/GB", "'1' is not a channel"),
+            ("RГGB", "'Г' is not a channel"),
             (&wide, "80 × 2 pixels is too large"),
             ("full:", "no channels"),
             ("full:RGR", "channel R comes twice"),
-            ("full:rgb", "'r' is no channel"),
+            ("full:rgb", "'r' is not a channel"),
         ] {
             let error = Cfa::parse(text).expect_err(text);
             assert!(error.key == "cfa" && error.message.contains(complaint) && error.help.is_some(), "{error}");

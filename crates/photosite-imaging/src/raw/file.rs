@@ -32,7 +32,7 @@ impl RawImage {
             "pgm" => write_whole(path, |to| write_pgm(self, to)),
             "npy" => write_whole(path, |to| write_npy(self, to)),
             _ => {
-                let message = format!("{extension:?} is no kind of raw file that can be written");
+                let message = format!("{extension:?} is not a kind of raw file that can be written");
                 Err(Invalid::new("", message).help("end the name in .dng, .tiff, .pgm or .npy").in_file(path))
             }
         }
@@ -52,7 +52,7 @@ fn read_any<R: Read + Seek>(mut from: BufReader<R>) -> std::result::Result<RawIm
         }
         [b'P', b'1'..=b'6', ..] => read_pnm(from),
         b"\x93NUM" => read_npy(from),
-        _ => Err(Invalid::new("", "is no raw file of a kind that photosite knows")
+        _ => Err(Invalid::new("", "is not a raw file of a kind that photosite knows")
             .help("give a DNG, TIFF, PBM, PGM, PPM or NPY file, or a raw.exr that photosite wrote")),
     }
 }
@@ -124,7 +124,7 @@ mod tests {
             }
         }
         for other in [&b""[..], b"P", b"II", b"\x89PNG"] {
-            assert!(read_any(BufReader::new(Cursor::new(other))).expect_err("no raw file").help.is_some());
+            assert!(read_any(BufReader::new(Cursor::new(other))).expect_err("not a raw file").help.is_some());
         }
     }
 }

@@ -16,7 +16,7 @@ impl GainMap {
     pub fn new(columns: usize, rows: usize, gains: Vec<f32>) -> Result<Self, Invalid> {
         let complete = columns > 0 && rows > 0 && columns.checked_mul(rows) == Some(gains.len());
         if !complete || gains.iter().any(|gain| !(gain.is_finite() && *gain > 0.0)) {
-            let message = format!("{} gains are no map of {columns} × {rows} points", gains.len());
+            let message = format!("{} gains do not form a map of {columns} × {rows} points", gains.len());
             return Err(Invalid::new("GainMap", message).help("give finite numbers above 0"));
         }
         Ok(Self { columns, gains })

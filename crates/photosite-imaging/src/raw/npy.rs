@@ -26,14 +26,14 @@ pub fn read_npy<R: Read>(from: R) -> Result<RawImage, Invalid> {
         1 => Cfa::mono(),
         3 => Cfa::full(["R", "G", "B"])?,
         _ => {
-            return Err(unreadable(&format!("{channels} channels are no raw picture"))
+            return Err(unreadable(&format!("{channels} channels do not form a raw picture"))
                 .help("write an array of shape (rows, columns), or (rows, columns, 3) for RGB"));
         }
     };
     match numbers {
         NpyNumbers::U16(data) => Ok(RawImage::bare(width, height, data, cfa, u16::MAX)),
         NpyNumbers::U8(_) | NpyNumbers::F32(_) => {
-            Err(unreadable(&"its numbers are no digital numbers of 16 bits").help("write an array of uint16"))
+            Err(unreadable(&"its numbers are not 16-bit digital numbers").help("write an array of uint16"))
         }
     }
 }
@@ -69,7 +69,7 @@ pub fn read_npy_picture<R: Read>(from: R) -> Result<NpyPicture, Invalid> {
         [height, width] => (height, width, 1),
         [height, width, channels @ 1..=4] => (height, width, channels as usize),
         _ => {
-            return Err(unreadable(&format!("an array of shape {:?} is no picture", array.shape()))
+            return Err(unreadable(&format!("an array of shape {:?} is not a picture", array.shape()))
                 .help("write an array of shape (rows, columns), or (rows, columns, 3) for RGB"));
         }
     };
@@ -78,7 +78,9 @@ pub fn read_npy_picture<R: Read>(from: R) -> Result<NpyPicture, Invalid> {
         return Err(unreadable(&format!("{width} × {height} pixels are not a picture")));
     }
     if array.order() == Order::Fortran {
-        return Err(unreadable(&"its columns come first").help("write numpy.ascontiguousarray(array) instead"));
+        return Err(
+            unreadable(&"it is in Fortran order, columns first").help("write numpy.ascontiguousarray(array) instead")
+        );
     }
     let (width, height) = (width as usize, height as usize);
     check_memory([width, height], channels)?;
@@ -110,7 +112,7 @@ fn all<T>(numbers: impl Iterator<Item = io::Result<T>>, wanted: usize) -> Result
             let is_cut = error.kind() == io::ErrorKind::UnexpectedEof;
             if is_cut { unreadable(&format!("{} numbers instead of {wanted}", data.len())) } else { unreadable(&error) }
         });
-        data.push(number.map_err(|invalid| invalid.help("the file is cut short"))?);
+        data.push(number.map_err(|invalid| invalid.help("the file is truncated"))?);
     }
     Ok(data)
 }
@@ -224,11 +226,11 @@ mod tests {
             (header("<u2", "False", "(2,)"), "shape [2]"),
             (header("<u2", "False", "(0, 2)"), "not a picture"),
             (header("<u2", "False", "(1, 99999)"), "not a picture"),
-            (header("<f4", "False", "(1, 1)"), "no digital numbers of 16 bits"),
-            (header("|u1", "False", "(2, 2)"), "no digital numbers of 16 bits"),
+            (header("<f4", "False", "(1, 1)"), "not 16-bit digital numbers"),
+            (header("|u1", "False", "(2, 2)"), "not 16-bit digital numbers"),
             (header("<i4", "False", "(1, 1)"), "cannot read it as NPY"),
             (header("<u2", "False", "(1, 1, 2)"), "2 channels"),
-            (header("<u2", "True", "(1, 2)"), "columns come first"),
+            (header("<u2", "True", "(1, 2)"), "columns first"),
             (header("<u2", "False", "(2, 2)"), "cannot read it as NPY"),
         ] {
             let error = array.expect_err("refused");

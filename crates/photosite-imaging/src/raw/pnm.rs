@@ -67,7 +67,7 @@ pub fn read_pnm<R: BufRead>(mut from: R) -> Result<RawImage, Invalid> {
     };
     let data = data.map_err(|error| {
         let is_cut = error.kind() == io::ErrorKind::UnexpectedEof;
-        if is_cut { unreadable(&error).help("the file is cut short") } else { unreadable(&error) }
+        if is_cut { unreadable(&error).help("the file is truncated") } else { unreadable(&error) }
     })?;
     Ok(RawImage::bare(width, height, data, cfa, maximum))
 }
@@ -136,7 +136,7 @@ fn decimal(from: &mut impl BufRead) -> io::Result<u32> {
             }
             digit if digit.is_ascii_digit() && digits.len() < 9 => digits.push(digit.into()),
             space if space.is_ascii_whitespace() => break,
-            other => return Err(io::Error::other(format!("{:?} is no digit", char::from(other)))),
+            other => return Err(io::Error::other(format!("{:?} is not a digit", char::from(other)))),
         }
         // A text may end with its last digit.
         let Some(&next) = from.fill_buf()?.first() else { break };
@@ -223,7 +223,7 @@ mod tests {
             (b"P5 2 1 255\na", "1 bytes of pixels instead of 2"),
             (b"P4 9 2 \xff\xff\xff", "3 bytes of pixels instead of 4"),
             (b"P2 2 1 255 7", "number 2 of 2"),
-            (b"P2 2 1 255 7 -8", "number 2 of 2: '-' is no digit"),
+            (b"P2 2 1 255 7 -8", "number 2 of 2: '-' is not a digit"),
             (b"P2 1 1 255 65536", "number 1 of 1"),
             (b"P1 2 1 02", "number 2 of 2: '2' is neither 0 nor 1"),
             (b"P3 1 1 255 7 8", "number 3 of 3"),
@@ -231,6 +231,6 @@ mod tests {
             let error = read_pnm(file).expect_err("refused");
             assert!(error.message.contains(complaint), "{error}");
         }
-        assert_eq!(read_pnm(&b"P2 2 1 255 7"[..]).expect_err("cut").help, Some("the file is cut short".into()));
+        assert_eq!(read_pnm(&b"P2 2 1 255 7"[..]).expect_err("cut").help, Some("the file is truncated".into()));
     }
 }

@@ -54,7 +54,7 @@ pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
     let unreadable = |error: TiffError| {
         let invalid = Invalid::new("", format!("cannot read it as TIFF: {error}"));
         let is_cut = matches!(&error, TiffError::IoError(error) if error.kind() == io::ErrorKind::UnexpectedEof);
-        if is_cut { invalid.help("the file is cut short or damaged") } else { invalid }
+        if is_cut { invalid.help("the file is truncated or damaged") } else { invalid }
     };
     let length = from.seek(SeekFrom::End(0)).and_then(|length| from.rewind().map(|()| length));
     let length = length.map_err(|error| unreadable(error.into()))?;
@@ -70,7 +70,7 @@ pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
         (ColorType::Gray(_) | ColorType::Multiband { .. }, 1) => Cfa::mono(),
         (ColorType::RGB(_) | ColorType::Multiband { .. }, 3) => Cfa::full(["R", "G", "B"])?,
         (_, _) => {
-            let message = format!("the file holds {samples} numbers a pixel, of the kind {colours:?}");
+            let message = format!("the file holds {samples} numbers per pixel, of the kind {colours:?}");
             return Err(Invalid::new("SamplesPerPixel", message).help("photosite reads grey and RGB"));
         }
     };
@@ -85,7 +85,7 @@ pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
     let most = usize::try_from(length).unwrap_or(usize::MAX).saturating_mul(inflation);
     if usize::from(bits / 8) * width * height * samples > most {
         let message = format!("{length} bytes cannot hold {width} × {height} pixels");
-        return Err(Invalid::new("StripByteCounts", message).help("the file is cut short or damaged"));
+        return Err(Invalid::new("StripByteCounts", message).help("the file is truncated or damaged"));
     }
     check_memory([width, height], samples)?;
     let mut limits = Limits::default();

@@ -67,7 +67,7 @@ pub fn without_negative(picture: &Planes, warnings: &mut Vec<String>) -> Result<
     let (alpha, mut channels): (Vec<Channel>, Vec<Channel>) =
         picture.clone().into_channels().into_iter().partition(|channel| channel.name == "A");
     if !alpha.is_empty() {
-        warnings.push("transparency (A) has no part in the light and is left out".to_owned());
+        warnings.push("transparency (A) is not part of the light and is ignored".to_owned());
     }
     let mut negative = 0u64;
     for Channel { name, data } in &mut channels {
@@ -83,7 +83,7 @@ pub fn without_negative(picture: &Planes, warnings: &mut Vec<String>) -> Result<
         }
     }
     if negative > 0 {
-        warnings.push(format!("{negative} numbers below 0 are no light and count as 0"));
+        warnings.push(format!("{negative} numbers below 0 cannot be light and count as 0"));
     }
     Planes::new(width, height, channels)
 }

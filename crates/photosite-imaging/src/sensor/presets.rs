@@ -13,19 +13,19 @@ pub const DEFAULT: &str = "generic-cmos-color";
 
 /// Every preset, sorted by name.
 const PRESETS: &[(&str, &str)] = &[
-    ("andor-zyla-55", include_str!("../../../../assets/sensors/andor-zyla-55.toml")),
-    ("automotive-hdr-color", include_str!("../../../../assets/sensors/automotive-hdr-color.toml")),
-    ("generic-cmos-color", include_str!("../../../../assets/sensors/generic-cmos-color.toml")),
-    ("generic-line-scan", include_str!("../../../../assets/sensors/generic-line-scan.toml")),
-    ("generic-stacked-color", include_str!("../../../../assets/sensors/generic-stacked-color.toml")),
-    ("generic-three-chip-ccd", include_str!("../../../../assets/sensors/generic-three-chip-ccd.toml")),
-    ("onsemi-kai-02170-mono", include_str!("../../../../assets/sensors/onsemi-kai-02170-mono.toml")),
-    ("sony-imx249-color", include_str!("../../../../assets/sensors/sony-imx249-color.toml")),
-    ("sony-imx249-mono", include_str!("../../../../assets/sensors/sony-imx249-mono.toml")),
-    ("sony-imx250-mono", include_str!("../../../../assets/sensors/sony-imx250-mono.toml")),
-    ("sony-imx363-color", include_str!("../../../../assets/sensors/sony-imx363-color.toml")),
-    ("swissspad2", include_str!("../../../../assets/sensors/swissspad2.toml")),
-    ("textbook-ccd", include_str!("../../../../assets/sensors/textbook-ccd.toml")),
+    ("andor-zyla-55", include_str!("../../assets/sensors/andor-zyla-55.toml")),
+    ("automotive-hdr-color", include_str!("../../assets/sensors/automotive-hdr-color.toml")),
+    ("generic-cmos-color", include_str!("../../assets/sensors/generic-cmos-color.toml")),
+    ("generic-line-scan", include_str!("../../assets/sensors/generic-line-scan.toml")),
+    ("generic-stacked-color", include_str!("../../assets/sensors/generic-stacked-color.toml")),
+    ("generic-three-chip-ccd", include_str!("../../assets/sensors/generic-three-chip-ccd.toml")),
+    ("onsemi-kai-02170-mono", include_str!("../../assets/sensors/onsemi-kai-02170-mono.toml")),
+    ("sony-imx249-color", include_str!("../../assets/sensors/sony-imx249-color.toml")),
+    ("sony-imx249-mono", include_str!("../../assets/sensors/sony-imx249-mono.toml")),
+    ("sony-imx250-mono", include_str!("../../assets/sensors/sony-imx250-mono.toml")),
+    ("sony-imx363-color", include_str!("../../assets/sensors/sony-imx363-color.toml")),
+    ("swissspad2", include_str!("../../assets/sensors/swissspad2.toml")),
+    ("textbook-ccd", include_str!("../../assets/sensors/textbook-ccd.toml")),
 ];
 
 /// Names of all presets.
@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn every_sensor_file_is_a_preset() {
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../assets/sensors");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/sensors");
         let mut files: Vec<String> = std::fs::read_dir(folder)
             .expect("the assets are part of the repository")
             .map(|entry| entry.expect("readable").file_name().into_string().expect("plain names"))

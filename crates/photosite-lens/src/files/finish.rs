@@ -101,7 +101,7 @@ fn medium(row: &Row, notes: &mut Vec<String>) -> Read<Option<Glass>> {
                     let (index, abbe) = (found.dispersion.index(lines::D), found.dispersion.abbe_number());
                     if (index - nd).abs() > 1e-4 || (abbe - vd).abs() > 0.1 {
                         notes.push(format!(
-                            "{name} has n_d {index:.5}, ν_d {abbe:.2} in the catalogue, but {}, {} in the file, which hold",
+                            "{name} has n_d {index:.5}, ν_d {abbe:.2} in the catalogue, but {}, {} in the file, which are used",
                             rounded(*nd),
                             rounded(*vd)
                         ));
@@ -120,7 +120,7 @@ fn medium(row: &Row, notes: &mut Vec<String>) -> Read<Option<Glass>> {
             )),
             (Found::Unknown(nearest), numbers) => {
                 let mut help = match &nearest[..] {
-                    [] => "no name is like it: give its n_d and ν_d".to_owned(),
+                    [] => "there is no similar name: give its n_d and ν_d".to_owned(),
                     nearest => format!("the nearest names are {}", nearest.join(", ")),
                 };
                 // OpticStudio writes 1.5 and 40 where there is no model glass.

@@ -54,7 +54,7 @@ impl Format {
             "json" if text.contains("\"optical_model\"") => Ok(Self::RayOptics),
             "json" => Ok(Self::Json),
             _ => {
-                let message = format!("a file that ends in {ending:?} is none of a lens");
+                let message = format!("a file that ends in {ending:?} is not a lens file");
                 Err(Invalid::new("", message).help(
                     "lenses are read from .toml and .json (photosite's own, Optiland's), .zmx, .seq, .txt (Optical Bench, \
                      with a section [lens data]), .dat (pbrt) and .roa",

@@ -15,7 +15,8 @@ pub(super) struct At<'a> {
 /// they become texts.
 pub(super) fn parsed(text: &str) -> Read<Value> {
     serde_json::from_str(&with_words_quoted(text)).map_err(|error| {
-        Fault::at(error.line(), format!("no JSON: {error}")).help("save the lens again from the program that wrote it")
+        Fault::at(error.line(), format!("not valid JSON: {error}"))
+            .help("save the lens again from the program that wrote it")
     })
 }
 
@@ -82,11 +83,11 @@ impl<'a> At<'a> {
     /// A number, or infinity.
     pub(super) fn number(&self) -> Read<f64> {
         match self.value {
-            Value::Number(number) => number.as_f64().ok_or_else(|| self.fault(format!("{number} is no number"))),
+            Value::Number(number) => number.as_f64().ok_or_else(|| self.fault(format!("{number} is not a number"))),
             Value::String(text) if text == "Infinity" => Ok(f64::INFINITY),
             Value::String(text) if text == "-Infinity" => Ok(f64::NEG_INFINITY),
             other @ (Value::Null | Value::Bool(_) | Value::String(_) | Value::Array(_) | Value::Object(_)) => {
-                Err(self.fault(format!("{other} is no number")))
+                Err(self.fault(format!("{other} is not a number")))
             }
         }
     }

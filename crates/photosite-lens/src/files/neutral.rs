@@ -185,7 +185,7 @@ fn draft(file: LensFile) -> Read<Draft> {
                 .help("write unit = \"mm\" before the surfaces"));
         }
         Some(unit) => mm_of(unit)
-            .ok_or_else(|| at("unit", format!("{unit:?} is no unit that is known")).help("write mm, cm, in or m"))?,
+            .ok_or_else(|| at("unit", format!("{unit:?} is not a known unit")).help("write mm, cm, in or m"))?,
     };
     let mut draft = Draft { name, source, licence, patent, ..Draft::default() };
     draft.claims.focal_length_mm = file.focal_length;
@@ -240,7 +240,7 @@ fn row(number: usize, surface: SurfaceFile, glasses: &BTreeMap<String, Glass>) -
     let mut asphere = Vec::new();
     for (order, coefficient) in surface.asphere {
         let order = order.parse::<u32>().map_err(|_| {
-            at(&format!("{key}.asphere"), format!("{order:?} is no order"))
+            at(&format!("{key}.asphere"), format!("{order:?} is not an order"))
                 .help("write each order and its coefficient: { 4 = 1.2e-5, 6 = -3e-8 }")
         })?;
         if coefficient != 0.0 {
@@ -263,7 +263,7 @@ fn row(number: usize, surface: SurfaceFile, glasses: &BTreeMap<String, Glass>) -
         None => Coating::Unknown,
         Some(CoatingFile::Word(word)) if word == "none" => Coating::Uncoated,
         Some(CoatingFile::Word(word)) => {
-            return Err(at(&format!("{key}.coating"), format!("{word:?} is no coating"))
+            return Err(at(&format!("{key}.coating"), format!("{word:?} is not a coating"))
                 .help("write \"none\" for bare glass, or the layers from the air side: [{ index = 1.38, thickness_nm = 99.6 }]"));
         }
         Some(CoatingFile::Layers(layers)) => Coating::Layers(

@@ -105,7 +105,7 @@ fn distances(lines: &[Cells]) -> Read<BTreeMap<String, Distance>> {
                 "" => None,
                 text if text.eq_ignore_ascii_case("infinity") || text == "∞" || text == "undefined" => Some(Ok(None)),
                 text => Some(number(text).map(Some).ok_or_else(|| {
-                    Fault::at(*line, format!("[variable distances] {}: {text} is no number", cells[0]))
+                    Fault::at(*line, format!("[variable distances] {}: {text} is not a number", cells[0]))
                 })),
             };
         // Labels of positions stand in the same section.
@@ -149,7 +149,7 @@ fn row(line: usize, cells: &[&str], distances: &BTreeMap<String, Distance>, draf
     let name = format!("surface {}", cells[0]);
     let needed = |i: usize, what: &str| {
         let text = cell(i).ok_or_else(|| Fault::at(line, format!("{name}: there is no {what}")))?;
-        number(text).ok_or_else(|| Fault::at(line, format!("{name}: the {what} {text} is no number")))
+        number(text).ok_or_else(|| Fault::at(line, format!("{name}: the {what} {text} is not a number")))
     };
     let (mut is_stop, mut radius_mm) = (false, None);
     match cell(1) {
@@ -247,7 +247,7 @@ fn asphere(line: usize, cells: &[&str], names: &[&str], orders: &Orders, draft: 
     };
     let value = |i: usize| match cells.get(i).copied().unwrap_or_default() {
         "" | "undefined" => Ok(0.0),
-        text => number(text).ok_or_else(|| Fault::at(line, format!("asphere {id}: {text} is no number"))),
+        text => number(text).ok_or_else(|| Fault::at(line, format!("asphere {id}: {text} is not a number"))),
     };
     let radius = match cells.get(1).copied().unwrap_or_default() {
         text if text.eq_ignore_ascii_case("infinity") => None,

@@ -81,7 +81,7 @@ fn row(surface: &At, thickness_mm: f64, draft: &mut Draft) -> Read<Row> {
         "EvenAsphere" => Some([2, 2]),
         "OddAsphere" => Some([1, 1]),
         other => {
-            let message = format!("the geometry {other} is no sphere, conic or asphere of revolution");
+            let message = format!("the geometry {other} is not a sphere, conic or asphere of revolution");
             let mut fault = geometry.fault(message);
             fault.invalid = fault.invalid.help("only Plane, StandardGeometry, EvenAsphere and OddAsphere can be read");
             return Err(fault);

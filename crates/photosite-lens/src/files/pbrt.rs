@@ -21,7 +21,7 @@ pub(super) fn read(text: &str) -> Read<Draft> {
         }
         for word in values.split_whitespace() {
             let value = number(word).ok_or_else(|| {
-                Fault::at(i + 1, format!("{word} is no number"))
+                Fault::at(i + 1, format!("{word} is not a number"))
                     .help("each surface is its radius, its thickness, the index behind it and its diameter")
             })?;
             numbers.push((i + 1, value));

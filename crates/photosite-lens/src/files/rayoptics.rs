@@ -83,7 +83,7 @@ fn class<'a>(at: &At<'a>) -> &'a str {
 fn row(surface: &At, profiles: Option<&At>, draft: &mut Draft) -> Read<Row> {
     let kind = class(surface);
     if kind != "Surface" {
-        return Err(surface.fault(format!("{kind}, which is no surface of glass")));
+        return Err(surface.fault(format!("{kind}, which is not a surface of glass")));
     }
     let of = attributes(surface);
     let mode = of.text_of("interact_mode");
@@ -108,7 +108,9 @@ fn row(surface: &At, profiles: Option<&At>, draft: &mut Draft) -> Read<Row> {
         // From r² and from r¹.
         "EvenPolynomial" => Some([2, 2]),
         "RadialPolynomial" => Some([1, 1]),
-        other => return Err(profile.fault(format!("the profile {other} is no sphere, conic or asphere of revolution"))),
+        other => {
+            return Err(profile.fault(format!("the profile {other} is not a sphere, conic or asphere of revolution")));
+        }
     };
     // Either k or 1 + k.
     let conic = match (shape.finite_of("cc")?, shape.finite_of("ec")?) {
@@ -128,7 +130,7 @@ fn row(surface: &At, profiles: Option<&At>, draft: &mut Draft) -> Read<Row> {
     {
         semi_aperture_mm = attributes(aperture).finite_of("radius")?.or(semi_aperture_mm);
     } else if !clear.is_empty() {
-        draft.ignore(format!("{}: clear apertures that are no single circle", of.path));
+        draft.ignore(format!("{}: clear apertures that are not a single circle", of.path));
     }
     Ok(Row {
         key: surface.path.clone(),

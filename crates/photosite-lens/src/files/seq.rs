@@ -29,10 +29,10 @@ const REFUSED: &[(&str, &str)] = &[
     ("DIF", "a diffractive surface"),
     ("GRT", "a diffraction grating"),
     ("HOE", "a holographic element"),
-    ("CYL", "a cylinder, which is no surface of revolution"),
-    ("YTO", "a toroid, which is no surface of revolution"),
-    ("XTO", "a toroid, which is no surface of revolution"),
-    ("AAS", "an anamorphic asphere, which is no surface of revolution"),
+    ("CYL", "a cylinder, which is not a surface of revolution"),
+    ("YTO", "a toroid, which is not a surface of revolution"),
+    ("XTO", "a toroid, which is not a surface of revolution"),
+    ("AAS", "an anamorphic asphere, which is not a surface of revolution"),
     ("NSS", "a non-sequential range"),
     ("GRA", "a glass whose index varies in it"),
 ];
@@ -91,7 +91,7 @@ impl Reader {
                     Some('C') => 10.0,
                     Some('I') => 25.4,
                     _ => {
-                        let message = format!("DIM {}: no unit that is known", words[1..].join(" "));
+                        let message = format!("DIM {}: not a known unit", words[1..].join(" "));
                         return Err(Fault::at(line, message).help("write DIM M for mm, DIM C for cm, DIM I for inches"));
                     }
                 };
@@ -147,7 +147,7 @@ impl Reader {
         let name = format!("surface {}", self.draft.rows.len() + 1);
         let value = |i: usize| match words.get(i) {
             None => Ok(0.0),
-            Some(word) => number(word).ok_or_else(|| Fault::at(*line, format!("{name}: {word} is no number"))),
+            Some(word) => number(word).ok_or_else(|| Fault::at(*line, format!("{name}: {word} is not a number"))),
         };
         let (first, thickness) = (value(1)?, value(2)?);
         let medium = match words.get(3) {
@@ -175,7 +175,7 @@ impl Reader {
             return Ok(Medium::Patent { nd, vd });
         }
         if let Some(index) = number(word) {
-            let message = format!("{surface}: the glass {index} is no code of n_d and ν_d");
+            let message = format!("{surface}: the glass {index} is not a code of n_d and ν_d");
             return Err(Fault::at(line, message).help("517000.520000 is n_d 1.517, ν_d 52.0; so is 1.517:52.0"));
         }
         let (name, catalogues) = match word.split_once('_') {
@@ -211,7 +211,7 @@ impl Reader {
         let arguments = command.arguments();
         let value = || {
             let word = arguments.first().copied().unwrap_or_default();
-            number(word).ok_or_else(|| Fault::at(*line, format!("{name}: {key} {word}: no number")))
+            number(word).ok_or_else(|| Fault::at(*line, format!("{name}: {key} {word}: not a number")))
         };
         match key.as_str() {
             "STO" => self.draft.rows[row].is_stop = true,
@@ -387,7 +387,7 @@ impl Reader {
 fn ignored_command(key: &str) -> String {
     match key {
         "REX" | "REY" | "ELX" | "ELY" | "ADX" | "ADY" => {
-            format!("{key}, an aperture that is no circle around the axis")
+            format!("{key}, an aperture that is not a circle around the axis")
         }
         "PIK" => "PIK, which ties values to others: they are taken as they stand".to_owned(),
         _ => format!("{key}, a command that is not known"),

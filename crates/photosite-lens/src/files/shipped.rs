@@ -8,7 +8,7 @@ use super::report::Reading;
 /// The text of `assets/lenses/NAME.toml` for every name.
 macro_rules! embed {
     ($($name:literal,)*) => {
-        &[$(($name, include_str!(concat!("../../../../assets/lenses/", $name, ".toml")))),*]
+        &[$(($name, include_str!(concat!("../../assets/lenses/", $name, ".toml")))),*]
     };
 }
 

@@ -18,14 +18,15 @@ pub(super) fn decoded(bytes: &[u8]) -> Result<String, Invalid> {
     }
     let utf16 = |unit: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
-        String::from_utf16(&units)
-            .map_err(|_| Invalid::new("", "it begins as UTF-16, but is none").help("save it again, as UTF-8"))
+        String::from_utf16(&units).map_err(|_| {
+            Invalid::new("", "it begins as UTF-16, but is not valid UTF-16").help("save it again, as UTF-8")
+        })
     };
     match bytes {
         [0xff, 0xfe, ..] => utf16(u16::from_le_bytes),
         [0xfe, 0xff, ..] => utf16(u16::from_be_bytes),
         [0xef, 0xbb, 0xbf, rest @ ..] => {
-            String::from_utf8(rest.to_vec()).map_err(|_| Invalid::new("", "it begins as UTF-8, but is none"))
+            String::from_utf8(rest.to_vec()).map_err(|_| Invalid::new("", "it begins as UTF-8, but is not valid UTF-8"))
         }
         _ => Ok(std::str::from_utf8(bytes)
             .map_or_else(|_| bytes.iter().map(|&byte| char::from(byte)).collect(), str::to_owned)),
@@ -56,7 +57,7 @@ pub(super) fn positive<S: AsRef<str>>(words: &[S], key: &str, line: usize) -> Re
     let word = words.first().map_or("", |word| word.as_ref());
     match number(word) {
         Some(number) if number > 0.0 => Ok(number),
-        Some(_) | None => Err(Fault::at(line, format!("{key} {word}: no number above 0"))),
+        Some(_) | None => Err(Fault::at(line, format!("{key} {word}: not a number above 0"))),
     }
 }
 

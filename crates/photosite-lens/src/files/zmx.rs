@@ -30,8 +30,8 @@ const REFUSED: &[(&str, &str)] = &[
     ("BINARY_2", "a diffractive surface"),
     ("BINARY_3", "a diffractive surface"),
     ("FRESNELS", "a Fresnel lens"),
-    ("TOROIDAL", "a toroid, which is no surface of revolution"),
-    ("BICONICX", "a biconic, which is no surface of revolution"),
+    ("TOROIDAL", "a toroid, which is not a surface of revolution"),
+    ("BICONICX", "a biconic, which is not a surface of revolution"),
     ("NONSEQCO", "a non-sequential component"),
     ("USERSURF", "a surface that a program of its own computes"),
 ];
@@ -126,7 +126,7 @@ fn of_system(key: &str, rest: &str, line: usize, system: &mut System, draft: &mu
         "UNIT" => {
             let unit = words.first().copied().unwrap_or_default();
             system.mm = Some(mm_of(unit).ok_or_else(|| {
-                Fault::at(line, format!("UNIT {unit}: no unit that is known")).help("write MM, CM, IN or METER")
+                Fault::at(line, format!("UNIT {unit}: not a known unit")).help("write MM, CM, IN or METER")
             })?);
         }
         "ENPD" => draft.opening = Some(Opening::EntrancePupil(positive(&words, key, line)?)),
@@ -170,7 +170,7 @@ fn of_surface(
     let name = surface.row.name.clone();
     let first = |what: &str| {
         let word = words.first().copied().unwrap_or_default();
-        number(word).ok_or_else(|| Fault::at(line, format!("{name}: {key} {word}: no number")).help(what))
+        number(word).ok_or_else(|| Fault::at(line, format!("{name}: {key} {word}: not a number")).help(what))
     };
     match key {
         "TYPE" => {
@@ -206,7 +206,7 @@ fn of_surface(
             let index = words.first().and_then(|word| word.parse::<u32>().ok());
             let value = words.get(1).and_then(|word| number(word));
             let (Some(index), Some(value)) = (index, value) else {
-                return Err(Fault::at(line, format!("{name}: {key} {rest} is no number and its value")));
+                return Err(Fault::at(line, format!("{name}: {key} {rest} is not a number and its value")));
             };
             if index > 100 {
                 return Err(Fault::at(line, format!("{name}: {key} {index}, where surfaces have at most 100")));
@@ -233,7 +233,8 @@ fn of_surface(
             surface.limits = true;
         }
         "SQAP" | "ELAP" | "SPID" | "UDAD" | "USAP" | "OBSC" | "OBSQ" | "OBEL" => {
-            draft.ignore(format!("{name}: {key}, an aperture that is no circle around the axis; DIAM stands for it"));
+            draft
+                .ignore(format!("{name}: {key}, an aperture that is not a circle around the axis; DIAM stands for it"));
         }
         "OBDC" => draft.ignore(format!("{name}: OBDC, an aperture beside the axis")),
         "STOP" => surface.row.is_stop = true,

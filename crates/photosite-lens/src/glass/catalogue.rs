@@ -8,7 +8,7 @@ use photosite_core::spectrum::Dispersion;
 use crate::prescription::Glass;
 
 /// The table, as lines of catalogue, name, n_d, ν_d, the wavelengths that it was fitted to, and the formula.
-const TABLE: &str = include_str!("../../../../assets/lenses/glasses.csv");
+const TABLE: &str = include_str!("../../assets/lenses/glasses.csv");
 
 /// The makers whose catalogues there are. Where two glasses fit equally well, the earlier maker's is taken.
 pub const CATALOGUES: [&str; 6] = ["schott", "ohara", "hoya", "hikari", "sumita", "cdgm"];

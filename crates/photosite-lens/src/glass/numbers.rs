@@ -50,7 +50,7 @@ pub fn by_numbers(nd: f64, vd: f64) -> Result<(Glass, String), Invalid> {
             (Glass { name, ..entry.to_glass(&how) }, note)
         }
         None => {
-            let note = format!("{name} is no glass of a catalogue: Conrady's formula through these numbers");
+            let note = format!("{name} is not in any catalogue: Conrady's formula through these numbers");
             let source = "Conrady's formula through n_d, ν_d and the normal line".to_owned();
             (Glass { name, source, dispersion, range_nm: None }, note)
         }

@@ -167,7 +167,7 @@ impl<'a> Accessors<'a> {
     ) -> Result<(), Invalid> {
         let indices_key = format!("{key}.sparse.indices");
         let Checked::Valid(IndexComponentType(index_component)) = sparse.indices.component_type else {
-            return Err(Invalid::new(format!("{indices_key}.componentType"), "is no unsigned integer type"));
+            return Err(Invalid::new(format!("{indices_key}.componentType"), "is not an unsigned integer type"));
         };
         let (bytes, _) = self.buffers.view(self.root, sparse.indices.buffer_view.value(), &indices_key)?;
         let size = index_component.size();

@@ -100,7 +100,7 @@ fn decode(bytes: &[u8], key: &str) -> Result<Mesh, Invalid> {
     });
     match decoded {
         Some(Ok(mesh)) => Ok(mesh),
-        Some(Err(error)) => Err(invalid(format!("is no Draco stream that can be read: {}", error.message()))),
-        None => Err(invalid("is no Draco stream that can be read".to_owned())),
+        Some(Err(error)) => Err(invalid(format!("is not a Draco stream that can be read: {}", error.message()))),
+        None => Err(invalid("is not a Draco stream that can be read".to_owned())),
     }
 }

@@ -35,7 +35,7 @@ pub(super) struct Decoded {
 pub(super) fn decode(bytes: &[u8], name: String) -> Result<Decoded, Invalid> {
     let bad = |problem: &str| {
         Invalid::new("", format!("cannot decode {name}: {problem}"))
-            .help("the picture is damaged, or of another kind than ETC1S and UASTC of Basis Universal; make it again")
+            .help("the picture is damaged, or not one of ETC1S and UASTC of Basis Universal; make it again")
     };
     let file = File::check(bytes).map_err(bad)?;
     let [width, height] = file.size;
@@ -59,7 +59,7 @@ pub(super) fn decode(bytes: &[u8], name: String) -> Result<Decoded, Invalid> {
         let is_known = matches!(transcoder.source_format(), SourceFormat::Etc1s | SourceFormat::UastcLdr);
         is_known.then(|| transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE).ok()).flatten()
     });
-    let decoded = decoded.flatten().ok_or_else(|| bad("it is no picture of ETC1S or UASTC, or damaged"))?;
+    let decoded = decoded.flatten().ok_or_else(|| bad("it is not a picture of ETC1S or UASTC, or damaged"))?;
     let mut texels = decoded.as_chunks::<4>().0.to_vec();
     if file.has_green_for_alpha() {
         texels.iter_mut().for_each(|[_, g, b, a]| (*g, *b, *a) = (*a, 0, u8::MAX));
@@ -92,7 +92,7 @@ impl<'a> File<'a> {
             return Err("it is too large to be decoded");
         }
         if depth != 0 || layers != 0 || faces != 1 {
-            return Err("it is no plain picture, but has layers, faces or depth");
+            return Err("it is not a plain picture, but has layers, faces or depth");
         }
         if levels > MOST_LEVELS || bytes.len() < HEADER + LEVEL * levels.max(1) as usize {
             return Err(SHORT);

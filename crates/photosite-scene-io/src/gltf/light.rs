@@ -65,7 +65,7 @@ pub(super) fn read_light(
         return Err(Invalid::new(key, message));
     }
     if light.range.is_some() {
-        warnings.once("the range of lights is ignored: their light falls off with the square of the distance for ever");
+        warnings.once("the range of lights is ignored: their light falls off with the square of the distance forever");
     }
     if light.intensity == 0.0 || light.color == [0.0; 3] {
         return Ok(None);

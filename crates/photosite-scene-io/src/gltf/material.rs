@@ -382,7 +382,7 @@ impl Reader<'_, '_> {
         let key = format!("{}.{key}", self.key);
         let value = finite(value, &key)?;
         if !(0.0..=1.0).contains(&value) {
-            self.warnings.once(format!("{key} is {value}, outside 0–1, and is taken as {}", value.clamp(0.0, 1.0)));
+            self.warnings.once(format!("{key} is {value}, outside 0–1, and is taken to be {}", value.clamp(0.0, 1.0)));
         }
         Ok(value.clamp(0.0, 1.0))
     }

@@ -228,7 +228,7 @@ fn read_triangles(
             .help("remove the mesh, or give it geometry"));
     }
     if mode == Mode::Triangles && corners.len() % 3 != 0 {
-        let message = format!("has {} corners, which is no multiple of 3", corners.len());
+        let message = format!("has {} corners, which is not a multiple of 3", corners.len());
         return Err(Invalid::new(format!("{key}.indices"), message));
     }
     Ok(triangles)

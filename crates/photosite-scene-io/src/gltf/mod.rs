@@ -118,7 +118,8 @@ pub fn read_bytes(bytes: &[u8], path: &Path, choice: Choice<'_>) -> Result<GltfF
     let root: Root = serde_json::from_slice(json).map_err(|error| {
         let text = if error.is_eof() { "it ends too early".to_owned() } else { error.to_string() };
         let problem = text.rsplit_once(" at line ").map_or(&*text, |(problem, _)| problem);
-        let invalid = Invalid::new("", format!("is no glTF document: {problem}")).help("export the scene as glTF 2.0");
+        let invalid =
+            Invalid::new("", format!("is not a glTF document: {problem}")).help("export the scene as glTF 2.0");
         // The lines of a binary file are nobody's, not even where its first bytes are missing.
         let is_binary = is_glb || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
         if is_binary || json.is_empty() { invalid.in_file(path) } else { invalid.at_line(path, error.line()) }

@@ -113,7 +113,7 @@ fn local_transform(node: &Node, index: usize, name: &str) -> Result<DAffine3, In
         let last_row = matrix.row(3).to_array();
         if last_row != [0.0, 0.0, 0.0, 1.0] {
             let message =
-                format!("the last row of the matrix of {name:?} is {last_row:?}, so it is no affine transform");
+                format!("the last row of the matrix of {name:?} is {last_row:?}, so it is not an affine transform");
             return Err(Invalid::new(format!("{key}.matrix"), message).help("the last row must be 0, 0, 0, 1"));
         }
         (DAffine3::from_mat4(matrix), format!("{key}.matrix"))
@@ -122,7 +122,7 @@ fn local_transform(node: &Node, index: usize, name: &str) -> Result<DAffine3, In
         let quaternion = DQuat::from_array(rotation);
         let length = quaternion.length();
         if !(length.is_finite() && length > 0.0) {
-            let message = format!("{rotation:?} of the node {name:?} is no rotation");
+            let message = format!("{rotation:?} of the node {name:?} is not a rotation");
             return Err(Invalid::new(format!("{key}.rotation"), message).help("write a unit quaternion x, y, z, w"));
         }
         let scale = wide(node.scale.unwrap_or([1.0; 3]));

@@ -85,7 +85,8 @@ impl Geometry {
                 state.smoothing_group = match statement.words().next() {
                     Some("off") | None => 0,
                     Some(word) => word.parse().map_err(|_| {
-                        Invalid::new("", format!("{word:?} is no smoothing group")).help("write a number, or \"off\"")
+                        Invalid::new("", format!("{word:?} is not a smoothing group"))
+                            .help("write a number, or \"off\"")
                     })?,
                 };
             }
@@ -142,7 +143,7 @@ impl Geometry {
                 Ok(i) => Err(Invalid::new("", format!("{word:?} refers to {what} {i}, but there are {len} so far"))
                     .help("indices count from 1, or backwards from −1")),
                 Err(_) => {
-                    Err(Invalid::new("", format!("{word:?} is no corner")).help("for example f 1/1/1 2/2/2 3/3/3"))
+                    Err(Invalid::new("", format!("{word:?} is not a corner")).help("for example f 1/1/1 2/2/2 3/3/3"))
                 }
             },
         };
@@ -152,7 +153,7 @@ impl Geometry {
         match (position, parts.next()) {
             (Some(position), None) => Ok(Corner { position, uv, normal }),
             (None, _) | (Some(_), Some(_)) => {
-                Err(Invalid::new("", format!("{word:?} is no corner")).help("for example f 1/1/1 2/2/2 3/3/3"))
+                Err(Invalid::new("", format!("{word:?} is not a corner")).help("for example f 1/1/1 2/2/2 3/3/3"))
             }
         }
     }

@@ -70,8 +70,8 @@ pub(super) fn number(word: &str) -> Result<f32, Invalid> {
     match f32::from_str(word) {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(_) => Err(Invalid::new("", format!("{word:?} is not finite"))
-            .help("the program that wrote the file divided by zero; mend the line and export again")),
-        Err(_) => Err(Invalid::new("", format!("{word:?} is no number"))),
+            .help("the program that wrote the file divided by zero; fix the line and export again")),
+        Err(_) => Err(Invalid::new("", format!("{word:?} is not a number"))),
     }
 }
 

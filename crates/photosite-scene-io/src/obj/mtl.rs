@@ -104,7 +104,8 @@ impl MtlMaterial {
             }
             "illum" => {
                 let word = statement.words().next().unwrap_or_default();
-                let model = word.parse().map_err(|_| Invalid::new("", format!("{word:?} is no illumination model")));
+                let model =
+                    word.parse().map_err(|_| Invalid::new("", format!("{word:?} is not an illumination model")));
                 self.illumination_model = Some(model?);
             }
             "Pr" => self.roughness = Some(statement.numbers::<1>(1)?.0[0]),

@@ -127,14 +127,14 @@ fn a_missing_library_is_a_warning_and_a_missing_picture_an_error() {
 #[case::backwards("f -1 -2 -5", ":5: f: \"-5\" refers to vertex -5")]
 #[case::uv("f 1/1 2/1 3/2\nvt 0 0", ":5: f: refers to texture vertex 2")]
 #[case::normal("f 1//3 2//1 3//1\nvn 0 0 1", ":5: f: refers to normal 3")]
-#[case::word("f 1 2 x", ":5: f: \"x\" is no corner")]
-#[case::slashes("f 1/1/1/1 2 3", ":5: f: \"1/1/1/1\" is no corner")]
-#[case::huge("f 1 2 99999999999999999999", ":5: f: \"99999999999999999999\" is no corner")]
+#[case::word("f 1 2 x", ":5: f: \"x\" is not a corner")]
+#[case::slashes("f 1/1/1/1 2 3", ":5: f: \"1/1/1/1\" is not a corner")]
+#[case::huge("f 1 2 99999999999999999999", ":5: f: \"99999999999999999999\" is not a corner")]
 #[case::two("f 1 2", ":5: f: a face needs 3 corners, found 2")]
 #[case::coordinate("v 1 2", ":5: v: \"v\" needs 3 numbers, found 2")]
 #[case::nan("v 1 nan 2", ":5: v: \"nan\" is not finite")]
 #[case::continued("\n\\\nv 1 \\\n nan 2", ":6: v: ")]
-#[case::smoothing("s maybe", ":5: s: \"maybe\" is no smoothing group")]
+#[case::smoothing("s maybe", ":5: s: \"maybe\" is not a smoothing group")]
 #[case::empty("", ": has no triangles")]
 #[case::zero_area("f 1 1 2", ": has no triangles")]
 fn damaged_files_are_refused_with_their_line(#[case] line: &str, #[case] message: &str) {
@@ -202,7 +202,7 @@ fn pictures_that_cannot_be_had_get_a_stand_in_where_that_is_allowed() {
     let flat = [0.5, 0.5, 1.0, 1.0];
     assert!(first.iter().zip([[0.502, 0.502, 0.502, 1.0], [1.0; 4], flat]).all(|(&a, b)| close(a, b)), "{first:?}");
     assert_eq!(scene.warnings.len(), 3, "{:?}", scene.warnings);
-    assert!(scene.warnings[0].contains("map_Kd: cannot read") && scene.warnings[0].ends_with("grey stands for it"));
+    assert!(scene.warnings[0].contains("map_Kd: cannot read") && scene.warnings[0].ends_with("grey is used instead"));
     // What reports keep the sums of.
     assert_eq!(scene.files, ["scene.mtl", "torn.png"].map(|name| folder.path().join(name)));
     let outside = tempfile::tempdir().expect("a folder");

@@ -77,7 +77,7 @@ impl Number {
     fn named(name: &str) -> Result<Self, Invalid> {
         let found = Self::NAMES.into_iter().find(|(_, names)| names.contains(&name));
         found.map(|(number, _)| number).ok_or_else(|| {
-            Invalid::new("property", format!("{name:?} is no type of numbers"))
+            Invalid::new("property", format!("{name:?} is not a type of numbers"))
                 .help("write char, uchar, short, ushort, int, uint, float or double")
         })
     }
@@ -145,7 +145,7 @@ impl Header {
         let is_end = |byte: u8| matches!(byte, b'\n' | b'\r');
         if !bytes.starts_with(b"ply") || !bytes.get(3).is_none_or(|&byte| is_end(byte) || byte == b' ') {
             let help = "a PLY file begins with the line \"ply\"; name files of other kinds by their own ending";
-            return Err(Invalid::new("", "is no PLY file").help(help).in_file(path));
+            return Err(Invalid::new("", "is not a PLY file").help(help).in_file(path));
         }
         let mut header = Self { form: Form::Ascii, elements: Vec::new(), pictures: Vec::new(), end: (0, 0) };
         let first_end = bytes.iter().position(|&byte| is_end(byte)).unwrap_or(bytes.len());
@@ -226,8 +226,8 @@ impl Header {
     fn check(&self, path: &Path) -> Result<()> {
         for (i, element) in self.elements.iter().enumerate().filter(|(_, e)| matches!(&*e.name, "vertex" | "face")) {
             let twice = |name: &str, line: usize| {
-                let invalid = Invalid::new("", format!("{name:?} is there twice"));
-                Err(invalid.help("remove one of both with a program that edits meshes").at_line(path, line))
+                let invalid = Invalid::new("", format!("{name:?} appears twice"));
+                Err(invalid.help("remove one of the two with a program that edits meshes").at_line(path, line))
             };
             if self.elements[..i].iter().any(|earlier| earlier.name == element.name) {
                 return twice(&element.name, element.line);

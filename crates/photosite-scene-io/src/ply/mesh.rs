@@ -51,8 +51,9 @@ impl Columns {
         let odd = |&column: &usize| encoding(vertex.type_of(column)).is_none();
         if let Some(column) = colour.iter().flatten().find(|column| odd(column)) {
             let name = vertex.type_of(*column).name();
-            warnings
-                .once(format!("the colours of the vertices are left out: of type {name} they say not what white is"));
+            warnings.once(format!(
+                "the colours of the vertices are left out: their type {name} does not define what white is"
+            ));
             colour = None;
         }
         let alpha = ["alpha", "a", "diffuse_alpha"].iter().find_map(|name| vertex.number(name));
@@ -171,7 +172,7 @@ impl Geometry {
             warnings.once("colours of vertices beyond 0–1 are cut off there");
         }
         if !self.colours.is_empty() && self.colours.iter().all(|colour| colour.w == 0.0) {
-            warnings.once("the alpha of all vertices is 0, by which nothing would be seen: it is left out");
+            warnings.once("the alpha of all vertices is 0, which would make everything invisible: it is ignored");
             self.colours.iter_mut().for_each(|colour| colour.w = 1.0);
         }
         Ok(())

@@ -64,7 +64,8 @@ impl<'a> Values<'a> {
                         let length = self.number(length)?;
                         let most = self.most(item.size());
                         if !(length >= 0.0 && length <= most as f64) {
-                            let message = format!("a list of {length} values cannot be, where {most} follow at most");
+                            let message =
+                                format!("a list of {length} values is impossible where at most {most} follow");
                             return Err(Invalid::new("", message));
                         }
                         for _ in 0..length as u64 {
@@ -134,7 +135,7 @@ impl<'a> Values<'a> {
         match value {
             Some(value) if !number.is_whole() || (value.fract() == 0.0 && (low..=high).contains(&value)) => Ok(value),
             Some(_) => Err(Invalid::new("", format!("{text:?} is no {}", number.name()))),
-            None => Err(Invalid::new("", format!("{text:?} is no number"))),
+            None => Err(Invalid::new("", format!("{text:?} is not a number"))),
         }
     }
 

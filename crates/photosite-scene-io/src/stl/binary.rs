@@ -29,14 +29,15 @@ fn announced(bytes: &[u8]) -> Option<u64> {
 /// Reads a binary file.
 pub(super) fn read(bytes: &[u8], path: &Path, warnings: &mut Warnings) -> Result<Solid> {
     let Some(count) = announced(bytes) else {
-        let message = format!("is no STL file: it neither begins with \"solid\" nor has the {HEAD} bytes of a head");
+        let message =
+            format!("is not an STL file: it neither begins with \"solid\" nor has the {HEAD} bytes of a head");
         let help = "the file is damaged, or of another kind; copy or export it again";
         return Err(Invalid::new("", message).help(help).in_file(path));
     };
     let facets = &bytes[HEAD..];
     let there = facets.len() as u64 / SIZE as u64;
     if there < count {
-        let message = format!("is truncated: {count} facets are announced, and {there} are there");
+        let message = format!("is truncated: {count} facets are announced, but only {there} follow");
         return Err(Invalid::new("", message).help("the file is damaged; copy or export it again").in_file(path));
     }
     let behind = facets.len() as u64 - count * SIZE as u64;

@@ -42,7 +42,7 @@ pub fn parse(bytes: &[u8], path: &Path, missing_normals: MissingNormals) -> Resu
     if contrary > 0 {
         let of_all: usize = solids.iter().map(|solid| solid.triangles.len()).sum();
         warnings.once(format!(
-            "the normals of {contrary} of {of_all} facets point to the back, as the order of their corners has it, which counts"
+            "the normals of {contrary} of {of_all} facets contradict the order of their corners, which is used instead"
         ));
     }
     let name = name_of_file(path);

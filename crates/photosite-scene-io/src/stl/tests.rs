@@ -146,9 +146,9 @@ fn damaged_binary_files_are_refused_with_what_they_lack() {
         let error = error(bytes);
         assert!(error.starts_with("in/my part.stl: ") && error.contains(message), "{error}");
     };
-    refused(&[], "is no STL file");
-    refused(b"ply\n", "is no STL file");
-    refused(&bytes[..83], "is no STL file");
+    refused(&[], "is not an STL file");
+    refused(b"ply\n", "is not an STL file");
+    refused(&bytes[..83], "is not an STL file");
     refused(&bytes[..bytes.len() - 1], "is truncated: 4 facets are announced, and 3 are there");
     refused(&binary(b"", &[]), "has no triangles");
     refused(b"solid a\nendsolid a\n", "has no triangles");

@@ -118,16 +118,18 @@ impl RenderSettings {
             return Err(Invalid::new("reuse", message).help("for example reuse = 16"));
         }
         if self.reuse > 1 && self.wavelengths == WavelengthChoice::OwnFilter {
-            let message = "cannot go with wavelengths = \"own-filter\": what pixels share has the same wavelengths";
-            return Err(Invalid::new("reuse", message).help("remove one of both"));
+            let message =
+                "cannot be combined with wavelengths = \"own-filter\": what pixels share has the same wavelengths";
+            return Err(Invalid::new("reuse", message).help("remove one of the two"));
         }
         if self.light_paths > 0.0 && self.wavelengths == WavelengthChoice::OwnFilter {
-            let message = "cannot go with wavelengths = \"own-filter\": light comes to pixels of all filters";
-            return Err(Invalid::new("light_paths", message).help("remove one of both"));
+            let message = "cannot be combined with wavelengths = \"own-filter\": light comes to pixels of all filters";
+            return Err(Invalid::new("light_paths", message).help("remove one of the two"));
         }
         if self.reuse > 1 && self.light_paths > 0.0 {
-            let message = "cannot go with light_paths: what paths from lights find counts by the pixel that sees it";
-            return Err(Invalid::new("reuse", message).help("remove one of both"));
+            let message =
+                "cannot be combined with light_paths: what paths from lights find counts by the pixel that sees it";
+            return Err(Invalid::new("reuse", message).help("remove one of the two"));
         }
         if !(0.0..=MOST_LIGHT_PATHS).contains(&self.light_paths) {
             let message = format!("must be from 0 to {MOST_LIGHT_PATHS}, got {}", self.light_paths);

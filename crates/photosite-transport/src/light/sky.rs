@@ -35,7 +35,7 @@ const SUN_RADIUS_RAD: f64 = 0.5358 / 2.0 * std::f64::consts::PI / 180.0;
 const SUN_TEMPERATURE_K: f64 = 5778.0;
 
 /// The file: see `assets/sky/make.py`.
-const FILE: &[u8] = include_bytes!("../../../../assets/sky/hosek-wilkie.bin");
+const FILE: &[u8] = include_bytes!("../../assets/sky/hosek-wilkie.bin");
 
 /// What makes the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]

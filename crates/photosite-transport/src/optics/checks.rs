@@ -27,7 +27,7 @@ impl LensDescription {
         self.validate_focus()?;
         self.validate_elements()?;
         if self.blades == 1 || self.blades == 2 {
-            return Err(Invalid::new("blades", format!("{} blades make no opening", self.blades))
+            return Err(Invalid::new("blades", format!("{} blades do not enclose an opening", self.blades))
                 .help("write 0 for a round aperture, or 3 and more"));
         }
         if self.transmittance.min() < 0.0 || self.transmittance.max() > 1.0 {
@@ -38,7 +38,7 @@ impl LensDescription {
         }
         if !self.stops.is_empty() && !self.projection.is_flat() {
             let message = "a lens that can see more than a half-space has no axis for stops to stand across";
-            return Err(Invalid::new("stops", message).help("remove them, or take a perspective lens"));
+            return Err(Invalid::new("stops", message).help("remove them, or use a perspective lens"));
         }
         if let Some(i) = self.intrinsics {
             positive("intrinsics.fx", i.fx, " px", "1200.0")?;
@@ -67,10 +67,10 @@ impl LensDescription {
             ("supplementary", !self.supplementary.is_empty(), "cannot stand before it yet"),
             ("max_angle_deg", self.max_angle_rad.is_some(), "follows from what its apertures let through"),
             ("min_focus_distance_m", self.min_focus_distance_m.is_some(), "follows from its positions"),
-            ("psf", self.point_spread.is_some(), "cannot go with its traced aberrations yet"),
+            ("psf", self.point_spread.is_some(), "cannot be combined with its traced aberrations yet"),
         ] {
             if is_there {
-                let message = format!("cannot go with lens.prescription: this {why}");
+                let message = format!("cannot be combined with lens.prescription: this {why}");
                 return Err(Invalid::new(key, message).help(format!("remove {key}")));
             }
         }
@@ -96,8 +96,7 @@ impl LensDescription {
                 if diverges && self.kind == LensKind::Thin =>
             {
                 let f_mm = self.focal_length_m * 1e3;
-                let message =
-                    format!("a lens of {f_mm} mm makes light diverge, so that nothing becomes sharp behind it");
+                let message = format!("a lens of {f_mm} mm makes light diverge, so nothing can be in focus behind it");
                 let help =
                     "write image_distance_mm, where the sensor stands; or add [[lens.supplementary]] that converge";
                 let key =
@@ -155,10 +154,10 @@ impl LensDescription {
         }
         if !self.supplementary.is_empty() && !self.projection.is_flat() {
             let message = "go before a lens with a flat picture, and this one can see more than a half-space";
-            return Err(Invalid::new("supplementary", message).help("remove them, or take a perspective lens"));
+            return Err(Invalid::new("supplementary", message).help("remove them, or use a perspective lens"));
         }
         if !self.supplementary.is_empty() && !self.stops.is_empty() {
-            let message = "cannot go with stops: what these cut off is known of a lens alone";
+            let message = "cannot be combined with stops: what these cut off is known of a lens alone";
             return Err(Invalid::new("supplementary", message).help("remove one of them"));
         }
         if !matches!(self.kind, LensKind::Hole | LensKind::Bare) {

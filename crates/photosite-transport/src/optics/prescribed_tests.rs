@@ -195,11 +195,11 @@ fn what_the_glass_decides_and_what_it_cannot_be_is_refused() {
         (&|l| l.focus = Focus::Distance(0.09), "focus_distance_m: the lens cannot be focused at 90"),
         (&|l| l.focal_length_m = 0.06, "focal_length_mm: the lens has one focal length"),
         (&|l| l.prescription = None, "prescription: is missing"),
-        (&|l| l.projection = distorted, "distortion: cannot go with lens.prescription"),
-        (&|l| l.intrinsics = Some(pixels), "intrinsics: cannot go with lens.prescription"),
-        (&|l| l.falloff = Falloff::None, "falloff: cannot go with lens.prescription"),
-        (&|l| l.point_spread = Some(PointSpread::Airy), "psf: cannot go with lens.prescription"),
-        (&|l| l.max_angle_rad = Some(0.3), "max_angle_deg: cannot go with lens.prescription"),
+        (&|l| l.projection = distorted, "distortion: cannot be combined with lens.prescription"),
+        (&|l| l.intrinsics = Some(pixels), "intrinsics: cannot be combined with lens.prescription"),
+        (&|l| l.falloff = Falloff::None, "falloff: cannot be combined with lens.prescription"),
+        (&|l| l.point_spread = Some(PointSpread::Airy), "psf: cannot be combined with lens.prescription"),
+        (&|l| l.max_angle_rad = Some(0.3), "max_angle_deg: cannot be combined with lens.prescription"),
     ];
     for (change, start) in changes {
         let error = refused(change);

@@ -38,9 +38,9 @@ pub fn warning(scene: &SceneDescription, responses: &[Spectrum]) -> Option<Strin
         names.push(&others);
     }
     Some(format!(
-        "up to {:.0} % of the sensor's response lies where spectra of the scene are not known ({}; known are {first:.0} to \
+        "up to {:.0} % of the sensor's response lies where spectra of the scene are not known ({}; known names are {first:.0} to \
          {last:.0} nm at least): there reflectances keep their value at the nearer end, daylight goes on as a blackbody, and \
-         other lights are dark; give measured spectra that reach further, or put a filter before the sensor (sensor.filter)",
+         other lights are dark; give measured spectra that reach further, or put a filter in front of the sensor (sensor.filter)",
         100.0 * part,
         names.join(", "),
     ))

@@ -57,7 +57,7 @@ impl Bitmap {
         let Self { name, width, height, texels } = self;
         if !(1..=MAX_SIDE).contains(width) || !(1..=MAX_SIDE).contains(height) {
             let message = format!("picture \"{name}\" is {width} × {height} pixels");
-            return Err(Invalid::new("", message).help(format!("pictures have 1 to {MAX_SIDE} pixels a side")));
+            return Err(Invalid::new("", message).help(format!("pictures have 1 to {MAX_SIDE} pixels per side")));
         }
         if texels.len() != width * height {
             let message = format!("picture \"{name}\" holds {} pixels for {width} × {height}", texels.len());

@@ -24,7 +24,7 @@ const INTEGER_PART: f32 = 12_582_912.0;
 const NEARLY_BLACK: f64 = 1e-6;
 
 /// The file: four little-endian f32 (b₀, b₁, b₂, w) a node, x fastest, then y, z, m.
-const FILE: &[u8] = include_bytes!("../../../../../assets/spectra/jakob-hanika-srgb.bin");
+const FILE: &[u8] = include_bytes!("../../../assets/spectra/jakob-hanika-srgb.bin");
 
 fn nodes() -> &'static [Vec4] {
     static TABLE: OnceLock<Vec<Vec4>> = OnceLock::new();

@@ -25,7 +25,7 @@ pub fn figures(e: &NoiseEstimate, unit: &str) -> Vec<(&'static str, String)> {
     let [a, b] = e.plane.slope;
     lines.push((
         "after a plane",
-        format!("{}; slope {} along x, {} along y a pixel", variance(&e.plane.noise), number(a), number(b)),
+        format!("{}; slope {} along x, {} along y per pixel", variance(&e.plane.noise), number(a), number(b)),
     ));
     if let Some(chi) = &e.plane.chi_squared {
         lines.push(("χ² of the plane", chi_squared(chi)));

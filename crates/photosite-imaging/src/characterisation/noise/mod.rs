@@ -55,7 +55,7 @@ fn same_size(patches: &[Patch]) -> Result<[usize; 2], Invalid> {
     let size = [first.width, first.height];
     match patches.iter().map(|p| [p.width, p.height]).find(|other| *other != size) {
         Some(other) => {
-            Err(Invalid::new("", format!("pictures of {size:?} and of {other:?} pixels do not go together")))
+            Err(Invalid::new("", format!("pictures of {size:?} and of {other:?} pixels cannot be used together")))
         }
         None => Ok(size),
     }

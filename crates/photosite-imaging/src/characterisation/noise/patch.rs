@@ -16,7 +16,7 @@ impl Patch {
     /// Of width × height finite values, at least 2 × 2.
     pub fn new(width: usize, height: usize, values: Vec<f64>) -> Result<Self, Invalid> {
         if width < 2 || height < 2 || values.len() != width * height {
-            let message = format!("{} values in {width} × {height} pixels are no patch", values.len());
+            let message = format!("{} values in {width} × {height} pixels do not form a patch", values.len());
             return Err(Invalid::new("patch", message).help("choose at least 2 × 2 pixels"));
         }
         if let Some(value) = values.iter().find(|v| !v.is_finite()) {

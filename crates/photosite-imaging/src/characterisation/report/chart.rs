@@ -29,7 +29,7 @@ const SIZE: (u32, u32) = (1440, 960);
 /// What SVG asks for, and what [`FONT_FILE`] is registered as.
 const FONT: &str = "Helvetica, Arial, sans-serif";
 /// The letters of PNG, by which those of SVG are placed, too: DejaVu Sans, reduced to what plots need.
-const FONT_FILE: &[u8] = include_bytes!("../../../../../assets/fonts/DejaVuSans-plots.ttf");
+const FONT_FILE: &[u8] = include_bytes!("../../../assets/fonts/DejaVuSans-plots.ttf");
 /// Drawn pixels along each side of a pixel of a PNG, which is their mean: edges are smooth.
 const FINER: usize = 2;
 

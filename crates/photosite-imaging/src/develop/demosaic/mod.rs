@@ -99,7 +99,7 @@ fn method_of_array(cfa: &Cfa, method: Demosaic) -> Result<Demosaic, Invalid> {
     let message = if cfa.is_mosaic() {
         format!("{name} does not work for the filter array {cfa}")
     } else {
-        format!("{name} has nothing to do for pixels without a mosaic of filters ({cfa})")
+        format!("{name} does nothing for pixels without a mosaic of filters ({cfa})")
     };
     Err(Invalid::new("demosaic", message)
         .help("write \"auto\", \"nearest\", \"bilinear\" or \"guided\", which work for any"))

@@ -112,7 +112,7 @@ impl<R: Read + Seek> Tags<R> {
             3.0 if is_linear => return Cfa::full(["R", "G", "B"]),
             1.0 => {}
             other => {
-                let message = format!("{other} numbers a pixel");
+                let message = format!("{other} numbers per pixel");
                 return Err(Invalid::new("SamplesPerPixel", message).help("photosite reads mosaics, grey and RGB"));
             }
         }
@@ -165,7 +165,7 @@ impl<R: Read + Seek> Tags<R> {
             }
         };
         if !level.mean().is_finite() {
-            return Err(Invalid::new("BlackLevel", "no number").help("the file is damaged"));
+            return Err(Invalid::new("BlackLevel", "not a number").help("the file is damaged"));
         }
         if column_deltas.is_empty() && row_deltas.is_empty() {
             return Ok(level);

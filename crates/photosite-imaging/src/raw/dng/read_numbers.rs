@@ -75,7 +75,7 @@ pub(super) fn read<R: Read + Seek>(
     let row_length = width * samples;
     if coding.most_numbers(bytes_there) < row_length * height {
         let message = format!("{bytes_there} bytes cannot hold {width} × {height} pixels");
-        return Err(Invalid::new("StripByteCounts", message).help("the file is cut short or damaged"));
+        return Err(Invalid::new("StripByteCounts", message).help("the file is truncated or damaged"));
     }
     check_memory([width, height], samples)?;
     let mut data = vec![0; row_length * height];
@@ -89,7 +89,7 @@ pub(super) fn read<R: Read + Seek>(
             .map_err(|complaint| {
                 let message = format!("the picture from row {} on: {complaint}", y * tile_height);
                 Invalid::new("", message)
-                    .help("the file is cut short or damaged, or of a kind that photosite cannot read")
+                    .help("the file is truncated or damaged, or of a kind that photosite cannot read")
             })?;
         for (row, numbers) in rows.chunks_mut(row_length).enumerate() {
             for (to, part) in numbers.chunks_mut(tile_width * samples).zip(&decoded) {
@@ -155,7 +155,7 @@ impl Coding {
     fn decode(&self, bytes: &[u8], row_length: usize, rows: usize) -> Result<Vec<u16>, String> {
         let count = row_length * rows;
         if self.most_numbers(bytes.len()) < count {
-            return Err("it is cut short".to_owned());
+            return Err("it is truncated".to_owned());
         }
         match self.compression {
             tag::JPEG => lossless_jpeg::decode(bytes, count),
@@ -175,7 +175,7 @@ impl Coding {
     /// Numbers that are not compressed, or no longer.
     fn plain(&self, bytes: &mut [u8], row_length: usize, rows: usize) -> Result<Vec<u16>, String> {
         let row_bytes = (row_length * self.bits).div_ceil(8);
-        let bytes = bytes.get_mut(..row_bytes * rows).ok_or("it is cut short")?;
+        let bytes = bytes.get_mut(..row_bytes * rows).ok_or("it is truncated")?;
         let mut numbers = Vec::with_capacity(row_length * rows);
         for row in bytes.chunks_exact_mut(row_bytes) {
             if self.predictor == tag::FLOATING_POINT {
@@ -202,7 +202,7 @@ impl Coding {
                             }
                         };
                         if !(float.fract() == 0.0 && (0.0..=65_535.0).contains(&float)) {
-                            return Err(format!("{float} is no digital number of 16 bits"));
+                            return Err(format!("{float} is not a digital number of 16 bits"));
                         }
                         numbers.push(float as u16);
                     }

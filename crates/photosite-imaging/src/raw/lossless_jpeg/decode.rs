@@ -17,7 +17,7 @@ struct Frame {
 pub(in crate::raw) fn decode(coded: &[u8], count: usize) -> Result<Vec<u16>, String> {
     let mut from = coded;
     if take(&mut from, 2)? != [0xff, SOI] {
-        return Err("it does not begin as JPEG".to_owned());
+        return Err("it does not begin like a JPEG file".to_owned());
     }
     let mut frame = None;
     let mut tables = [const { None }; 4];
@@ -37,7 +37,7 @@ pub(in crate::raw) fn decode(coded: &[u8], count: usize) -> Result<Vec<u16>, Str
             }
             EOI => return Err("it has no scan".to_owned()),
             0xc0..=0xcf => return Err(format!("process {:#x} of JPEG is not the lossless one", marker[1])),
-            0xdd => return Err("restart intervals are not known here".to_owned()),
+            0xdd => return Err("restart intervals are not supported".to_owned()),
             // Comments and what applications add.
             _ => {}
         }
@@ -45,7 +45,7 @@ pub(in crate::raw) fn decode(coded: &[u8], count: usize) -> Result<Vec<u16>, Str
 }
 
 fn take<'a>(from: &mut &'a [u8], count: usize) -> Result<&'a [u8], String> {
-    from.split_off(..count).ok_or_else(|| "it is cut short".to_owned())
+    from.split_off(..count).ok_or_else(|| "it is truncated".to_owned())
 }
 
 fn short(bytes: &[u8]) -> u16 {
@@ -58,7 +58,7 @@ fn read_frame(mut from: &[u8]) -> Result<Frame, String> {
     let columns = usize::from(short(take(&mut from, 2)?));
     let count = usize::from(take(&mut from, 1)?[0]);
     if !(2..=16).contains(&precision) || rows == 0 || columns == 0 || !(1..=4).contains(&count) {
-        return Err(format!("{columns} × {rows} pixels of {count} components of {precision} bits cannot be"));
+        return Err(format!("{columns} × {rows} pixels of {count} components of {precision} bits are impossible"));
     }
     let mut components = Vec::new();
     for component in take(&mut from, 3 * count)?.as_chunks::<3>().0 {
@@ -75,8 +75,8 @@ fn read_tables(mut from: &[u8], tables: &mut [Option<Reader>; 4]) -> Result<(), 
         let id = usize::from(take(&mut from, 1)?[0]);
         let counts: [u8; 16] = take(&mut from, 16)?.try_into().unwrap_or_default();
         let symbols = take(&mut from, counts.iter().map(|&count| usize::from(count)).sum())?.to_vec();
-        let table = Reader::new(Table { counts, symbols }).ok_or("a Huffman table is none")?;
-        *tables.get_mut(id).ok_or("a Huffman table has no place")? = Some(table);
+        let table = Reader::new(Table { counts, symbols }).ok_or("a Huffman table is invalid")?;
+        *tables.get_mut(id).ok_or("a Huffman table has an invalid number")? = Some(table);
     }
     Ok(())
 }
@@ -95,7 +95,7 @@ fn read_scan(
     }
     // Each takes a bit at least.
     if coded.len() < count / 8 {
-        return Err("it is cut short".to_owned());
+        return Err("it is truncated".to_owned());
     }
     if usize::from(take(&mut parameters, 1)?[0]) != components {
         return Err("its components come one after the other".to_owned());
@@ -108,11 +108,11 @@ fn read_scan(
         let table = tables.get(usize::from(selector[1] >> 4)).and_then(Option::as_ref);
         selected.push(table.ok_or("a Huffman table is missing")?);
     }
-    let &[predictor, _, transform] = take(&mut parameters, 3)? else { return Err("it is cut short".to_owned()) };
+    let &[predictor, _, transform] = take(&mut parameters, 3)? else { return Err("it is truncated".to_owned()) };
     if transform != 0 {
-        return Err("a point transform is not known here".to_owned());
+        return Err("a point transform is not supported".to_owned());
     }
-    let predict = predictor_of(predictor).ok_or("its predictor is not known")?;
+    let predict = predictor_of(predictor).ok_or("its predictor is unknown")?;
 
     let mut bits = Bits { from: coded, waiting: 0, count: 0, missing: 0 };
     let mut numbers = vec![0u16; count];
@@ -132,7 +132,7 @@ fn read_scan(
         }
     }
     // Fewer bits are missing than one byte is filled up with, or else numbers were read from beyond the end.
-    if bits.missing > bits.count { Err("it is cut short".to_owned()) } else { Ok(numbers) }
+    if bits.missing > bits.count { Err("it is truncated".to_owned()) } else { Ok(numbers) }
 }
 
 /// What is expected from the numbers on the left, above, and above on the left (table H.1).
@@ -180,7 +180,7 @@ impl Bits<'_> {
             self.waiting = self.waiting << 8 | u64::from(byte);
             self.count += 8;
         }
-        if self.missing > 128 { Err("it is cut short".to_owned()) } else { Ok(()) }
+        if self.missing > 128 { Err("it is truncated".to_owned()) } else { Ok(()) }
     }
 
     /// The next difference, modulo 2¹⁶.

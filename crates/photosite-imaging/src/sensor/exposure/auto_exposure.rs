@@ -80,7 +80,7 @@ impl AutoExposed {
                 return if time_s > long_s {
                     let help = "light the scene more, open the lens (lens.f_number), or write exposure.max_time_s, beyond which the \
                                 gain rises";
-                    Some(format!("automatic exposure takes {time_s:.3} s, as there is little light: {help}"))
+                    Some(format!("automatic exposure takes {time_s:.3} s because there is little light: {help}"))
                 } else if time_s < short_s {
                     let help = "check the levels of the lights, or close the lens (lens.f_number)";
                     Some(format!("automatic exposure takes {time_s:.3e} s, shorter than shutters are: {help}"))
@@ -104,7 +104,7 @@ impl AutoExposed {
             Some(TimeLimit::Line) | None => format!("raise {key}"),
         };
         Some(format!(
-            "{reached}, and the picture is {:.1} EV darker than it is to be: {remedy}, or raise exposure.max_gain_db or a \
+            "{reached}, and the picture is {:.1} EV darker than it should be: {remedy}, or raise exposure.max_gain_db or a \
              gain that is stated, light the scene more, or open the lens (lens.f_number)",
             -self.brightness.log2()
         ))
@@ -192,7 +192,7 @@ fn brightest(mut mosaic: Vec<f32>, brighter_part: f64, collected: Seconds) -> Re
     if rate.is_finite() && rate > 0.0 {
         return Ok(rate);
     }
-    Err(no_time(format!("no time suits a picture whose bright pixels receive {rate} electrons per second")))
+    Err(no_time(format!("no exposure time suits a picture whose bright pixels receive {rate} electrons per second")))
 }
 
 /// The x at which mean(min((r_i + I)·x, 1)) is the level.
@@ -202,7 +202,7 @@ fn time_of_mean(mosaic: &[f32], collected: Seconds, dark: f64, level: f64) -> Re
     const STEPS: usize = 100;
     let all: f64 = mosaic.iter().map(|&electrons| f64::from(electrons)).sum();
     if all == 0.0 {
-        return Err(no_time("no time suits a picture without any light".to_owned()));
+        return Err(no_time("no exposure time suits a picture without any light".to_owned()));
     }
     let mut x = 0.0;
     for _ in 0..STEPS {

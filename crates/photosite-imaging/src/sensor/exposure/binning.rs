@@ -71,7 +71,7 @@ impl Binning {
             return Ok(());
         }
         let refused = [
-            (sensor.cells.is_staggered(), "sensor.cells = \"hexagonal\", whose rows are no columns"),
+            (sensor.cells.is_staggered(), "sensor.cells = \"hexagonal\", whose rows do not form columns"),
             (sensor.frame_grabber.is_some(), "sensor.frame_grabber, which samples the pixels as it will"),
             (
                 sensor.video.curve.is_some() && self.method != BinningMethod::Charge,
@@ -79,7 +79,7 @@ impl Binning {
             ),
         ];
         if let Some((_, clash)) = refused.iter().find(|(is_there, _)| *is_there) {
-            return Err(Invalid::new("binning", format!("cannot go with {clash}")).help("remove it"));
+            return Err(Invalid::new("binning", format!("cannot be combined with {clash}")).help("remove it"));
         }
         let has_no_charge = sensor.architecture.spad().is_some() || sensor.logarithmic.is_some();
         if self.method == BinningMethod::Charge && has_no_charge {

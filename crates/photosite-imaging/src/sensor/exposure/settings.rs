@@ -46,10 +46,11 @@ impl RegionOfInterest {
         self.fits(sensor, sensor.resolution)?;
         let cell = self.binning.cell(&sensor.cfa);
         match self.pixels {
-            Some(_) if sensor.frame_grabber.is_some() => {
-                Err(Invalid::new("region_px", "cannot go with sensor.frame_grabber, which samples the whole picture")
-                    .help("keep one of them"))
-            }
+            Some(_) if sensor.frame_grabber.is_some() => Err(Invalid::new(
+                "region_px",
+                "cannot be combined with sensor.frame_grabber, which samples the whole picture",
+            )
+            .help("keep one of them")),
             Some(PixelArea { y, .. }) if sensor.cells.is_staggered() && y % 2 == 1 => {
                 let message = format!("row {y} is one of those that lie half a pitch farther to the right");
                 let help = "begin with an even row, as the picture of hexagonal cells does";
@@ -59,7 +60,8 @@ impl RegionOfInterest {
                 if [x, width].iter().any(|n| n % cell[0] != 0) || [y, height].iter().any(|n| n % cell[1] != 0) =>
             {
                 let [across, down] = self.binning.factor;
-                let message = format!("{width} × {height} pixels at {x}, {y} are no whole bins of {across} × {down}");
+                let message =
+                    format!("{width} × {height} pixels at {x}, {y} do not divide into whole bins of {across} × {down}");
                 let help = format!("write multiples of {} along rows and of {} along columns", cell[0], cell[1]);
                 Err(Invalid::new("region_px", message).help(help))
             }
@@ -80,7 +82,7 @@ impl RegionOfInterest {
             length > 0 && first.checked_add(length).is_some_and(|end| end <= side)
         };
         if !(within(x, width, columns) && within(y, height, rows)) {
-            let message = format!("{width} × {height} pixels at {x}, {y} are no part of {columns} × {rows}");
+            let message = format!("{width} × {height} pixels at {x}, {y} do not lie within {columns} × {rows}");
             return refuse(message, "write [first column, first row, columns, rows]");
         }
         Ok(())

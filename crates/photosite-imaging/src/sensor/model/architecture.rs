@@ -22,7 +22,7 @@ impl Architecture {
     pub(super) fn new(d: &SensorDescription) -> Result<Self, Invalid> {
         let surplus = |table: &str, kind: &str| {
             Err(Invalid::new(table, format!("belongs to another kind of sensor than kind = {kind:?}"))
-                .help(format!("leave it out, or write kind = {table:?}; of a preset, write without = [{table:?}]")))
+                .help(format!("leave it out, or write kind = {table:?}; for a preset, write without = [{table:?}]")))
         };
         match (d.kind, &d.ccd, &d.spad) {
             (SensorKind::Cmos | SensorKind::Spad, Some(_), _) => surplus("ccd", d.kind.name()),

@@ -104,7 +104,7 @@ fn anti_blooming_factor(factor: Option<f64>) -> Result<f64, Invalid> {
 
 fn smear_row_time(d: &CcdDescription) -> Result<Seconds, Invalid> {
     let unused = |key: &str, of: &str| {
-        Err(Invalid::new(key, format!("says nothing of a CCD whose architecture is {of:?}"))
+        Err(Invalid::new(key, format!("does not apply to a CCD whose architecture is {of:?}"))
             .help("smear_db and line_time_us are for interline CCDs, row_shift_time_us for frame-transfer CCDs"))
     };
     match d.architecture {

@@ -52,7 +52,7 @@ impl Companding {
         }
         let curve = match (&d.knee_points_dn, d.gamma) {
             (Some(_), Some(_)) => {
-                return Err(Invalid::new("gamma", "cannot go with knee_points_dn").help("keep one of them"));
+                return Err(Invalid::new("gamma", "cannot be combined with knee_points_dn").help("keep one of them"));
             }
             (None, None) => {
                 let help = "for example gamma = 2.2, or knee_points_dn = [[0, 0], [1024, 1024], [65535, 4095]]";

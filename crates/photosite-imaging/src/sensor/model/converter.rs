@@ -175,7 +175,9 @@ impl Converter {
         let of_one_converter =
             [("column_gain_percent", d.column_gain_percent), ("column_offset_dn", d.column_offset_dn)];
         if let (Some(_), Some((key, _))) = (&dual_gain, of_one_converter.iter().find(|(_, value)| *value != 0.0)) {
-            return Err(Invalid::new(*key, "cannot go with dual_gain").help("its converters are taken to be alike"));
+            return Err(
+                Invalid::new(*key, "cannot be combined with dual_gain").help("its converters are taken to be alike")
+            );
         }
         let inl_dn = finite("inl_dn", d.inl_dn)?;
         // The nonlinearity is that of the two converters, and so are the bits.

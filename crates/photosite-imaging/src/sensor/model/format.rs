@@ -49,7 +49,8 @@ impl Format {
         let plain = plain(name);
         FORMATS.iter().find(|format| format.names.contains(&&*plain)).ok_or_else(|| {
             let message = format!("there is no sensor format {name:?}{}", did_you_mean(&plain, all_names()));
-            let help = format!("known are {}; any other size is given by pixel_pitch_um", list(&plain, all_names()));
+            let help =
+                format!("the known formats are {}; give any other size with pixel_pitch_um", list(&plain, all_names()));
             Invalid::new("format", message).help(help)
         })
     }

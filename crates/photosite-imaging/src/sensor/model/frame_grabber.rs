@@ -62,12 +62,12 @@ impl FrameGrabber {
         }
         let clashes = [
             (cfa.is_mosaic(), "a mosaic of filters, whose colours it would mix"),
-            (cells.is_staggered(), "hexagonal cells, whose rows are no columns"),
+            (cells.is_staggered(), "hexagonal cells, whose rows do not form columns"),
             (shutter.scans(), "a scanning sensor, whose picture has as many lines as it is told"),
         ];
         match clashes.iter().find(|(is_there, _)| *is_there) {
             Some((_, clash)) => {
-                Err(Invalid::new("frame_grabber", format!("cannot go with {clash}")).help("keep one of them"))
+                Err(Invalid::new("frame_grabber", format!("cannot be combined with {clash}")).help("keep one of them"))
             }
             None => Ok(Self { size: d.size_px.map(|n| n as usize), interpolation: d.interpolation }),
         }

@@ -64,7 +64,9 @@ impl ImageLag {
             .or(is_logarithmic.then_some("logarithmic pixels, which are never emptied"))
             .or(shutter.scans().then_some("a scanning sensor, whose lines would leave charge to each other"));
         match clash {
-            Some(clash) => Err(Invalid::new(KEY, format!("cannot go with {clash}")).help("remove charge.image_lag")),
+            Some(clash) => {
+                Err(Invalid::new(KEY, format!("cannot be combined with {clash}")).help("remove charge.image_lag"))
+            }
             None => Ok(Some(Self { fraction, electrons, decay })),
         }
     }

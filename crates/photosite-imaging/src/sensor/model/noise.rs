@@ -230,7 +230,7 @@ fn reference(stated_c: Option<f64>, has_dark_current: bool) -> Result<Celsius, I
             refuse(format!("{celsius} °C lies below absolute zero"))
         }
         Some(celsius) => Ok(Celsius(celsius)),
-        None if has_dark_current => refuse("is missing, and there is dark current".to_owned()),
+        None if has_dark_current => refuse("is missing, although there is dark current".to_owned()),
         None => Ok(Noise::NONE.dark_current_reference),
     }
 }

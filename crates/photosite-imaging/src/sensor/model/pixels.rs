@@ -22,7 +22,7 @@ pub(super) fn own_name(d: &SensorDescription) -> Result<Option<&str>, Invalid> {
     match d.name.as_deref() {
         Some(name) if name.trim().is_empty() || name.contains(char::is_control) => {
             let help = "for example name = \"my camera\", or leave it out";
-            Err(Invalid::new("name", format!("{name:?} is no name")).help(help))
+            Err(Invalid::new("name", format!("{name:?} is not a name")).help(help))
         }
         name => Ok(name),
     }
@@ -32,7 +32,7 @@ pub(super) fn own_name(d: &SensorDescription) -> Result<Option<&str>, Invalid> {
 pub(super) fn pixel_pitch_m(d: &SensorDescription) -> Result<[f64; 2], Invalid> {
     match (&d.pixel_pitch_um, &d.format) {
         (Some(_), Some(_)) => {
-            Err(Invalid::new("format", "cannot go with pixel_pitch_um").help("keep the one that is known better"))
+            Err(Invalid::new("format", "cannot be combined with pixel_pitch_um").help("keep the one you know better"))
         }
         (None, None) => Err(Invalid::new("pixel_pitch_um", "is missing")
             .help("for example pixel_pitch_um = [3.45, 3.45], or format = \"2/3\"")),
@@ -56,7 +56,7 @@ pub(super) fn logarithmic(d: &SensorDescription, converter: &Converter) -> Resul
         SensorKind::Ccd | SensorKind::Spad => Some(format!("kind = {:?}", d.kind.name())),
     };
     match clash {
-        Some(other) => Err(Invalid::new(KEY, format!("cannot go with {other}")).help("keep one of them")),
+        Some(other) => Err(Invalid::new(KEY, format!("cannot be combined with {other}")).help("keep one of them")),
         None => Ok(Some(Logarithmic { reference_e_per_s })),
     }
 }
@@ -109,7 +109,7 @@ pub(super) fn quantum_efficiency(
         (Some(source), None) => fraction("quantum_efficiency", source, resolve),
         (None, Some(depth_um @ [upper, lower])) => {
             if !(upper.is_finite() && lower.is_finite() && 0.0 <= upper && upper < lower) {
-                let message = format!("{upper} to {lower} is no range of depths");
+                let message = format!("{upper} to {lower} is not a range of depths");
                 return Err(Invalid::new("depth_um", message).help("for example depth_um = [0.0, 3.0]"));
             }
             Ok(layers::quantum_efficiency(depth_um))

@@ -35,7 +35,7 @@ impl Reset {
     pub(super) fn new(d: &ResetDescription) -> Result<Self, Invalid> {
         let noise = match (d.noise_e, d.capacitance_ff) {
             (Some(_), Some(_)) => {
-                return Err(Invalid::new("capacitance_ff", "cannot go with noise_e").help("keep one of them"));
+                return Err(Invalid::new("capacitance_ff", "cannot be combined with noise_e").help("keep one of them"));
             }
             (Some(noise), None) => Self::Fixed(electrons("noise_e", noise)?),
             (None, Some(capacitance)) => Self::Capacitance(not_negative("capacitance_ff", capacitance)? * 1e-15),

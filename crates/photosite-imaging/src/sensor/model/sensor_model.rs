@@ -109,7 +109,7 @@ impl SensorModel {
         if let Some(surplus) = d.channels.keys().find(|name| !cfa.channels().contains(name)) {
             let message = format!("the colour filter array {:?} has no channel {surplus:?}", d.cfa);
             let channels = cfa.channels().join(", ");
-            let help = format!("its channels are {channels}; of a preset, write without = [\"channels.{surplus}\"]");
+            let help = format!("its channels are {channels}; for a preset, write without = [\"channels.{surplus}\"]");
             return Err(Invalid::new(format!("channels.{surplus}"), message).help(help));
         }
         let quantum_efficiency = cfa

@@ -78,7 +78,7 @@ impl Shutter {
     /// Keys of errors are those of the table `[shutter]`.
     pub(super) fn new(d: &ShutterDescription) -> Result<Self, Invalid> {
         let row_time = || {
-            let missing = || Invalid::new("row_time_us", "missing; rows that follow each other need it");
+            let missing = || Invalid::new("row_time_us", "missing; a rolling shutter needs it");
             let us = d.row_time_us.ok_or_else(|| missing().help("for example row_time_us = 20.0"))?;
             positive("row_time_us", us, "20.0")?;
             Ok::<_, Invalid>(Seconds(us / 1e6))
@@ -90,7 +90,7 @@ impl Shutter {
         }
         match (d.kind, d.row_time_us) {
             (ShutterKind::Global, None) => Ok(Self::Global),
-            (ShutterKind::Global, Some(_)) => Err(Invalid::new("row_time_us", "says nothing of a global shutter")
+            (ShutterKind::Global, Some(_)) => Err(Invalid::new("row_time_us", "does not apply to a global shutter")
                 .help("write kind = \"rolling\", or leave it out")),
             (ShutterKind::Rolling, _) => Ok(Self::Rolling { row_time: row_time()?, order: d.order }),
             (ShutterKind::Scanning, _) => Ok(Self::Scanning { line_time: row_time()? }),

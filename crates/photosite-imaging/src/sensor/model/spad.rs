@@ -66,7 +66,7 @@ impl Spad {
         let missing =
             |key: &str, example: &str| Invalid::new(key, "missing").help(format!("for example {key} = {example}"));
         let unused = |key: &str, mode: &str| {
-            Invalid::new(key, format!("says nothing of counting = {mode:?}")).help("leave it out")
+            Invalid::new(key, format!("does not apply with counting = {mode:?}")).help("leave it out")
         };
         let counting = match (d.counting, d.dead_time_ns, d.one_bit_frames) {
             (CountingMode::FreeRunning, Some(dead_time_ns), None) => {

@@ -122,7 +122,7 @@ impl Video {
                     .help("for example pixel_clock_mhz = 13.5"));
             }
             (None, Some(_)) => {
-                return Err(Invalid::new("video.pixel_clock_mhz", "says nothing without bandwidth_mhz")
+                return Err(Invalid::new("video.pixel_clock_mhz", "has no effect without bandwidth_mhz")
                     .help("for example bandwidth_mhz = 4.2, or leave it out"));
             }
         };
@@ -149,8 +149,10 @@ pub(super) fn check_analogue(key: &str, kind: SensorKind, converter: &Converter)
         SensorKind::Cmos | SensorKind::Ccd => converter.dual_gain.as_ref().map(|_| "adc.dual_gain"),
     };
     match clash {
-        Some(clash) => Err(Invalid::new(key, format!("cannot go with {clash}, whose sensors hand out numbers"))
-            .help("keep one of them")),
+        Some(clash) => {
+            Err(Invalid::new(key, format!("cannot be combined with {clash}, whose sensors hand out numbers"))
+                .help("keep one of them"))
+        }
         None => Ok(()),
     }
 }

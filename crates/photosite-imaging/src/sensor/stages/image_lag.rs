@@ -45,7 +45,7 @@ impl LeftCharge {
         if size(&self.charge) != size(charge) {
             let [found, expected] = [size(&self.charge), size(charge)].map(|[width, height, _]| [width, height]);
             let message = format!("the frame before left charge in {found:?} pixels, and this one has {expected:?}");
-            return Err(Invalid::new("", message).help("expose frames of one size after each other"));
+            return Err(Invalid::new("", message).help("expose only frames of one size after another"));
         }
         charge.electrons.par_iter_mut().zip(&self.charge.electrons).for_each(|(charge, left)| *charge += left);
         Ok(())

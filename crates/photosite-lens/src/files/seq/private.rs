@@ -33,7 +33,7 @@ pub(super) fn glasses(commands: &[Command]) -> Read<(BTreeMap<String, Glass>, Ve
             _ => {
                 let name = &command.words[0];
                 if !command.words.get(1).is_some_and(|word| is_number(word)) {
-                    ignored.push(format!("{name} of the private catalogue, which is no table of indices"));
+                    ignored.push(format!("{name} of the private catalogue, which is not a table of indices"));
                     continue;
                 }
                 if numbers.len() != wavelengths.len() || numbers.is_empty() {

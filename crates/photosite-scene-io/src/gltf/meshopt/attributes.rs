@@ -23,7 +23,7 @@ impl Channel {
             (0, 0) => Ok(Self::Bytes),
             (1, 0) => Ok(Self::Words),
             (2, turn) => Ok(Self::Bits(u32::from(turn))),
-            (_, _) => Err("have a channel of a kind that is unknown"),
+            (_, _) => Err("have a channel of an unknown kind"),
         }
     }
 
@@ -53,7 +53,7 @@ pub(super) fn decode(packed: &[u8], count: usize, stride: usize, allows_version_
         Some(0xa0) => false,
         Some(0xa1) if allows_version_1 => true,
         Some(0xa1) => return Err("are of version 1, which KHR_meshopt_compression alone has"),
-        Some(_) => return Err("are no attributes"),
+        Some(_) => return Err("are not attributes"),
         None => return Err(TOO_SHORT),
     };
     // At the end: the element before the first one, and the channels.

@@ -26,7 +26,7 @@ impl<T: Copy + Default> Queue<T> {
     fn get(&self, number: u8) -> Result<T, Fault> {
         let number = usize::from(number);
         if number >= self.pushed {
-            return Err("refer to a corner that was not there yet");
+            return Err("refer to a corner that does not exist yet");
         }
         Ok(self.entries[(self.pushed - 1 - number) % QUEUE])
     }
@@ -104,12 +104,12 @@ impl Corners<'_> {
 pub(super) fn decode_triangles(packed: &[u8], count: usize) -> Result<Vec<u32>, Fault> {
     let mut stream = Stream(packed);
     if stream.byte()? != 0xe1 {
-        return Err("are no triangles");
+        return Err("are not triangles");
     }
     let codes = stream.take(count / 3)?;
     let (data, table) = stream.0.split_last_chunk::<16>().ok_or(TOO_SHORT)?;
     if table[14..] != [0, 0] || table.iter().any(|entry| entry >> 4 == 15 || entry & 15 == 15) {
-        return Err("end with a table that is none");
+        return Err("end with a table that is invalid");
     }
     let mut corners = Corners { data: Stream(data), edges: Queue::new(), vertices: Queue::new(), next: 0, last: 0 };
     let mut indices = Vec::with_capacity(count);
@@ -139,7 +139,7 @@ pub(super) fn decode_sequence(packed: &[u8], count: usize) -> Result<Vec<u32>, F
     let (body, _) = packed.split_last_chunk::<4>().ok_or(TOO_SHORT)?;
     let mut stream = Stream(body);
     if stream.byte()? != 0xd1 {
-        return Err("are no indices");
+        return Err("are not indices");
     }
     let mut last = [0u32; 2];
     // A byte at least for each.

@@ -107,7 +107,7 @@ impl Packed {
             return invalid("byteStride", format!("is {stride}, which must be {strides}"));
         }
         if matches!(mode, Mode::Triangles) && !count.is_multiple_of(3) {
-            return invalid("count", format!("is {count}, which is no multiple of 3"));
+            return invalid("count", format!("is {count}, which is not a multiple of 3"));
         }
         let (known, is_known) = match filter {
             Filter::None => ("", true),

@@ -32,13 +32,13 @@ fn required_extensions_are_refused_by_name_and_optional_ones_reported_once() {
 #[case::float_indices("/accessors/3/componentType", json!(5126), "unsigned")]
 #[case::uneven_count("/accessors/1/count", json!(3), "3 entries for 4 positions")]
 #[case::no_triangle("/accessors/3/count", json!(2), "make no triangle")]
-#[case::torn_triangle("/accessors/3/count", json!(5), "no multiple of 3")]
+#[case::torn_triangle("/accessors/3/count", json!(5), "not a multiple of 3")]
 #[case::no_vertices("/accessors/0/count", json!(0), "has no vertices")]
 #[case::no_primitives("/meshes/0/primitives", json!([]), "is empty")]
 #[case::no_positions("/meshes/0/primitives/0/attributes", json!({}), "has no POSITION")]
 #[case::mode("/meshes/0/primitives/0/mode", json!(9), "is unknown")]
 #[case::version("/asset/version", json!("1.0"), "glTF 1.0 is not supported")]
-#[case::not_a_document("/nodes", json!(3), "is no glTF document")]
+#[case::not_a_document("/nodes", json!(3), "is not a glTF document")]
 fn damaged_documents_are_refused(#[case] pointer: &str, #[case] value: Value, #[case] message: &str) {
     let error = Fixture::square().with(pointer, value).error();
     assert!(error.contains(message), "{error}");

@@ -202,7 +202,7 @@ const NAMES: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 #[case::buffer("buffer", json!(7), "buffer: refers to buffers[7]")]
 #[case::fallback("buffer", json!(1), "buffer: refers to buffers[1], which has no bytes of its own")]
 #[case::range("byteLength", json!(1u64 << 40), "reach beyond")]
-#[case::triangles("mode", json!("TRIANGLES"), "count: is 49, which is no multiple of 3")]
+#[case::triangles("mode", json!("TRIANGLES"), "count: is 49, which is not a multiple of 3")]
 fn tables_of_packed_views_are_checked(#[case] key: &str, #[case] value: Value, #[case] message: &str) {
     let (json, chunk) = glb::split(PACKED[2].1).expect("a file");
     let mut json: Value = serde_json::from_slice(json).expect("text");
@@ -217,7 +217,7 @@ fn tables_of_packed_views_are_checked(#[case] key: &str, #[case] value: Value, #
 #[case::view("/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression/bufferView", json!(5), "refers to bufferViews[5]")]
 #[case::id("/meshes/0/primitives/0/extensions/KHR_draco_mesh_compression/attributes/POSITION", json!(9), "POSITION: refers to attribute 9 of the stream")]
 #[case::width("/accessors/1/type", json!("VEC2"), "has 3 components, accessors[1] says 2")]
-#[case::torn("/bufferViews/0/byteLength", json!(300), "is no Draco stream that can be read")]
+#[case::torn("/bufferViews/0/byteLength", json!(300), "is not a Draco stream that can be read")]
 fn tables_of_draco_are_checked(#[case] pointer: &str, #[case] value: Value, #[case] message: &str) {
     let (json, chunk) = glb::split(PACKED[0].1).expect("a file");
     let mut json: Value = serde_json::from_slice(json).expect("text");
@@ -322,10 +322,10 @@ fn the_picture_for_readers_that_know_no_ktx2_is_left_alone() {
 #[case::torn(|b: &mut Vec<u8>| b.truncate(200), "ends too early")]
 #[case::empty(|b: &mut Vec<u8>| b[20..24].fill(0), "it has no pixels")]
 #[case::large(|b: &mut Vec<u8>| b[22] = 1, "too large")]
-#[case::layers(|b: &mut Vec<u8>| b[32] = 2, "no plain picture")]
-#[case::faces(|b: &mut Vec<u8>| b[36] = 6, "no plain picture")]
+#[case::layers(|b: &mut Vec<u8>| b[32] = 2, "not a plain picture")]
+#[case::faces(|b: &mut Vec<u8>| b[36] = 6, "not a plain picture")]
 #[case::size(|b: &mut Vec<u8>| b[96] -= 16, "another size")]
-#[case::format(|b: &mut Vec<u8>| b[12] = 37, "no picture of ETC1S or UASTC")]
+#[case::format(|b: &mut Vec<u8>| b[12] = 37, "not a picture of ETC1S or UASTC")]
 fn damaged_pictures_are_named(#[case] damage: fn(&mut Vec<u8>), #[case] message: &str) {
     let mut bytes = PICTURES[3].1.to_vec();
     damage(&mut bytes);
@@ -384,10 +384,10 @@ fn textures_that_cannot_be_had_get_a_stand_in_where_that_is_allowed() {
     let found: Vec<_> = scene.images.iter().map(|image| texels(image)[0]).collect();
     assert_eq!(found, [[255; 4], [128, 128, 128, 255], [255, 128, 255, 255], [128, 128, 255, 255]]);
     let expected = [
-        ("images[1]: cannot decode", "the surface is as without it"),
-        ("images[0].uri: cannot read gone.png", "grey stands for it"),
-        ("textures[3]: has no image that can be read", "the surface is as without it"),
-        ("images[2].uri: cannot read gone too.ktx2", "the surface is as without it"),
+        ("images[1]: cannot decode", "the surface is left as if there were none"),
+        ("images[0].uri: cannot read gone.png", "grey is used instead"),
+        ("textures[3]: has no image that can be read", "the surface is left as if there were none"),
+        ("images[2].uri: cannot read gone too.ktx2", "the surface is left as if there were none"),
     ];
     assert_eq!(scene.warnings.len(), expected.len(), "{:?}", scene.warnings);
     for (warning, (problem, stand_in)) in scene.warnings.iter().zip(expected) {

@@ -33,7 +33,7 @@ impl Kernel {
         let sum: f64 = values.iter().copied().map(f64::from).sum();
         let usable = |v: &f32| v.is_finite() && *v >= 0.0;
         if width == 0 || rows.iter().any(|row| row.len() != width) || !values.iter().all(usable) || sum <= 0.0 {
-            let message = "is no picture of a point";
+            let message = "is not a picture of a point";
             return Err(Invalid::new("", message).help("write rows of equally many numbers, 0 or more, not all 0"));
         }
         Ok(Self {
