@@ -57,7 +57,7 @@ const RENDER: &[u8] = include_bytes!("../../tests/mitsuba/render.py");
 
 pub(super) fn run(args: &ExportMitsubaArgs, sandbox: &Sandbox) -> Result<()> {
     refuse_scene(&args.output, args.force)?;
-    let overrides = args.shorthands.around(args.scene.after(&args.overrides, &args.input), &args.input);
+    let overrides = args.shorthands.around(args.scene.after(&args.overrides, &args.input), &args.input)?;
     let capture = Capture::load_within(sandbox, &args.input, &overrides)?;
     let warnings = capture.warnings();
     let warnings = warnings.iter().filter(|_| !args.quiet);

@@ -1,7 +1,9 @@
 //! What `photosite --help` shows, and the description of all commands from which completions and manual pages are made.
 
+use std::ffi::OsString;
 use std::fmt::Write;
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Command, CommandFactory};
 
 use super::Cli;
@@ -46,6 +48,23 @@ pub(super) fn command() -> Command {
         + &listed
         + "\n`photosite COMMAND --help` describes a command.\n\nOptions:\n{options}{after-help}";
     command.help_template(template).after_help(format!("{EXAMPLES}\n\n{EXIT_STATUS}"))
+}
+
+/// The same error, where an option that does not exist may be a key of a capture file, with how those are set.
+pub(super) fn unknown_option(mut error: clap::Error, arguments: &[OsString]) -> clap::Error {
+    let has_near = error.get(ContextKind::SuggestedArg).is_some();
+    if error.kind() == ErrorKind::UnknownArgument && !has_near && sets_keys(arguments) {
+        let words = "keys of a capture file are set by --set, for example --set exposure.gain_db=24";
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![words.into()]));
+    }
+    error
+}
+
+/// Whether the command that is given has `--set`.
+fn sets_keys(arguments: &[OsString]) -> bool {
+    let command = Cli::command();
+    let given = arguments.iter().find_map(|argument| command.find_subcommand(argument));
+    given.is_some_and(|command| command.get_arguments().any(|argument| argument.get_long() == Some("set")))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use photosite_core::input;
+use photosite_core::{input, suggest};
 use serde_json::{Map, Value, json};
 
 use super::listing::listing;
@@ -98,7 +98,9 @@ fn facts(path: &Path, sandbox: &Sandbox, overrides: &[String]) -> Result<Map<Str
         _ => {
             let help = "give a .toml, .json (a capture.json), .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pbm, .pgm, .ppm, \
                         .npy or .exr file, or a name that `photosite sensors` lists";
-            Err(Invalid::new("", "is not a kind of file that photosite knows").help(help).in_file(path))
+            let near = suggest::did_you_mean(&path.to_string_lossy(), presets::names());
+            let message = format!("is not a kind of file that photosite knows{near}");
+            Err(Invalid::new("", message).help(help).in_file(path))
         }
     }
 }

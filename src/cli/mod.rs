@@ -140,10 +140,13 @@ impl Cli {
 /// It is for a process that does nothing else, and once: it starts rayon's global threads, listens to signals, and ends
 /// the process where one comes while the work under way cannot be kept.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let status = match help::command().try_get_matches_from(arguments).and_then(|found| Cli::from_arg_matches(&found)) {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let parsed = help::command().try_get_matches_from(&arguments).and_then(|found| Cli::from_arg_matches(&found));
+    let status = match parsed {
         Ok(cli) => run_parsed(&cli),
         // Wrong usage, or what --help and --version ask for.
         Err(words) => {
+            let words = help::unknown_option(words, &arguments);
             let _ = words.print();
             if words.use_stderr() { WRONG_USAGE } else { DONE }
         }

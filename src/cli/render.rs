@@ -54,7 +54,7 @@ pub(super) struct RenderArgs {
 pub(super) fn run(args: &RenderArgs, sandbox: &Sandbox) -> Result<()> {
     let RunArgs { output, quiet, json, force, .. } = &args.common;
     let start = Instant::now();
-    let overrides = args.shorthands.around(args.scene.after(&args.common.overrides(), &args.input), &args.input);
+    let overrides = args.shorthands.around(args.scene.after(&args.common.overrides(), &args.input), &args.input)?;
     let capture = Capture::load_within(sandbox, &args.input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let path = output.clone().unwrap_or_else(|| default_folder(&args.input));

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::capture::relative_path;
+use crate::{Error, Result};
 
 /// Illuminance of an environment picture that nobody has calibrated, lux: an overcast day.
 const ILLUMINANCE_LUX: f64 = 10_000.0;
@@ -12,9 +13,10 @@ const ILLUMINANCE_LUX: f64 = 10_000.0;
 #[derive(Args)]
 pub(super) struct Shorthands {
     /// Samples per pixel: render.samples_per_pixel.
-    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
-    /// Pixels of the picture, of the same view: sensor.scaled_to_px.
+    /// Pixels of the picture, of the same view: sensor.scaled_to_px. Fewer pixels are larger ones, which have less noise;
+    /// for part of the sensor with its own pixels, set sensor.resolution_px.
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<[u32; 2]>,
     /// A picture of the surroundings (Radiance HDR, OpenEXR) that lights the scene, with 10 000 lux on the ground unless
@@ -26,7 +28,14 @@ pub(super) struct Shorthands {
 impl Shorthands {
     /// Changes to the keys of the capture `input`, around those that `--set` has given: that of the environment before
     /// them, as they may say more of it, the others last.
-    pub(super) fn around(&self, changes: Vec<String>, input: &Path) -> Vec<String> {
+    ///
+    /// # Errors
+    ///
+    /// There is no such environment.
+    pub(super) fn around(&self, changes: Vec<String>, input: &Path) -> Result<Vec<String>> {
+        if let Some(file) = &self.env {
+            file.metadata().map_err(|reason| Error::io(file, "read", reason))?;
+        }
         let folder = input.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let env = self.env.as_ref().map(|file| {
             let file = toml::Value::from(relative_path(file, folder));
@@ -34,7 +43,7 @@ impl Shorthands {
         });
         let spp = self.spp.map(|samples| format!("render.samples_per_pixel={samples}"));
         let size = self.size.map(|[width, height]| format!("sensor.scaled_to_px=[{width}, {height}]"));
-        env.into_iter().chain(changes).chain(spp).chain(size).collect()
+        Ok(env.into_iter().chain(changes).chain(spp).chain(size).collect())
     }
 }
 

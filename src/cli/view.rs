@@ -70,7 +70,7 @@ pub(super) fn run(args: &ViewArgs, sandbox: &Sandbox) -> Result<()> {
         // Changes are those of the first.
         let is_scene = FileKind::of_name(path).is_none_or(|kind| kind == FileKind::Model) && !path.is_dir();
         let overrides = match (number, is_scene) {
-            (0, true) => args.shorthands.around(args.scene.after(&args.overrides, path), path),
+            (0, true) => args.shorthands.around(args.scene.after(&args.overrides, path), path)?,
             (0, false) => args.overrides.clone(),
             (_, _) => Vec::new(),
         };

@@ -145,11 +145,12 @@ impl<'a> Chain<'a> {
         Self { settings, optics, colours, lens }
     }
 
-    /// Warnings about what images and raw files do not show of the lens, and what images do not hold.
-    pub(super) fn picture_warnings(&self) -> Vec<String> {
+    /// Warnings about what images and raw files do not show of the lens, and what images do not hold. `has_targets` is
+    /// whether the report says where points of targets appear.
+    pub(super) fn picture_warnings(&self, has_targets: bool) -> Vec<String> {
         let Settings { sensor, output, exposure, develop, .. } = self.settings;
         let seen = self.lens.map(|lens| LensSeen::knowing(lens, sensor, &exposure.region));
-        let mut warnings = seen.map_or_else(Vec::new, |seen| seen.warnings(develop, output));
+        let mut warnings = seen.map_or_else(Vec::new, |seen| seen.warnings(develop, output, has_targets));
         if !output.image {
             return warnings;
         }

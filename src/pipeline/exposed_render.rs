@@ -195,7 +195,7 @@ impl ReadySensor {
         });
         let known_gains = gains.filter(|_| same);
         let ready = Self { stored, white, optics, colours, placed, corrections: Arc::default(), known_gains };
-        warnings.extend(ready.chain().picture_warnings());
+        warnings.extend(ready.chain().picture_warnings(false));
         let Stored { capture, recorded, traced, .. } = &ready.stored;
         if let Some(recorded) = recorded.as_ref().filter(|r| r.sensor.pixel_pitch_m != capture.sensor.pixel_pitch_m) {
             warnings.push(other_pitch(&recorded.sensor, &capture.sensor));

@@ -131,8 +131,14 @@ impl<'a> LensSeen<'a> {
         (!whats.is_empty()).then(|| Resampled { what: whats.join(" and "), keys: keys.join(" and ") })
     }
 
-    /// Warnings about images and files that lack what one might expect.
-    pub(super) fn warnings(&self, settings: &DevelopSettings, output: &OutputSettings) -> Vec<String> {
+    /// Warnings about images and files that lack what one might expect. `has_targets` is whether the report says where
+    /// points of targets appear.
+    pub(super) fn warnings(
+        &self,
+        settings: &DevelopSettings,
+        output: &OutputSettings,
+        has_targets: bool,
+    ) -> Vec<String> {
         let mut warnings = Vec::new();
         let name = match self.lens.kind {
             LensKind::Prescription => "traced",
@@ -171,9 +177,15 @@ impl<'a> LensSeen<'a> {
             warnings.push(format!("raw.dng tells that every second row lies half a pixel to the right {how}"));
         }
         if let Some(Resampled { what, keys }) = self.resampled(settings).filter(|_| output.image) {
-            if !output.truth.layers.is_empty() {
+            let truth = match (!output.truth.layers.is_empty(), has_targets) {
+                (true, true) => Some("ground truth and the points of targets are"),
+                (true, false) => Some("ground truth is"),
+                (false, true) => Some("the points of targets in capture.json are"),
+                (false, false) => None,
+            };
+            if let Some(truth) = truth {
                 warnings.push(format!(
-                    "image.png is {what}, but ground truth is not; write {keys}, and both show things in the same places"
+                    "image.png is {what}, but {truth} not; write {keys}, and both show things in the same places"
                 ));
             }
             if !has_dng && !output.raw.is_empty() {

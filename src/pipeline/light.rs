@@ -229,10 +229,10 @@ impl Prepared {
         warnings.extend(colours.warning.clone());
         // What was said of the sensor and the exposure before holds no more.
         let before = [self.capture.sensor.warnings(), self.capture.exposure.warning().into_iter().collect()].concat();
-        let earlier = [before, self.chain().picture_warnings()].concat();
+        let earlier = [before, self.picture_warnings()].concat();
         let kept = self.warnings.iter().filter(|warning| !earlier.contains(warning)).cloned();
         let mut changed = Self { capture, colours: Arc::new(colours), warnings: kept.collect(), ..self.clone() };
-        warnings.extend(changed.chain().picture_warnings());
+        warnings.extend(changed.picture_warnings());
         for warning in warnings {
             if !changed.warnings.contains(&warning) {
                 changed.warnings.push(warning);

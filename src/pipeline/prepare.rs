@@ -157,7 +157,7 @@ impl Prepared {
             warnings,
             frame: 0,
         };
-        prepared.warnings.extend(prepared.chain().picture_warnings());
+        prepared.warnings.extend(prepared.picture_warnings());
         Ok(prepared)
     }
 
@@ -219,6 +219,11 @@ impl Prepared {
         // Of a bare sensor there is nothing to correct.
         let lens = self.camera.makes_picture().then_some((&self.capture.lens, &self.camera, &*self.corrections));
         Chain::new((&self.capture).into(), &self.optics, &self.colours, lens)
+    }
+
+    /// Warnings about what images and raw files do not show.
+    pub(super) fn picture_warnings(&self) -> Vec<String> {
+        self.chain().picture_warnings(!self.capture.targets.is_empty())
     }
 }
 

@@ -7,6 +7,7 @@ use crate::room::room;
 
 #[rstest]
 #[case::flag("render capture.toml --sed 3", "unexpected argument '--sed' found")]
+#[case::key_as_option("render capture.toml --gain 3", "keys of a capture file are set by --set")]
 #[case::no_input("render", "required arguments were not provided")]
 #[case::no_value("render capture.toml -o", "a value is required")]
 #[case::subcommand("rendr capture.toml", "unrecognized subcommand 'rendr'")]

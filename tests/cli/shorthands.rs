@@ -92,7 +92,7 @@ fn a_picture_of_the_surroundings_lights_the_scene() {
     // What --set says of it holds.
     folder.succeed(&format!("render capture.toml -o out {small} --set scene.environment.illuminance_lux=20"));
     assert_eq!(folder.report("out")["capture"]["scene"]["environment"]["illuminance_lux"], 20);
-    folder.fail("render capture.toml -o new --env none.hdr", 1, &["none.hdr"]);
+    folder.fail("render capture.toml -o new --env none.hdr", 1, &["none.hdr: cannot read"]);
 }
 
 /// Half the width of the picture is seen under half the angle, through whatever projection.

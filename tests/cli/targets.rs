@@ -37,6 +37,20 @@ fn a_target_is_printed_photographed_and_handed_on() {
     folder.succeed("render board.obj -o mesh --set render.samples_per_pixel=1 --set sensor.resolution_px=[40,30]");
 }
 
+/// Points are stated in the raw picture; the developed one shows them elsewhere where it undoes the distortion.
+#[test]
+fn an_image_that_shows_the_points_elsewhere_is_warned_of() {
+    let folder = Folder::new([]);
+    folder.succeed("target chessboard -o board.toml");
+    let render =
+        "render board.toml -o out --force --spp 1 --size 40x30 --set lens.distortion={model='brown-conrady',k=[-0.1]}";
+    let warning = "the points of targets in capture.json are not; write develop.distortion = false";
+    let outcome = folder.succeed(render);
+    assert!(outcome.stderr.contains(warning), "{}", outcome.stderr);
+    let outcome = folder.succeed(&format!("{render} --set develop.distortion=false"));
+    assert!(!outcome.stderr.contains(warning), "{}", outcome.stderr);
+}
+
 #[rstest]
 #[case::kind("target chesboard -o a.svg", 2, "a similar value exists: 'chessboard'")]
 #[case::format("target flat -o a.png", 2, "a.png does not say in which format")]

@@ -59,10 +59,10 @@ impl Left {
         let Self { bytes: left, of, bound } = self;
         let taken = of.saturating_sub(left);
         let message = format!(
-            "{what} takes {} GiB of memory, and of the {} GiB of {bound} {} GiB are left",
-            gib(bytes, f64::ceil),
-            gib(of, f64::round),
-            gib(left, f64::floor)
+            "{what} takes {} of memory, and of the {} of {bound} {} are left",
+            amount(bytes, f64::ceil),
+            amount(of, f64::round),
+            amount(left, f64::floor)
         );
         let more = match bound {
             Bound::Told => Remedy::Memory(gib(taken.saturating_add(bytes), f64::ceil)),
@@ -74,6 +74,14 @@ impl Left {
         let less = (!instead.is_empty()).then(|| instead.into());
         Err(Invalid::new("", message).help(Help::any(less.into_iter().chain([more]))))
     }
+}
+
+/// In GiB, or in MiB where GiB would need more digits.
+fn amount(bytes: u64, round: fn(f64) -> f64) -> String {
+    if bytes >= 1 << 27 {
+        return format!("{} GiB", gib(bytes, round));
+    }
+    format!("{} MiB", round(bytes as f64 / (1024.0 * 1024.0)))
 }
 
 /// GiB in two digits after the point, rounded to the side that is safe.
@@ -100,6 +108,12 @@ mod tests {
             "the picture takes 3 GiB of memory, and of the 1 GiB of the limit that was set 0.5 GiB are left"
         );
         assert_eq!(help, "lower sensor.resolution_px, or allow 3.5 GiB of memory");
+        let small =
+            Left { bytes: 3 << 19, of: 100 << 20, bound: Bound::Told }.check(5 << 19, "it", "").expect_err("too much");
+        assert_eq!(
+            small.message,
+            "it takes 3 MiB of memory, and of the 100 MiB of the limit that was set 1 MiB are left"
+        );
         let (message, help) = words(Bound::AddressSpace);
         assert!(message.contains("of the 1 GiB of ulimit -v 0.5 GiB"), "{message}");
         assert_eq!(help, "lower sensor.resolution_px, or raise the limit to 3.5 GiB");

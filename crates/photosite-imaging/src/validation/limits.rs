@@ -44,7 +44,13 @@ pub fn failures(comparison: &Comparison, limits: &Limits) -> Vec<String> {
         let bound = format!("|z| > {:.2} (Šidák, α = {}, {} tests)", v.z_bound, v.alpha, v.tests);
         if v.pixels_past_bound > 0 {
             let pixels = if v.pixels_past_bound == 1 { "pixel" } else { "pixels" };
-            failures.push(format!("noise does not explain {} {pixels}: {bound}", v.pixels_past_bound));
+            // Where the means agree, the variances are in doubt before the pictures are.
+            let doubt = if v.channels_past_bound.is_empty() {
+                "; the means agree, and variances of few samples are uncertain: render both with more to be sure"
+            } else {
+                ""
+            };
+            failures.push(format!("noise does not explain {} {pixels}: {bound}{doubt}", v.pixels_past_bound));
         }
         if !v.channels_past_bound.is_empty() {
             failures.push(format!("noise does not explain the mean of {}: {bound}", v.channels_past_bound.join(", ")));
