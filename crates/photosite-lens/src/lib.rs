@@ -28,6 +28,7 @@ pub mod profile;
 pub mod pupil_table;
 pub mod region;
 pub mod spots;
+mod stop_map;
 mod support_polygon;
 pub mod trace;
 pub mod wavefront;

@@ -12,9 +12,9 @@ pub(crate) const CORNERS: usize = 64;
 const FINER: usize = 2;
 /// How much wider than found the polygons are. Between the directions and the heights of a table a smooth boundary
 /// bulges by less; 1 % let 8e-4 of the light of some lenses leak out.
-const MARGIN: f64 = 1.02;
+pub(crate) const MARGIN: f64 = 1.02;
 
-/// A boundary that is its own mirror image, about a centre on the y axis.
+/// A boundary about a centre on the y axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
     pub(crate) centre: f64,
@@ -36,7 +36,10 @@ pub(crate) struct Polygon {
 }
 
 impl Outline {
-    /// The boundary about a centre on the y axis of all that passes at any of some wavelengths, within a circle, its middle
+    /// Directions in which boundaries are looked for, the first along x, then towards y.
+    pub(crate) const DIRECTIONS: usize = FINER * CORNERS;
+
+    /// The boundary, its own mirror image, about a centre on the y axis of all that passes at any of some wavelengths, within a circle, its middle
     /// and radius. `passes` says of a wavelength's number and a point whether it does.
     pub(crate) fn of(
         passes: impl Fn(usize, DVec2) -> bool,
@@ -66,6 +69,25 @@ impl Outline {
         Self { centre, radii: enclosing(&whole) }
     }
 
+    /// Angle in rad and distance from the centre of its boundary in one of the directions.
+    pub(crate) fn boundary(&self, number: usize) -> (f64, f64) {
+        let angle = TAU * number as f64 / Self::DIRECTIONS as f64;
+        let sector = number / FINER;
+        if number % FINER == 0 {
+            return (angle, self.radii[sector]);
+        }
+        let next = (sector + 1) % CORNERS;
+        let edge = (direction(sector) * self.radii[sector], direction(next) * self.radii[next]);
+        (angle, reach(edge, DVec2::from_angle(angle)))
+    }
+
+    /// What of it lies within another boundary, given in all directions, that is to be so much wider.
+    pub(crate) fn within(&self, boundary: &[f64], wider: f64) -> Self {
+        let enclosed = enclosing(boundary);
+        let radii = self.radii.iter().zip(&enclosed).map(|(own, other)| own.min(other * wider)).collect();
+        Self { centre: self.centre, radii }
+    }
+
     /// Between two of them.
     pub(crate) fn between(low: &Self, high: &Self, t: f64) -> Self {
         let lerp = |a: f64, b: f64| a + t * (b - a);
@@ -73,6 +95,16 @@ impl Outline {
             centre: lerp(low.centre, high.centre),
             radii: low.radii.iter().zip(&high.radii).map(|(a, b)| lerp(*a, *b)).collect(),
         }
+    }
+
+    /// What contains all of some with the same centre.
+    pub(crate) fn union(all: &[Self]) -> Option<Self> {
+        let (first, others) = all.split_first()?;
+        let mut union = first.clone();
+        for other in others {
+            union.radii.iter_mut().zip(&other.radii).for_each(|(most, radius)| *most = most.max(*radius));
+        }
+        Some(union)
     }
 
     /// Widens some until what lies in the middle between them contains what was found there.

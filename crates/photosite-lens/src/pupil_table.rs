@@ -2,12 +2,16 @@
 //!
 //! In direction cosines (p, q) the weight of a uniformly drawn direction is the area of the region that it is drawn from,
 //! and nothing else (see [`illumination`](crate::illumination)). The table holds a polygon for each of many image heights
-//! that contains the region S of all directions that pass, for all wavelengths, and little more.
+//! that contains the region S of all directions that pass, for all wavelengths, and little more; of a stop with blades, for
+//! each of many azimuths, too.
+
+use std::f64::consts::TAU;
 
 use glam::DVec2;
 
 use crate::lens::Lens;
 use crate::outline::{Outline, Polygon};
+use crate::stop_map::StopMap;
 use crate::trace::LensAt;
 
 /// Image heights, from the axis to the corner, at which S is looked for.
@@ -16,14 +20,21 @@ const ROWS: usize = 65;
 const FIRST_DIRECTIONS: usize = 16;
 /// Bins of the image height, each with a polygon.
 const BINS: usize = 512;
+/// The same of a stop with blades; and bins of the azimuth, over a whole turn.
+const BINS_OF_BLADES: usize = 256;
+const AZIMUTHS: u32 = 128;
 /// Halvings of the last stretch between a height that light reaches and one that it does not.
 const HALVINGS: u32 = 6;
 
 /// What the sensor sees of the pupil, by image height.
 #[derive(Clone, Debug)]
 pub struct PupilTable {
+    /// By height and azimuth.
     bins: Vec<Polygon>,
     bins_per_mm: f64,
+    /// Blades of the stop, 0 of a round one, and azimuths from one of them to the next.
+    blades: u32,
+    azimuths: usize,
     lit_mm: f64,
 }
 
@@ -38,9 +49,9 @@ pub struct Direction {
 
 impl PupilTable {
     /// The table of a lens for image heights up to one in mm and wavelengths in nm, of which the middle one decides where
-    /// the centres are. A stop with blades counts as round: what a blade cuts off is blocked when it is traced.
-    pub fn new(lens: &Lens, highest_mm: f64, wavelengths_nm: &[f64]) -> Self {
-        let lens = lens.with_round_stop();
+    /// the centres are.
+    pub fn new(with_blades: &Lens, highest_mm: f64, wavelengths_nm: &[f64]) -> Self {
+        let lens = with_blades.with_round_stop();
         let height = |row: f64| highest_mm * row / (ROWS - 1) as f64;
         let row = |i: f64| outline(&lens, height(i), wavelengths_nm);
         let mut rows: Vec<Option<Outline>> = (0..ROWS).map(|i| row(i as f64)).collect();
@@ -60,17 +71,24 @@ impl PupilTable {
                 Outline::widen_to(&mut [low, high], &middle);
             }
         }
-        let at = |height: f64| {
-            let row = height * (ROWS - 1) as f64;
-            let i = (row as usize).min(ROWS - 2);
-            Some(Outline::between(rows[i].as_ref()?, rows[i + 1].as_ref()?, row - i as f64))
-        };
-        let of_bin = |bin: usize| {
-            let [low, high] = [bin, bin + 1].map(|i| at(i as f64 / BINS as f64));
+        let blades = with_blades.stop_edges().map_or(0, |(normals, _)| normals.len() as u32);
+        let (count, azimuths) =
+            if blades == 0 { (BINS, 1) } else { (BINS_OF_BLADES, AZIMUTHS.div_ceil(blades) as usize) };
+        let of_blades = |rows: &[Option<Outline>]| cut_by_blades(with_blades, rows, height, wavelengths_nm, azimuths);
+        let of_azimuths = if blades == 0 { vec![rows] } else { of_blades(&rows) };
+        let polygon = |number: usize| {
+            let rows = &of_azimuths[number % azimuths];
+            let at = |height: f64| {
+                let row = height * (ROWS - 1) as f64;
+                let i = (row as usize).min(ROWS - 2);
+                Some(Outline::between(rows[i].as_ref()?, rows[i + 1].as_ref()?, row - i as f64))
+            };
+            let bin = number / azimuths;
+            let [low, high] = [bin, bin + 1].map(|i| at(i as f64 / count as f64));
             Polygon::new(&low?, &high?)
         };
-        let bins = (0..BINS).map(|bin| of_bin(bin).unwrap_or_else(Polygon::empty)).collect();
-        Self { bins, bins_per_mm: BINS as f64 / highest_mm, lit_mm }
+        let bins = (0..count * azimuths).map(|number| polygon(number).unwrap_or_else(Polygon::empty)).collect();
+        Self { bins, bins_per_mm: count as f64 / highest_mm, blades, azimuths, lit_mm }
     }
 
     /// The largest image height that light reaches, mm, to a thousandth of the table's; that of the table where light
@@ -98,8 +116,45 @@ impl PupilTable {
     }
 
     fn polygon(&self, point: DVec2) -> &Polygon {
-        &self.bins[((point.length() * self.bins_per_mm) as usize).min(BINS - 1)]
+        let last = self.bins.len() / self.azimuths - 1;
+        let height = ((point.length() * self.bins_per_mm) as usize).min(last);
+        &self.bins[height * self.azimuths + self.azimuth(point)]
     }
+
+    /// The bin of the azimuth of a point, from the y axis.
+    fn azimuth(&self, point: DVec2) -> usize {
+        if self.blades == 0 {
+            return 0;
+        }
+        let DVec2 { x, y } = rotation(point);
+        let blades = f64::from(self.blades) * (y.atan2(x) / TAU + 1.0);
+        ((blades.fract() * self.azimuths as f64) as usize).min(self.azimuths - 1)
+    }
+}
+
+/// The outlines that the blades of a stop leave of those of a round one, by azimuth: from one blade to the next.
+fn cut_by_blades(
+    lens: &Lens,
+    rows: &[Option<Outline>],
+    height: impl Fn(f64) -> f64,
+    wavelengths_nm: &[f64],
+    azimuths: usize,
+) -> Vec<Vec<Option<Outline>>> {
+    let at: Vec<LensAt<'_>> = wavelengths_nm.iter().map(|nm| lens.at(*nm)).collect();
+    let blade_rad = TAU / lens.stop_edges().map_or(1, |(normals, _)| normals.len()) as f64;
+    let mut of_azimuths = vec![Vec::with_capacity(rows.len()); azimuths];
+    for (i, row) in rows.iter().enumerate() {
+        let map = row.as_ref().map(|row| StopMap::new(&at, height(i as f64), row));
+        for (azimuth, rows) in of_azimuths.iter_mut().enumerate() {
+            // At both of its ends and in the middle
+            let cut = |map: &StopMap| {
+                let turned = |part: f64| blade_rad * (azimuth as f64 + part) / azimuths as f64;
+                Outline::union(&[0.0, 0.5, 1.0].map(|part| map.cut(lens, turned(part))))
+            };
+            rows.push(map.as_ref().and_then(cut));
+        }
+    }
+    of_azimuths
 }
 
 /// The radius of the image circle: between the last row that light reaches and the next one, by halving.

@@ -335,8 +335,7 @@ fn connect(
     let mut wavelengths = path.wavelengths;
     let connection = camera.connect(point.position, aperture, spread, &mut wavelengths)?;
     let DVec2 { x: column, y: row } = camera.cells().cell_at(connection.pixel);
-    let is_in_picture =
-        column >= 0.0 && column < f64::from(width) && row >= rows.start as f64 && row < rows.end as f64;
+    let is_in_picture = column >= 0.0 && column < f64::from(width) && row >= rows.start as f64 && row < rows.end as f64;
     if !(is_in_picture && camera.cells().sees_light(connection.pixel)) {
         return None;
     }

@@ -164,9 +164,7 @@ impl PrescribedLens {
     }
 
     fn entrance(&self) -> &EntranceTable {
-        self.entrance.get_or_init(|| {
-            EntranceTable::new(&self.lens, &self.tables().pupil, self.corner_mm, &ENTRANCE_NM)
-        })
+        self.entrance.get_or_init(|| EntranceTable::new(&self.lens, &self.tables().pupil, self.corner_mm, &ENTRANCE_NM))
     }
 
     /// The distance in m from the first surface below which nothing is led in from a point of the scene.
