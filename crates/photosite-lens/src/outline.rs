@@ -73,7 +73,7 @@ impl Outline {
     pub(crate) fn boundary(&self, number: usize) -> (f64, f64) {
         let angle = TAU * number as f64 / Self::DIRECTIONS as f64;
         let sector = number / FINER;
-        if number % FINER == 0 {
+        if number.is_multiple_of(FINER) {
             return (angle, self.radii[sector]);
         }
         let next = (sector + 1) % CORNERS;

@@ -28,7 +28,7 @@ use std::ops::Range;
 use glam::{DVec2, Vec3};
 use rayon::prelude::*;
 
-use self::light_path::{LensPoint, LightPath};
+use self::light_path::{LensPoint, LightPath, LightTracing};
 pub(super) use self::splats::{Splat, Splats};
 use super::interaction::terminate_secondary;
 use super::job::RenderJob;
@@ -39,7 +39,7 @@ use crate::light::LightRay;
 use crate::optics::{LensRays, TowardsLens};
 use crate::sampler::Sampler;
 use photosite_core::math::float::gamma;
-use photosite_core::spectrum::{LANES, SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, WavelengthSampler};
+use photosite_core::spectrum::{LANES, SampledSpectrum, Spectrum, SpectrumTable, WavelengthSampler};
 
 /// Paths that are traced together.
 const WAVEFRONT_PATHS: u32 = 256;
@@ -50,14 +50,9 @@ const SEQUENCE: u64 = 0x6c69_6768_7400_0000;
 
 /// Traces light paths.
 pub(super) struct LightTracer<'a> {
-    job: &'a RenderJob<'a>,
-    limits: PathLimits,
+    tracing: LightTracing<'a>,
     seed: u64,
     wavelengths: WavelengthSampler,
-    spectra: SpectrumTable,
-    transmittance: SpectrumId,
-    /// Paths for each sample of all pixels.
-    paths: u32,
     /// N/(n·κ) of [`super::mis_ratio`].
     scale: f32,
     has_single_wavelengths: bool,
@@ -65,8 +60,8 @@ pub(super) struct LightTracer<'a> {
 
 impl<'a> LightTracer<'a> {
     /// For a render with the numbers of `seed`; `None` where there are no such paths. Their wavelengths are those of
-    /// `importance`, since no one knows to which pixel they will come.
-    /// `lands_wavelengths` says whether wavelengths of paths from a camera land each in a pixel of its own.
+    /// `importance`, since no one knows to which pixel they will come. `lands_wavelengths` says whether those of paths from
+    /// the camera land each in a pixel of its own.
     pub(super) fn new(
         job: &'a RenderJob<'a>,
         limits: PathLimits,
@@ -86,13 +81,9 @@ impl<'a> LightTracer<'a> {
         let mut spectra = SpectrumTable::default();
         let transmittance = spectra.add(job.transmittance);
         Some(Self {
-            job,
-            limits,
+            tracing: LightTracing { job, limits, spectra, transmittance, paths },
             seed,
             wavelengths: WavelengthSampler::new(importance),
-            spectra,
-            transmittance,
-            paths,
             scale: scale as f32,
             // As of the paths from the camera that find the same.
             has_single_wavelengths: job.has_single_wavelengths() || job.camera.has_glass() && !lands_wavelengths,
@@ -101,12 +92,12 @@ impl<'a> LightTracer<'a> {
 
     /// Samples whose paths are best traced at once.
     pub(super) fn samples_per_batch(&self) -> usize {
-        (MAX_STORED_PATHS / self.paths).max(1) as usize
+        (MAX_STORED_PATHS / self.tracing.paths).max(1) as usize
     }
 
     /// MIS ratio of camera paths before their first surface.
     pub(super) fn mis_ratio(&self) -> MisRatio {
-        MisRatio::new(self.scale, self.job.camera.least_distance_m())
+        MisRatio::new(self.scale, self.tracing.job.camera.least_distance_m())
     }
 
     /// What those that belong to the samples with such numbers bring to some rows of the picture, to be kept where
@@ -117,7 +108,7 @@ impl<'a> LightTracer<'a> {
         rows: Range<usize>,
         wants: impl Fn(usize, u32) -> bool + Sync,
     ) -> Splats {
-        let paths = u64::from(self.paths);
+        let paths = u64::from(self.tracing.paths);
         let all = u64::from(samples.start) * paths..u64::from(samples.end) * paths;
         let together = u64::from(WAVEFRONT_PATHS);
         // The same waves whichever samples are asked for, so that sums are of one order.
@@ -168,7 +159,7 @@ impl<'a> LightWavefront<'a> {
     fn new(tracer: &'a LightTracer<'a>, rows: Range<usize>) -> Self {
         Self {
             tracer,
-            sampler: Sampler::new(tracer.job.settings.sampler, tracer.seed),
+            sampler: Sampler::new(tracer.tracing.job.settings.sampler, tracer.seed),
             rows,
             paths: Vec::new(),
             active: Default::default(),
@@ -186,7 +177,7 @@ impl<'a> LightWavefront<'a> {
 
     /// Traces paths by their numbers, of all samples.
     fn trace(&mut self, numbers: Range<u64>) {
-        let scene = self.tracer.job.scene;
+        let scene = self.tracer.tracing.job.scene;
         self.paths.clear();
         numbers.for_each(|number| self.start(number));
         while !self.active.0.is_empty() {
@@ -220,14 +211,14 @@ impl<'a> LightWavefront<'a> {
             wavelengths.terminate_secondary();
         }
         let u = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
-        let Some(emission) = tracer.job.scene.sample_le(0.0, u, &wavelengths) else { return };
+        let Some(emission) = tracer.tracing.job.scene.sample_le(0.0, u, &wavelengths) else { return };
         let LightRay { position, normal, direction, radiance, density, .. } = emission;
         // As for shadow rays.
         let origin = offset_origin(position, position.abs() * gamma(8), normal, direction);
         self.active.0.push(self.paths.len() as u32);
         self.active.1.push(Ray::new(origin, direction));
         self.paths.push(LightPath {
-            sample: (number / u64::from(tracer.paths)) as u32,
+            sample: (number / u64::from(tracer.tracing.paths)) as u32,
             position: sampler.position(),
             wavelengths,
             emission,
@@ -242,7 +233,7 @@ impl<'a> LightWavefront<'a> {
     /// Connects the vertex that a path has come to with the camera, and returns the ray along which the path goes on.
     fn advance(&mut self, number: u32, ray: &Ray, hit: &Hit) -> Option<Ray> {
         let Self { tracer, sampler, rows, paths, vertices, towards_lens, to_lens, seen, .. } = self;
-        let scene = tracer.job.scene;
+        let scene = tracer.tracing.job.scene;
         let path = &mut paths[number as usize];
         path.depth += 1;
 
@@ -264,29 +255,29 @@ impl<'a> LightWavefront<'a> {
         sampler.resume(path.position);
         let (aperture, spread) = (sampler.next_2d(), sampler.next_2d());
         if path.depth > 1 && !shading.bsdf.is_delta() {
-            if tracer.job.camera.has_glass() {
+            if tracer.tracing.job.camera.has_glass() {
                 towards_lens.push(TowardsLens {
                     point: point.position,
                     sample: aperture,
                     wavelengths: path.wavelengths,
                 });
                 vertices.push((*path, point, wi));
-            } else if let Some((ray, splat)) = connect(tracer, rows, path, (&point, wi), aperture, spread) {
+            } else if let Some((ray, splat)) = connect(&tracer.tracing, rows, path, (&point, wi), aperture, spread) {
                 seen.push((to_lens.len() as u32, splat));
                 to_lens.push(ray);
             }
         }
 
         // Sample the BSDF for the next direction; one more segment leads to a surface, and one from there to the lens
-        if path.depth + 2 > tracer.limits.max_depth {
+        if path.depth + 2 > tracer.tracing.limits.max_depth {
             return None;
         }
-        path.scatter(tracer, (&point, &shading, wi), hit.t, sampler)
+        path.scatter(&tracer.tracing, (&point, &shading, wi), hit.t, sampler)
     }
     /// Connects the vertices at hand with a camera whose rays go through glass.
     fn connect_through_glass(&mut self) {
         let Self { tracer, rows, vertices, towards_lens, lens_rays, to_lens, seen, .. } = self;
-        let RenderJob { camera, resolution: [width, _], .. } = *tracer.job;
+        let RenderJob { camera, resolution: [width, _], .. } = *tracer.tracing.job;
         camera.arrive_each(towards_lens, lens_rays, |i, arrival| {
             let (path, point, wi) = &vertices[i];
             let mut weights = [0.0; LANES];
@@ -297,7 +288,9 @@ impl<'a> LightWavefront<'a> {
             }
             let weights = SampledSpectrum::from(weights);
             let lens = LensPoint { origin: arrival.front, weight: 1.0, px2_per_m2: 1.0, weights };
-            let Some((ray, irradiance)) = path.sent(tracer, (point, *wi), &lens, &path.wavelengths) else { return };
+            let Some((ray, irradiance)) = path.sent(&tracer.tracing, (point, *wi), &lens, &path.wavelengths) else {
+                return;
+            };
             // Wavelengths that land in one pixel go together
             for lane in 0..LANES {
                 let cell = arrival.landings[lane].cell;
@@ -324,14 +317,14 @@ impl<'a> LightWavefront<'a> {
 
 /// The shadow ray from a vertex of a path to a lens without glass, and what a pixel gets if nothing occludes it.
 fn connect(
-    tracer: &LightTracer<'_>,
+    tracing: &LightTracing<'_>,
     rows: &Range<usize>,
     path: &LightPath,
     (point, wi): (&SurfacePoint, Vec3),
     aperture: [f32; 2],
     spread: [f32; 2],
 ) -> Option<(Ray, Splat)> {
-    let RenderJob { camera, resolution: [width, _], .. } = *tracer.job;
+    let RenderJob { camera, resolution: [width, _], .. } = *tracing.job;
     let mut wavelengths = path.wavelengths;
     let connection = camera.connect(point.position, aperture, spread, &mut wavelengths)?;
     let DVec2 { x: column, y: row } = camera.cells().cell_at(connection.pixel);
@@ -345,7 +338,7 @@ fn connect(
         px2_per_m2: connection.px2_per_m2,
         weights: connection.weights,
     };
-    let (ray, irradiance) = path.sent(tracer, (point, wi), &lens, &wavelengths)?;
+    let (ray, irradiance) = path.sent(tracing, (point, wi), &lens, &wavelengths)?;
     let pixel = (row as usize - rows.start) * width as usize + column as usize;
     Some((ray, Splat { pixel: pixel as u32, sample: path.sample, irradiance, wavelengths }))
 }

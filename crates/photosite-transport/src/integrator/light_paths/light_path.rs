@@ -2,14 +2,26 @@
 
 use glam::Vec3;
 
-use super::LightTracer;
 use crate::geometry::{Ray, SurfacePoint};
 use crate::integrator::interaction::{leaks, light_sample_context, shadow_ray, spawn_ray, terminate_secondary};
+use crate::integrator::job::RenderJob;
 use crate::integrator::mis_ratio::{PathVertex, delta_term, light_weight};
+use crate::integrator::path::PathLimits;
 use crate::light::LightRay;
 use crate::sampler::{SamplePosition, Sampler};
 use crate::scene::{Scene, Shading};
-use photosite_core::spectrum::{SampledSpectrum, SpectrumId, Wavelengths};
+use photosite_core::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, Wavelengths};
+
+/// What light paths need to go on.
+pub(super) struct LightTracing<'a> {
+    pub(super) job: &'a RenderJob<'a>,
+    pub(super) limits: PathLimits,
+    pub(super) spectra: SpectrumTable,
+    /// Of the lens.
+    pub(super) transmittance: SpectrumId,
+    /// Paths for each sample of all pixels.
+    pub(super) paths: u32,
+}
 
 /// A path that is about to go on along a ray.
 #[derive(Clone, Copy)]
@@ -67,12 +79,12 @@ impl LightPath {
     /// The shadow ray from a vertex to the lens, and the irradiance that comes there if nothing occludes it.
     pub(super) fn sent(
         &self,
-        tracer: &LightTracer<'_>,
+        tracing: &LightTracing<'_>,
         (point, wi): (&SurfacePoint, Vec3),
         lens: &LensPoint,
         wavelengths: &Wavelengths,
     ) -> Option<(Ray, SampledSpectrum)> {
-        let scene = tracer.job.scene;
+        let scene = tracing.job.scene;
         let to_lens = lens.origin - point.position;
         let distance = to_lens.length();
         let wo = to_lens / distance;
@@ -88,12 +100,12 @@ impl LightPath {
         let path_vertex =
             PathVertex { cos_to_camera, cos_to_light, pdf_to_camera: 0.0, pdf_to_light: scattering.pdf.0 };
         let weight = light_weight(self.mis_ratio * path_vertex.first_term(distance));
-        let of_lens = lens.weight * (lens.px2_per_m2 * cos_to_camera) / tracer.paths as f32;
+        let of_lens = lens.weight * (lens.px2_per_m2 * cos_to_camera) / tracing.paths as f32;
         let mut irradiance = self.power * scattering.f * (cos_shading.abs() / cos_to_light * of_lens * weight);
         if let Some(medium) = scene.absorption_behind(point, wo) {
             irradiance *= scene.transmittance(medium, distance, wavelengths);
         }
-        irradiance *= tracer.spectra.sample(tracer.transmittance, wavelengths) * lens.weights;
+        irradiance *= tracing.spectra.sample(tracing.transmittance, wavelengths) * lens.weights;
         let is_light = irradiance.is_finite() && !irradiance.is_black();
         is_light.then(|| (shadow_ray(point, wo, Some((lens.origin, Vec3::ZERO))), irradiance))
     }
@@ -102,12 +114,12 @@ impl LightPath {
     /// there.
     pub(super) fn scatter(
         &mut self,
-        tracer: &LightTracer<'_>,
+        tracing: &LightTracing<'_>,
         (point, shading, wi): (&SurfacePoint, &Shading, Vec3),
         distance: f32,
         sampler: &mut Sampler,
     ) -> Option<Ray> {
-        let scene = tracer.job.scene;
+        let scene = tracing.job.scene;
         let wi_local = shading.frame.to_local(wi);
         let sample = shading.bsdf.sample(wi_local, sampler.next_1d(), sampler.next_2d())?;
         let wo = shading.frame.to_world(sample.wi);
@@ -155,7 +167,7 @@ impl LightPath {
             self.medium = scene.medium_across(point, wo, self.medium);
             self.unresolved_distance_m = None;
         }
-        if self.depth >= tracer.limits.roulette_depth {
+        if self.depth >= tracing.limits.roulette_depth {
             let survival = factor.max();
             if survival < 1.0 {
                 if sampler.next_1d() >= survival {
