@@ -435,10 +435,6 @@ impl Capture {
                 return Err(Invalid::new(key, message).help("remove it, or use a lens").within(table));
             }
         }
-        if lens.kind == LensKind::Prescription && render.light_paths > 0.0 {
-            let message = "cannot be combined with lens.prescription: paths from lights do not find their way through its glass yet";
-            return Err(Invalid::new("light_paths", message).help("remove it").within("render"));
-        }
         if sensor.shutter.scans() && render.light_paths > 0.0 {
             let invalid = Invalid::new("light_paths", "cannot be combined with a sensor that scans line by line");
             return Err(invalid.help("remove it, or sensor.shutter").within("render"));

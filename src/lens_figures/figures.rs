@@ -3,6 +3,9 @@
 use photosite_lens::files::GlassOf;
 use serde::Serialize;
 
+/// What is not known of the glasses.
+pub(super) const ABSORPTION: &str = "Glass absorbs nothing here: internal transmittances are not known.";
+
 /// A lens and its figures.
 #[derive(Clone, Debug, Serialize)]
 pub struct LensFigures {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use photosite_lens::files::Reading;
 
 use super::compute::{Options, lenses};
-use super::figures::{FirstOrderRow, LensFigures, PositionFigures};
+use super::figures::{ABSORPTION, FirstOrderRow, LensFigures, PositionFigures};
 use super::{plots, section, spots};
 use crate::characterisation::report::html::{self, escaped, page};
 
@@ -150,7 +150,7 @@ fn surfaces(figures: &LensFigures) -> String {
             escaped(&glass.source)
         );
     }
-    html + "</tbody></table>\n"
+    html + &format!("</tbody></table>\n<p>{ABSORPTION}</p>\n")
 }
 
 fn notes(title: &str, notes: &[String]) -> String {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::figures::{FieldFigures, LensFigures, PositionFigures};
+use super::figures::{ABSORPTION, FieldFigures, LensFigures, PositionFigures};
 
 impl LensFigures {
     /// Text for people, without a line break at its end.
@@ -35,6 +35,7 @@ fn text(lens: &LensFigures) -> String {
     });
     text += "\nGlasses\n";
     table(&mut text, &["glass", "behind", "n_d", "ν_d", "fitted to", "index from"], &glasses.collect::<Vec<_>>());
+    let _ = writeln!(text, "{ABSORPTION}");
     for position in &lens.positions {
         self::position(&mut text, position);
     }

@@ -25,20 +25,41 @@ fn room_of(keys: &str, more: &str) -> Folder {
 #[case::reuse_of_three_rows("reuse = 12")]
 #[case::reuse_of_more_rows_than_a_strip("reuse = 64")]
 fn the_bytes_are_the_same_in_threads_strips_and_parts(#[case] keys: &str) {
-    let folder = room_of(keys, "");
+    is_the_same_however_it_is_shared_out(&room_of(keys, ""));
+}
+
+/// Renders in threads, strips and parts, and without what shares or paths from lights.
+fn is_the_same_however_it_is_shared_out(folder: &Folder) {
     folder.succeed("render capture.toml --threads 1 -o one");
     folder.succeed("render capture.toml --threads 2 -o two");
-    assert_same(&folder, "one", "two");
+    assert_same(folder, "one", "two");
     // 32 columns of 33 channels of 32 bytes: strips of 5 rows.
     let memory = 32.0 * (33.0 * 32.0 + 4.0) * 5.5 / f64::from(1 << 30);
     folder.succeed(&format!("render capture.toml --film-memory {memory} -o strips"));
-    assert_same(&folder, "one", "strips");
+    assert_same(folder, "one", "strips");
     folder.succeed("render capture.toml --samples 0..3 -o first");
     folder.succeed("render capture.toml --samples 3..8 -o rest");
     folder.succeed("merge rest first -o merged");
-    assert_same(&folder, "one", "merged");
+    assert_same(folder, "one", "merged");
     folder.succeed("render capture.toml --set render.light_paths=0 --set render.reuse=1 -o without");
     assert!(folder.results("without")["raw.npy"] != folder.results("one")["raw.npy"]);
+}
+
+/// Of a prescription, light lands in other pixels than its paths came from, and paths from lights find their own way in.
+#[test]
+fn so_are_those_through_a_prescription() {
+    let folder = room_of("light_paths = 1.3", "");
+    let text = std::fs::read_to_string(folder.path("capture.toml")).expect("UTF-8");
+    let (before, after) = text.split_once("[lens]").expect("a lens");
+    let (_, after) = after.split_once("[sensor]").expect("a sensor");
+    let lens = "[lens]\nprescription = 'canon-rf24'\nf_number = 2.8\nfocus_distance_m = 3\n\n[sensor]";
+    let after = after.replace("pixel_pitch_um = [100, 100]", "pixel_pitch_um = [900, 900]");
+    folder.add("capture.toml", format!("{before}{lens}{after}"));
+    is_the_same_however_it_is_shared_out(&folder);
+    let target = "--set render.noise_target=0.5 --set render.samples_per_pixel=64";
+    folder.succeed(&format!("render capture.toml {target} --threads 1 -o one-target"));
+    folder.succeed(&format!("render capture.toml {target} --threads 2 -o two-target"));
+    assert_same(&folder, "one-target", "two-target");
 }
 
 #[rstest]

@@ -15,7 +15,7 @@ const D_NM: f64 = 587.5618;
 const BAND: [(f64, f64); 5] = [(400.0, 1.0), (475.0, 4.0), (550.0, 2.0), (625.0, 4.0), (700.0, 1.0)];
 
 /// A lens that ships, with the gaps that it has.
-fn described(name: &str, f_number: f64) -> (LensDescription, Lens) {
+pub(crate) fn described(name: &str, f_number: f64) -> (LensDescription, Lens) {
     let reading = shipped(name).expect("ships");
     let lens = reading.lens;
     let at = lens.at(D_NM);

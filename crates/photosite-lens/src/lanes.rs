@@ -54,6 +54,12 @@ impl LaneRay {
         Self { point: point.as_vec2().extend(0.0), direction, wavelength_nm, passed: 1.0 }
     }
 
+    /// The same ray at another wavelength.
+    #[must_use]
+    pub fn at_wavelength(&self, wavelength_nm: f32) -> Self {
+        Self { wavelength_nm, ..*self }
+    }
+
     /// The same line run the other way, at another wavelength, with all its light.
     #[must_use]
     pub fn back(&self, wavelength_nm: f32) -> Self {

@@ -7,7 +7,7 @@ use glam::DVec2;
 /// Places along a radius, from outside in, at which the outermost point that passes is looked for.
 const PLACES: u32 = 24;
 /// The boundary is found to this part of its distance from the centre.
-const PRECISION: f64 = 1e-6;
+pub(crate) const PRECISION: f64 = 1e-6;
 /// How far from the boundary of the direction before the next one is looked for at first, and farther where it is not
 /// there.
 const BRACKETS: [f64; 3] = [0.02, 0.08, 0.32];
@@ -55,7 +55,7 @@ impl Region {
     fn about(passes: &impl Fn(DVec2) -> bool, centre: DVec2, about: DVec2, reach: f64, directions: usize) -> Self {
         let mut guess = None;
         let outermost = |i: usize| {
-            let radius = outermost(passes, centre, angle(i, directions), guess, (about, reach));
+            let radius = outermost(passes, centre, angle(i, directions), guess, (about, reach), PRECISION);
             guess = Some(radius);
             radius
         };
@@ -90,13 +90,14 @@ impl Region {
 }
 
 /// Distance of the boundary from the centre along an angle in rad: the outermost place within a circle, its middle and
-/// radius, that passes; near a guess, where it is there.
+/// radius, that passes, to some part of it; near a guess, where it is there.
 pub(crate) fn outermost(
     passes: &impl Fn(DVec2) -> bool,
     centre: DVec2,
     angle: f64,
     guess: Option<f64>,
     (about, reach): (DVec2, f64),
+    precision: f64,
 ) -> f64 {
     let direction = DVec2::from_angle(angle);
     let is_inside = |radius: f64| passes(centre + direction * radius);
@@ -113,7 +114,7 @@ pub(crate) fn outermost(
         let last = (1..=PLACES).rev().find(|&place| is_inside(at(place))).unwrap_or(0);
         (at(last), at(last + 1))
     });
-    while high - low > PRECISION * high {
+    while high - low > precision * high {
         let middle = 0.5 * (low + high);
         if is_inside(middle) { low = middle } else { high = middle }
     }

@@ -49,10 +49,6 @@ fn what_does_not_go_with_a_prescription_is_an_error_that_names_the_key() {
             "prescription = 'double-gauss'\ndistortion = { model = 'brown-conrady', k = [-0.1, 0, 0] }",
             "lens.distortion: cannot be combined with lens.prescription",
         ),
-        (
-            "prescription = 'double-gauss'\n[render]\nlight_paths = 1",
-            "render.light_paths: cannot be combined with lens.prescription",
-        ),
     ] {
         let error = Files::new(&room(&format!("[lens]\n{keys}"))).read(&[]).expect_err(keys).to_string();
         assert!(error.contains(start), "{keys}: {error}");

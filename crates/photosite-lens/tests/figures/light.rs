@@ -4,12 +4,14 @@ use glam::{DVec2, DVec3};
 use photosite_core::math::philox::Philox;
 use photosite_lens::Ray;
 use photosite_lens::chief_map::ChiefMap;
+use photosite_lens::entrance_table::EntranceTable;
+use photosite_lens::prescription::Blades;
 use photosite_lens::pupil_table::PupilTable;
 use photosite_lens::spots::Spot;
 use photosite_lens::trace::Apertures;
 use rand::RngExt;
 
-use crate::neutral::{Case, cases, close, number, numbers};
+use crate::neutral::{Case, cases, cases_with, close, number, numbers};
 
 /// Wavelengths that a table is made of.
 const TABLE_NM: [f64; 5] = [400.0, 475.0, 550.0, 625.0, 700.0];
@@ -58,9 +60,8 @@ fn spots_of_the_same_rays() {
 
 /// Rays drawn by the table pass for the most part, and none passes beyond it: of as many, half close to its edge, half up
 /// to four times as far out. Open and stopped to 0.35, from the axis to the corner, at any wavelength.
-#[test]
-fn the_pupil_table_draws_what_passes_and_misses_nothing() {
-    for Case { name, lens, figures, .. } in cases() {
+fn the_pupil_table_draws_what_passes_and_misses_nothing(blades: Option<Blades>, rays: u32) {
+    for Case { name, lens, figures, .. } in cases_with(blades) {
         // Of the zoom's positions the first and the last.
         if figures.get("spots").is_none() {
             continue;
@@ -72,7 +73,7 @@ fn the_pupil_table_draws_what_passes_and_misses_nothing() {
             let mut random = Philox::new(37, 0);
             let mut unit = || random.random::<f64>();
             let (mut drawn, mut passed) = (0_u32, 0_u32);
-            for i in 0..RAYS {
+            for i in 0..rays {
                 let point = DVec2::from_angle(unit() * std::f64::consts::TAU) * corner * unit();
                 let at = lens.at(TABLE_NM[0] + unit() * (TABLE_NM[4] - TABLE_NM[0]));
                 let Some(direction) = table.sample(point, [unit(), unit()]) else { continue };
@@ -88,6 +89,62 @@ fn the_pupil_table_draws_what_passes_and_misses_nothing() {
             let share = f64::from(passed) / f64::from(drawn);
             println!("{name} {opening}: {share:.4}");
             assert!(share >= 0.84, "{name} opened to {opening}: {share:.3} pass");
+        }
+    }
+}
+
+#[test]
+fn of_a_round_stop_the_pupil_table_draws_what_passes() {
+    the_pupil_table_draws_what_passes_and_misses_nothing(None, RAYS);
+}
+
+#[test]
+fn of_a_stop_with_blades_the_pupil_table_draws_what_passes() {
+    for (count, rotation_deg) in [(5, 10.0), (7, 0.0), (9, 33.0)] {
+        the_pupil_table_draws_what_passes_and_misses_nothing(Some(Blades { count, rotation_deg }), RAYS / 3);
+    }
+}
+
+/// Points drawn for points of the scene are in the way of light that passes for the most part, and no light that comes to
+/// the picture goes beside where they are drawn: near and far, open and stopped to 0.35, at any wavelength.
+#[test]
+fn the_entrance_table_draws_what_passes_and_misses_nothing() {
+    for Case { name, lens, figures, .. } in cases() {
+        if figures.get("spots").is_none() {
+            continue;
+        }
+        let corner = number(&figures["image_half_diagonal_mm"]);
+        for opening in [1.0, 0.35] {
+            let lens = lens.with_stop_radius(opening * lens.stop_radius_mm());
+            let pupil = PupilTable::new(&lens, corner, &TABLE_NM);
+            let table = EntranceTable::new(&lens, &pupil, corner, &[TABLE_NM[0], TABLE_NM[2], TABLE_NM[4]]);
+            let mut random = Philox::new(43, 0);
+            let mut unit = || random.random::<f64>();
+            let (mut drawn, mut passed) = (0_u32, 0_u32);
+            for i in 0..RAYS {
+                let place = DVec2::from_angle(unit() * std::f64::consts::TAU) * corner * unit();
+                let at = lens.at(TABLE_NM[0] + unit() * (TABLE_NM[4] - TABLE_NM[0]));
+                let Some(direction) = pupil.sample(place, [unit(), unit()]) else { continue };
+                let Ok(out) = at.trace_out(at.ray_from_sensor(place, direction.cosines), Apertures::Clip) else {
+                    continue;
+                };
+                // From the least distance to a hundred times as far, and farther.
+                let far = table.least_distance_mm() * 100_f64.powf(unit()) * if i % 8 == 0 { 1e4 } else { 1.0 };
+                let point = out.origin + out.direction * far;
+                let what = format!("{name} opened to {opening}: {point} by {out:?} at {} nm", at.wavelength_nm);
+                assert!(table.contains(point, -out.direction), "{what}");
+                let met = lens.front_point(point, -out.direction).unwrap_or_else(|| panic!("{what}: passes by"));
+                close(&what, met.distance(out.origin), 0.0, 1e-6);
+
+                let entrance = table.sample(point, [unit(), unit()]).unwrap_or_else(|| panic!("{what}: dark"));
+                let ray = Ray { origin: entrance.point, direction: (entrance.point - point).normalize() };
+                assert!(table.contains(point, ray.direction), "{what}: {entrance:?}");
+                drawn += 1;
+                passed += u32::from(at.trace_in(ray, Apertures::Clip).is_ok());
+            }
+            let share = f64::from(passed) / f64::from(drawn);
+            println!("{name} {opening}: {share:.4} of {drawn}");
+            assert!(share >= 0.6, "{name} opened to {opening}: {share:.3} pass");
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use photosite_core::spectrum::Dispersion;
-use photosite_lens::prescription::{Claims, Glass, Position, Surface};
+use photosite_lens::prescription::{Blades, Claims, Glass, Position, Surface};
 use photosite_lens::{Lens, Prescription};
 use serde_json::Value;
 
@@ -115,9 +115,14 @@ pub(crate) struct Case {
 
 /// All lenses, the zoom in its four positions.
 pub(crate) fn cases() -> Vec<Case> {
+    cases_with(None)
+}
+
+/// The same with blades.
+pub(crate) fn cases_with(blades: Option<Blades>) -> Vec<Case> {
     let of_file = |name: &str| {
         let file = read(name);
-        let prescription = prescription(&file);
+        let prescription = Prescription { blades, ..prescription(&file) };
         let lens = Lens::new(&prescription).unwrap_or_else(|error| panic!("{name}: {error}"));
         let (figures, wavelengths) = (&file["figures"], wavelengths(&file["figures"]));
         let case = |name: String, lens, figures: &Value| Case {

@@ -29,6 +29,8 @@ pub(super) struct MisRatio {
     ratio: f32,
     /// Whether the last surface casts caustics and is not the first.
     is_caustic: bool,
+    /// Nearer to the lens than that, m, no light path finds the first surface.
+    least_distance_m: f32,
 }
 
 /// Cosines, positive, to the geometric normal of a surface, and densities per solid angle of its scattering, both
@@ -82,11 +84,11 @@ pub(super) fn light_weight(q: f32) -> f32 {
 
 impl MisRatio {
     /// The ratio of a render without light paths.
-    pub(super) const NONE: Self = Self::new(0.0);
+    pub(super) const NONE: Self = Self::new(0.0, 0.0);
 
-    /// The ratio before the first surface: N/(n·κ).
-    pub(super) const fn new(scale: f32) -> Self {
-        Self { ratio: scale, is_caustic: false }
+    /// The ratio before the first surface: N/(n·κ). Light paths find none that is nearer to the lens than a distance in m.
+    pub(super) const fn new(scale: f32, least_distance_m: f32) -> Self {
+        Self { ratio: scale, is_caustic: false, least_distance_m }
     }
 
     /// Whether light paths may find what this path finds.
@@ -98,19 +100,21 @@ impl MisRatio {
     /// The ratio after the first surface, at `distance` (m) from the lens.
     #[inline]
     pub(super) fn after_first(self, path_vertex: &PathVertex, distance: f32) -> Self {
-        Self { ratio: self.ratio * path_vertex.first_term(distance), is_caustic: false }
+        let is_found = distance >= self.least_distance_m;
+        let ratio = if is_found { self.ratio * path_vertex.first_term(distance) } else { 0.0 };
+        Self { ratio, is_caustic: false, ..self }
     }
 
     /// The ratio after another surface.
     #[inline]
     pub(super) fn after(self, path_vertex: &PathVertex, casts_caustics: bool) -> Self {
-        Self { ratio: self.ratio * path_vertex.inner_term(), is_caustic: casts_caustics }
+        Self { ratio: self.ratio * path_vertex.inner_term(), is_caustic: casts_caustics, ..self }
     }
 
     /// The ratio after another mirror or smooth interface.
     #[inline]
     pub(super) fn after_delta(self, eta: f32) -> Self {
-        Self { ratio: self.ratio * delta_term(eta), is_caustic: true }
+        Self { ratio: self.ratio * delta_term(eta), is_caustic: true, ..self }
     }
 
     /// Weight of emission that BSDF sampling has found, whose light sets out with the density `emission_density`. Light

@@ -9,6 +9,7 @@ mod illumination;
 mod landings;
 mod prescription;
 mod ray;
+mod ways_in;
 
 use std::sync::Arc;
 
@@ -31,6 +32,7 @@ pub use illumination::BeyondImageCircle;
 pub use landings::{Landing, LandingRay, LensRays};
 pub use prescription::PrescriptionFigures;
 pub use ray::{CameraRay, CameraSample};
+pub use ways_in::{Arrival, TowardsLens};
 
 /// The grid of pixels behind the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]

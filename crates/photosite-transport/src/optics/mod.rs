@@ -21,8 +21,8 @@ mod recording;
 mod stop;
 
 pub use camera::{
-    BeyondImageCircle, Camera, CameraRay, CameraSample, Connection, Landing, LandingRay, LensFigures, LensRays,
-    PixelGrid, PrescriptionFigures,
+    Arrival, BeyondImageCircle, Camera, CameraRay, CameraSample, Connection, Landing, LandingRay, LensFigures,
+    LensRays, PixelGrid, PrescriptionFigures, TowardsLens,
 };
 pub use description::{AutofocusMethod, ContrastAutofocus, Falloff, Focus, LensDescription, LensKind, Sharpness};
 pub use element::{GroundLens, Power, SupplementaryLens};

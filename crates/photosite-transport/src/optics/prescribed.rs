@@ -14,6 +14,7 @@ use photosite_core::Invalid;
 use photosite_core::math::monotone_cubic::MonotoneCubic;
 use photosite_core::spectrum::dispersion::lines;
 use photosite_lens::chief_map::ChiefMap;
+use photosite_lens::entrance_table::EntranceTable;
 use photosite_lens::focus::{Distance, FocusBy};
 use photosite_lens::lanes::{LaneLens, LaneRay};
 use photosite_lens::positions::GapCurves;
@@ -24,6 +25,8 @@ use photosite_lens::{Lens, paraxial::FirstOrder};
 /// Wavelengths, nm, that the table of the pupil holds for: beyond and between them apertures look the same to 2 %, which
 /// the table adds.
 const PUPIL_NM: [f64; 5] = [350.0, 450.0, 550.0, 750.0, 1000.0];
+/// The same of the table of the entrance pupil.
+const ENTRANCE_NM: [f64; 3] = [350.0, 550.0, 1000.0];
 /// Wavelengths, nm, and weights of the spot that is least in focus, where the description has none.
 const FOCUS_NM: [(f64, f64); 5] = [(440.0, 1.0), (490.0, 1.0), (540.0, 1.0), (590.0, 1.0), (640.0, 1.0)];
 /// Where chief rays, illumination and a ray without a wavelength are taken, nm: where the eye sees best.
@@ -49,8 +52,19 @@ pub(super) struct PrescribedLens {
     /// as is what rays are drawn and traced by: many cameras are made that take no picture.
     illumination: OnceLock<MonotoneCubic>,
     tables: OnceLock<Tables>,
+    entrance: OnceLock<EntranceTable>,
     /// Image height up to which chief rays pass all apertures, mm.
     clear_mm: OnceLock<f64>,
+}
+
+/// A way into the lens from a point of the scene.
+pub(super) struct WayIn {
+    /// Where it meets the first surface, m, in the camera's space.
+    pub(super) front: DVec3,
+    /// From there on, at any wavelength.
+    pub(super) ray: LaneRay,
+    /// cos θ·A/r², sr: of the area A that it was drawn from, at the distance r, under the angle θ.
+    pub(super) solid_angle: f32,
 }
 
 /// What rays are drawn and traced by.
@@ -112,6 +126,7 @@ impl PrescribedLens {
             focus_distance_m,
             illumination: OnceLock::new(),
             tables: OnceLock::new(),
+            entrance: OnceLock::new(),
             clear_mm: OnceLock::new(),
         })
     }
@@ -146,6 +161,37 @@ impl PrescribedLens {
     /// Leads rays from the scene in to the sensor.
     pub(super) fn trace_in(&self, rays: &mut [LaneRay]) {
         self.tables().lanes.trace_in(rays);
+    }
+
+    fn entrance(&self) -> &EntranceTable {
+        self.entrance.get_or_init(|| EntranceTable::new(&self.lens, &self.tables().pupil, self.corner_mm, &ENTRANCE_NM))
+    }
+
+    /// The distance in m from the first surface below which nothing is led in from a point of the scene.
+    pub(super) fn least_distance_m(&self) -> f64 {
+        self.entrance().least_distance_mm() * 1e-3
+    }
+
+    /// A way in from a point of the camera's space, m, by a sample of the entrance pupil; `None` where no light of it comes
+    /// to the picture, and nearer than [`Self::least_distance_m`].
+    pub(super) fn way_in(&self, point: DVec3, sample: [f32; 2]) -> Option<WayIn> {
+        let point_mm = point * 1e3 + DVec3::new(0.0, 0.0, self.first_order.entrance_pupil_mm);
+        let table = self.entrance();
+        let entrance = table.sample(point_mm, sample.map(f64::from))?;
+        let to_pupil = entrance.point - point_mm;
+        let direction = to_pupil.normalize();
+        let front_mm = self.lens.front_point(point_mm, direction)?;
+        if front_mm.distance(point_mm) < table.least_distance_mm() {
+            return None;
+        }
+        let solid_angle = entrance.area_mm2 * direction.dot(entrance.normal).abs() / to_pupil.length_squared();
+        let ray = LaneRay {
+            point: front_mm.as_vec3(),
+            direction: direction.as_vec3(),
+            wavelength_nm: REFERENCE_NM as f32,
+            passed: 1.0,
+        };
+        Some(WayIn { front: self.to_camera(front_mm), ray, solid_angle: solid_angle as f32 })
     }
 
     /// A point of a ray before the lens, m, in the camera's space, and its direction.

@@ -4,7 +4,7 @@
 //! ([`Camera::land_each`](crate::optics::Camera::land_each)). What lands in a pixel from paths of sample s of all pixels is
 //! its sample s: so the variance of samples is that of what a pixel gets. Rows of paths are traced side by side and kept
 //! until all rows that they may land in are complete, each of which then takes what is its own in the order of the paths:
-//! sums do not depend on how many threads there are.
+//! sums do not depend on how many threads there are. What paths from lights bring to such a sample is added then.
 
 use std::collections::VecDeque;
 use std::ops::{ControlFlow, Range};
@@ -13,7 +13,8 @@ use rayon::prelude::*;
 
 use super::band_worker::{PATHS_PER_REPORT, WAVEFRONT_PATHS, hull};
 use super::tracer::{DrawnSample, Tracer};
-use crate::film::{Film, FilmBand, OneWavelength};
+use crate::film::{Film, FilmBand, LandingRow, OneWavelength};
+use crate::integrator::light_paths::{LightTracer, Splats};
 use crate::integrator::mis_ratio::MisRatio;
 use crate::integrator::path::Sharing;
 use crate::integrator::wavefront::Wavefront;
@@ -76,11 +77,24 @@ impl Tracer<'_> {
         let all = hull((0..).zip(film.counts()).map(|(pixel, &done)| done..wanted(pixel)));
         let within_reach = width * (2 * REACH + 1);
         let together = (MAX_STORED_PATHS / within_reach).clamp(1, 16);
+        let light_paths = self.light_tracer.as_ref().map_or(together, LightTracer::samples_per_batch);
+        let together = together.min(light_paths);
         for start in all.clone().step_by(together) {
             let samples = start..all.end.min(start + together as u32);
             self.land_samples(film, &pass, samples)?;
         }
         ControlFlow::Continue(())
+    }
+
+    /// What paths from lights bring to some samples of pixels that lack them.
+    fn splats(&self, film: &Film, pass: &Pass<'_>, samples: Range<u32>) -> Splats {
+        let Some(light_tracer) = &self.light_tracer else { return Splats::default() };
+        let first = self.job.settings.samples().start;
+        let counts = film.counts();
+        let wants = |pixel: usize, sample: u32| {
+            (counts[pixel]..(pass.wanted)(pixel).min(samples.end)).contains(&(sample - first))
+        };
+        light_tracer.trace(first + samples.start..first + samples.end, film.picture_rows(), wants)
     }
 
     /// Adds some samples to all pixels that lack them.
@@ -99,6 +113,7 @@ impl Tracer<'_> {
             let near = row.saturating_sub(REACH).max(rows.start)..(row + REACH + 1).min(rows.end);
             near.into_iter().any(|row| lacking[row - rows.start])
         };
+        let splats = self.splats(film, pass, samples.clone());
         let step = (PATHS_OF_ROWS / (width * samples.len())).max(1);
         let mut paths: VecDeque<RowOfPaths> = VecDeque::new();
         // Rows of the picture whose paths are kept.
@@ -127,7 +142,11 @@ impl Tracer<'_> {
                 if lacking[row_of_film] {
                     let wanted = |pixel: usize| wanted(row_of_film * width + pixel);
                     let from = |source: usize| &paths[source - kept.start].by_target;
-                    complete(band, rows.start + row_of_film, kept.clone(), from, samples.clone(), wanted);
+                    let mut row = band.landing_row(samples.clone());
+                    gather(band, &mut row, rows.start + row_of_film, kept.clone(), from);
+                    let first_pixel = row_of_film * width;
+                    splat(band, &mut row, first_pixel, &splats, self.job.settings.samples().start);
+                    band.add_row(&row, wanted);
                 }
             });
 
@@ -141,21 +160,40 @@ impl Tracer<'_> {
 }
 
 /// Adds to a row of the film what has landed in it.
-fn complete<'p>(
-    band: &mut FilmBand<'_>,
+fn gather<'p>(
+    band: &FilmBand<'_>,
+    landing: &mut LandingRow,
     row: usize,
     kept: Range<usize>,
     from: impl Fn(usize) -> &'p Vec<Vec<Landed>>,
-    samples: Range<u32>,
-    wanted: impl Fn(usize) -> u32,
 ) {
-    let mut landing = band.landing_row(samples);
     for source in row.saturating_sub(REACH).max(kept.start)..(row + REACH + 1).min(kept.end) {
         for Landed { column, sample, light } in from(source).get(row + REACH - source).into_iter().flatten() {
-            band.land(&mut landing, *column as usize, *sample, light);
+            band.land(landing, *column as usize, *sample, light);
         }
     }
-    band.add_row(&landing, wanted);
+}
+
+/// Adds to a row of the film, whose first pixel is of that number, what paths from lights have brought there.
+fn splat(band: &FilmBand<'_>, landing: &mut LandingRow, first_pixel: usize, splats: &Splats, first_sample: u32) {
+    for splat in splats.of_pixels(first_pixel..first_pixel + band.pixels()) {
+        let (pixel, sample) = splat.key();
+        let (irradiance, wavelengths) = splat.light();
+        let weighted = irradiance * wavelengths.weights();
+        for lane in 0..LANES {
+            if weighted[lane] != 0.0 {
+                let light = one_wavelength(wavelengths, lane, weighted[lane]);
+                band.land(landing, pixel as usize - first_pixel, sample - first_sample, &light);
+            }
+        }
+    }
+}
+
+/// Light of one of several wavelengths.
+#[inline]
+fn one_wavelength(wavelengths: &Wavelengths, lane: usize, weighted: f32) -> OneWavelength {
+    let (entry, part) = wavelengths.place_in_table(lane);
+    OneWavelength { entry: entry as u32, part, weighted }
 }
 
 impl RowOfPaths {
@@ -192,10 +230,11 @@ struct LandingWorker<'a> {
 impl<'a> LandingWorker<'a> {
     fn new(pass: &'a Pass<'a>) -> Self {
         let Tracer { job, seed, limits, .. } = *pass.tracer;
+        let mis_ratio = pass.tracer.light_tracer.as_ref().map_or(MisRatio::NONE, LightTracer::mis_ratio);
         Self {
             pass,
             sampler: Sampler::new(job.settings.sampler, seed),
-            wavefront: Wavefront::new(limits, MisRatio::NONE),
+            wavefront: Wavefront::new(limits, mis_ratio),
             rays: LensRays::default(),
             samples: Vec::new(),
             wavelengths: Vec::new(),
@@ -268,8 +307,7 @@ impl<'a> LandingWorker<'a> {
                     if is_hero_alone { Landing { cell: target.cell, weight } } else { landings[lane] };
                 let apart = (to as usize + REACH).checked_sub(row).filter(|apart| *apart <= 2 * REACH);
                 let (Some(apart), true) = (apart, weight > 0.0) else { continue };
-                let (entry, part) = wavelengths.place_in_table(lane);
-                let light = OneWavelength { entry: entry as u32, part, weighted: weighted[lane] * weight };
+                let light = one_wavelength(wavelengths, lane, weighted[lane] * weight);
                 found.by_target[apart].push(Landed { column, sample: target.sample, light });
             }
         }

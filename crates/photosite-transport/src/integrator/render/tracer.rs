@@ -51,7 +51,7 @@ impl<'a> Tracer<'a> {
         let RenderSettings { max_depth, roulette_depth, splitting, samples_per_pixel, sampler, .. } = *job.settings;
         let limits = PathLimits { max_depth, roulette_depth, splitting };
         let importance = job.importance.map_or_else(|| Cow::Owned(job.importance_for_all()), Cow::Borrowed);
-        Self {
+        let mut tracer = Self {
             job,
             seed,
             order: PixelOrder::new(sampler, job.resolution[0], samples_per_pixel, splitting),
@@ -62,9 +62,11 @@ impl<'a> Tracer<'a> {
             transmittance,
             limits,
             has_single_wavelengths: job.has_single_wavelengths(),
-            light_tracer: LightTracer::new(job, limits, seed, &importance),
+            light_tracer: None,
             stopped: AtomicBool::new(false),
-        }
+        };
+        tracer.light_tracer = LightTracer::new(job, limits, seed, &importance, tracer.lands_wavelengths());
+        tracer
     }
 
     /// Tells that a pass is over.

@@ -27,7 +27,7 @@ use photosite_lens::lanes::LaneRay;
 pub struct Landing {
     /// Column and row.
     pub cell: [u32; 2],
-    /// E = weight · L, sr, without the lens's transmittance; 0 where it does not land in the picture.
+    /// What its light counts there, without the lens's transmittance; 0 where it does not land in the picture.
     pub weight: f32,
 }
 
@@ -36,7 +36,7 @@ pub struct Landing {
 pub struct LandingRay {
     /// With what it counts where its path goes on with the hero alone, which lands in the pixel that it came from.
     pub of_hero: CameraRay,
-    /// Of each wavelength where its path carries all.
+    /// Of each wavelength where its path carries all: E = weight · L, sr.
     pub landings: [Landing; LANES],
 }
 
@@ -46,12 +46,12 @@ pub struct LensRays {
     /// The hero of each sample, and the area of the region that its direction was drawn from.
     out: Vec<LaneRay>,
     areas: Vec<f32>,
-    /// The other wavelengths of each sample.
-    back: Vec<LaneRay>,
+    /// The other wavelengths of each sample, or all of each way in.
+    pub(super) back: Vec<LaneRay>,
 }
 
 /// A ray that is none.
-const BLOCKED: LaneRay =
+pub(super) const BLOCKED: LaneRay =
     LaneRay { point: glam::Vec3::ZERO, direction: glam::Vec3::Z, wavelength_nm: 550.0, passed: 0.0 };
 
 impl Camera {
@@ -172,9 +172,10 @@ impl Camera {
 
     /// The cell of the picture in which a place lies, if it sees light.
     #[inline]
-    fn lit_cell(&self, pixel: DVec2) -> Option<[u32; 2]> {
+    pub(super) fn lit_cell(&self, pixel: DVec2) -> Option<[u32; 2]> {
         let [columns, rows] = self.resolution.map(f64::from);
-        let is_in_picture = pixel.x >= 0.0 && pixel.y >= 0.0 && pixel.x < columns && pixel.y < rows;
-        (is_in_picture && self.cells.sees_light(pixel)).then_some([pixel.x as u32, pixel.y as u32])
+        let cell = self.cells.cell_at(pixel);
+        let is_in_picture = cell.x >= 0.0 && cell.y >= 0.0 && cell.x < columns && cell.y < rows;
+        (is_in_picture && self.cells.sees_light(pixel)).then_some([cell.x as u32, cell.y as u32])
     }
 }
