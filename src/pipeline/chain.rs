@@ -1,10 +1,14 @@
 //! From traced light to raw files and a picture: exposure, sensor, development, and warnings about them.
 
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
 use crate::capture::{Capture, CaptureSource, ExposureSettings, ExposureTime, OutputSettings, StoredCapture};
 use crate::develop::camera_colour::{CameraColour, neutral};
 use crate::develop::merge::Merged;
 use crate::develop::{DevelopSettings, EncodedPicture, Resampling, SensorCalibration, develop, develop_merged};
-use crate::image::{Estimate, Planes};
+use crate::image::{Channel, Estimate, Planes};
 use crate::integrator::WavelengthChoice;
 use crate::io::developed::PictureFormat;
 use crate::raw::RawImage;
@@ -87,7 +91,7 @@ pub(super) struct Chain<'a> {
 pub(super) struct Exposed {
     pub(super) exposure: Exposure,
     /// Mean electrons with the variance that light transport leaves, e⁻ and (e⁻)².
-    pub(super) electrons: Estimate,
+    pub(super) electrons: Arc<Estimate>,
     /// A warning about the automatic exposure.
     pub(super) warning: Option<String>,
 }
@@ -103,6 +107,22 @@ pub(super) fn scene_light(capture: &Capture, scene: &Scene) -> Result<Spectrum> 
     }
     let brightest = f64::from(light.max());
     Ok(if brightest > 0.0 { light.scale(1.0 / brightest) } else { light.clone() })
+}
+
+/// So many times as much light. What nothing else needs is changed in place.
+pub(super) fn at_level(light: Arc<Estimate>, factor: f64) -> Arc<Estimate> {
+    let times = |planes: &Planes, factor: f64| {
+        let channel = |Channel { name, data }: &Channel| Channel {
+            name: name.clone(),
+            data: data.par_iter().map(|value| (f64::from(*value) * factor) as f32).collect(),
+        };
+        let channels = planes.channels().iter().map(channel).collect();
+        Planes::new(planes.width(), planes.height(), channels).expect("channels keep their size")
+    };
+    Arc::new(match Arc::try_unwrap(light) {
+        Ok(own) => own.scaled(factor),
+        Err(light) => Estimate { mean: times(&light.mean, factor), variance: times(&light.variance, factor * factor) },
+    })
 }
 
 impl SensorColours {
@@ -185,14 +205,20 @@ impl<'a> Chain<'a> {
 
     /// Exposes to light that frees these electrons within the time `collected`; electron rates are those of one second.
     /// `known` stands in for what an automatic exposure would find.
-    pub(super) fn expose(&self, light: Estimate, collected: Seconds, known: Option<Exposure>) -> Result<Exposed> {
+    pub(super) fn expose(
+        &self,
+        light: impl Into<Arc<Estimate>>,
+        collected: Seconds,
+        known: Option<Exposure>,
+    ) -> Result<Exposed> {
+        let light = light.into();
         let found = self.exposure(&light.mean, collected);
         let warning = found.as_ref().ok().and_then(|(_, warning)| warning.clone());
         let exposure = known.map_or_else(|| found.map(|(exposure, _)| exposure), Ok);
         // The time of an automatic exposure is known only now.
         let exposure = exposure.and_then(|exposure| exposure.validate(self.settings.sensor).map(|()| exposure));
         let exposure = exposure.map_err(|invalid| self.in_exposure(invalid))?;
-        let electrons = if exposure.time == collected { light } else { light.scaled(exposure.time.0 / collected.0) };
+        let electrons = if exposure.time == collected { light } else { at_level(light, exposure.time.0 / collected.0) };
         let warning = warning.or_else(|| self.saturation_warning(&electrons.mean, &exposure));
         Ok(Exposed { exposure, electrons, warning })
     }
@@ -204,7 +230,7 @@ impl<'a> Chain<'a> {
             return None;
         }
         let capacity = sensor.saturation_capacity(exposure).0 as f32;
-        let values = || electrons.channels().iter().flat_map(|channel| &channel.data).filter(|value| **value > 0.0);
+        let values = || electrons.channels().par_iter().flat_map(|channel| &channel.data).filter(|value| **value > 0.0);
         let part = values().filter(|value| **value >= capacity).count() as f64 / values().count().max(1) as f64;
         (part > 0.5).then(|| {
             let percent = (part * 100.0).floor();

@@ -103,7 +103,7 @@ impl ExposedRender {
         let mut left = before;
         let gain = exposed.exposure.gain;
         let (raw, noise_maps) = self.sensor.chain().read_out_with_maps(exposed, gain, frame, maps, &mut left)?;
-        let (electrons, exposure) = (exposed.electrons.clone(), exposed.exposure);
+        let (electrons, exposure) = (Arc::clone(&exposed.electrons), exposed.exposure);
         Ok(Shot { raw, exposure, electrons, noise_maps, left, warnings: Vec::new() })
     }
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::camera::{camera_of, pixels};
-use super::chain::{Optics, SensorColours, Settings};
+use super::chain::{Optics, SensorColours, Settings, at_level};
 use super::checkpoint::{self, Checkpoints};
 use super::completed_rows::CompletedRows;
 use super::ideal;
@@ -29,7 +29,7 @@ use crate::{Error, Invalid, Result};
 pub struct Light {
     pub(super) rows: Arc<LightRows>,
     /// Mean rates of the sensor's channels and their variances, e⁻/s and (e⁻/s)².
-    pub rates: Estimate,
+    pub rates: Arc<Estimate>,
     /// Samples of each pixel, row by row.
     pub samples: Vec<u32>,
     /// Camera paths that were traced.
@@ -149,7 +149,7 @@ impl Prepared {
         rows.write(film).map_err(in_memory)?;
         let mut light = self.light(rows, [film.total(), 0], trace_s)?;
         if light.samples.contains(&0) {
-            let Estimate { mean, variance } = &mut light.rates;
+            let Estimate { mean, variance } = Arc::make_mut(&mut light.rates);
             [mean, variance].into_iter().for_each(|planes| fill_gaps(planes, &light.samples));
         }
         Ok(Some(light))
@@ -180,7 +180,7 @@ impl Prepared {
     }
 
     fn light(&self, rows: Arc<LightRows>, [paths, pilot_paths]: [u64; 2], trace_s: f64) -> Result<Light> {
-        let rates = rows.estimate(self.chain().channels()).map_err(in_memory)?;
+        let rates = Arc::new(rows.estimate(self.chain().channels()).map_err(in_memory)?);
         let samples = rows.counts().map_err(in_memory)?;
         let Capture { sensor, exposure, output, .. } = &self.capture;
         Ok(Light {
@@ -273,10 +273,10 @@ impl Prepared {
 
     /// The rates at which light frees electrons in this capture's sensor, e⁻/s. Those of another sensor than the light
     /// was traced for come from its irradiance, without a variance, and with warnings about it.
-    pub(super) fn rates(&self, light: &Light) -> Result<(Estimate, Vec<String>)> {
+    pub(super) fn rates(&self, light: &Light) -> Result<(Arc<Estimate>, Vec<String>)> {
         let sensor = &self.capture.sensor;
         if light.serves(sensor) {
-            return Ok((light.rates.clone(), Vec::new()));
+            return Ok((Arc::clone(&light.rates), Vec::new()));
         }
         let invalid = || Invalid::new("sensor", "sees light in another way than the one that it was traced for");
         let help = "keep the irradiance, which serves any sensor, with output.irradiance = true when light is traced";
@@ -284,7 +284,7 @@ impl Prepared {
         let rates =
             electron_rates(&bands, sensor, &self.light).map_err(|invalid| self.capture.source.error(invalid))?;
         let variance = Planes::zeros::<&str>(bands.width(), bands.height(), []);
-        Ok((Estimate { mean: rates.rates, variance }, rates.warnings))
+        Ok((Arc::new(Estimate { mean: rates.rates, variance }), rates.warnings))
     }
 }
 
@@ -305,7 +305,7 @@ impl Light {
         let Self { samples, sensor, exposure, .. } = self;
         Self {
             rows: Arc::new(self.rows.at_level(factor as f32)),
-            rates: self.rates.clone().scaled(factor),
+            rates: at_level(Arc::clone(&self.rates), factor),
             samples: samples.clone(),
             sensor: sensor.clone(),
             exposure: exposure.clone(),

@@ -81,7 +81,7 @@ impl StoredRender {
     ) -> Result<Self> {
         let mut warnings = Vec::new();
         let bands = without_negative(&bands, &mut warnings).map_err(|invalid| invalid.in_file(name))?;
-        let light = StoredLight::Irradiance { path: name.to_owned(), bands };
+        let light = StoredLight::Irradiance { path: name.to_owned(), bands: Arc::new(bands) };
         let mut stored = Stored::of_light(&Sandbox::default(), name, &light, overrides)?;
         stored.capture.warnings.extend(warnings);
         stored.traced.scene_light = illuminant.map(LightReport::new);

@@ -1,5 +1,6 @@
 //! What follows from exposed light: frames or the pictures of a bracket, what is developed of them, files.
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use crate::Result;
@@ -154,6 +155,6 @@ fn shot(exposed: &Exposed, time: Seconds) -> Exposed {
     let mean = exposed.electrons.mean.clone().scaled(time.0 / exposed.exposure.time.0);
     // No picture needs the variance.
     let variance = Planes::zeros::<&str>(mean.width(), mean.height(), []);
-    let electrons = Estimate { mean, variance };
+    let electrons = Arc::new(Estimate { mean, variance });
     Exposed { exposure: Exposure { time, ..exposed.exposure }, electrons, warning: None }
 }

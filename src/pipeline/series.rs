@@ -266,7 +266,7 @@ impl Series<'_> {
                 rates
             }
             LightSource::Traced | LightSource::Part(_) | LightSource::Merged(_) => {
-                light.estimate(chain.channels()).map_err(in_folder)?
+                Arc::new(light.estimate(chain.channels()).map_err(in_folder)?)
             }
         };
         let counts = light.counts().map_err(in_folder)?;

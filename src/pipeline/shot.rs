@@ -1,5 +1,7 @@
 //! The pipeline in memory: light is traced once and exposed as often as one likes, without any folder.
 
+use std::sync::Arc;
+
 use super::camera::pixels;
 use super::chain::Exposed;
 use super::light::Light;
@@ -49,7 +51,7 @@ pub struct Shot {
     /// The exposure, of an automatic one as it was found.
     pub exposure: Exposure,
     /// Mean electrons of each channel and their variance from light transport, e⁻ and (e⁻)².
-    pub electrons: Estimate,
+    pub electrons: Arc<Estimate>,
     /// What each effect that `output.noise_maps` names has added to every number.
     pub noise_maps: NoiseMaps,
     /// Charge that stays in the sensor for the frame after this one; `None` of a sensor without image lag.

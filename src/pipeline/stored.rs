@@ -1,6 +1,7 @@
 //! What is known of stored light: the capture that it was rendered for, and the one that it is exposed for now.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::file_names::PART;
 use super::same_light::{same_cells, same_times};
@@ -148,7 +149,8 @@ impl Stored {
             }
         };
         let variance = Planes::zeros::<&str>(resolution[0], resolution[1], []);
-        let light = StoredLight::Electrons { electrons: Estimate { mean: found.electrons, variance }, collected };
+        let light =
+            StoredLight::Electrons { electrons: Arc::new(Estimate { mean: found.electrons, variance }), collected };
         light.check(&capture)?;
         // What the caller has said himself needs no warning.
         capture.warnings.extend(assumed.iter().map(|assumed| format!("{assumed}; 1 is {}", in_words(scale))));

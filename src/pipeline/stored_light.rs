@@ -2,6 +2,7 @@
 
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::capture::StoredCapture;
 use crate::image::{Estimate, Planes};
@@ -12,12 +13,13 @@ use crate::units::Seconds;
 use crate::{Error, Invalid, Result};
 use photosite_core::{Help, Remedy, input};
 
+/// Its planes are shared by all that is made of it.
 #[derive(Clone)]
 pub(super) enum StoredLight {
     /// Mean electrons of the sensor's channels, collected within a time.
-    Electrons { electrons: Estimate, collected: Seconds },
+    Electrons { electrons: Arc<Estimate>, collected: Seconds },
     /// Irradiance in spectral bands, W·m⁻²·nm⁻¹.
-    Irradiance { path: PathBuf, bands: Planes },
+    Irradiance { path: PathBuf, bands: Arc<Planes> },
 }
 
 impl StoredLight {
@@ -30,11 +32,12 @@ impl StoredLight {
             at(if is_picture(path) { says_nothing.help(Remedy::LightUnit) } else { invalid })
         })?;
         if picture.text("spectralLayoutVersion").is_some() {
-            return Ok(Self::Irradiance { path: path.to_owned(), bands: irradiance(picture).map_err(at)? });
+            let bands = Arc::new(irradiance(picture).map_err(at)?);
+            return Ok(Self::Irradiance { path: path.to_owned(), bands });
         }
         if picture.text("unit").is_some() {
             let (electrons, collected) = electrons(picture).map_err(at)?;
-            return Ok(Self::Electrons { electrons, collected });
+            return Ok(Self::Electrons { electrons: Arc::new(electrons), collected });
         }
         let invalid = Invalid::new("", "holds neither electrons nor spectral irradiance on a sensor");
         let own = "give an electrons.exr or irradiance.exr that photosite render wrote".to_owned();

@@ -63,8 +63,9 @@ impl Window {
         let size = [(x1 - at[0]).div_ceil(step), (y1 - at[1]).div_ceil(step)];
         let n = picture.channels.len();
         let values = match picture.values {
-            Values::U8(values) => Values::U8(place.take(&values, n, size, |sum, count| (sum / count).round() as u8)),
-            Values::U16(values) => Values::U16(place.take(&values, n, size, |sum, count| (sum / count).round() as u16)),
+            // Codes are not negative, so that adding a half and cutting rounds them.
+            Values::U8(values) => Values::U8(place.take(&values, n, size, |sum, count| (sum / count + 0.5) as u8)),
+            Values::U16(values) => Values::U16(place.take(&values, n, size, |sum, count| (sum / count + 0.5) as u16)),
             Values::F32(values) => Values::F32(place.take(&values, n, size, |sum, count| (sum / count) as f32)),
         };
         Ok((Picture { size, values, ..picture }, place))
@@ -88,34 +89,36 @@ impl Place {
         mean: impl Fn(f64, f64) -> T + Sync,
     ) -> Vec<T> {
         let Self { full: [width, height], at: [x0, y0], step, is_mean } = *self;
-        let of_pixel = |column: usize, row: usize, to: &mut [T]| {
-            let first = (row * width + column) * n;
-            to.copy_from_slice(&values[first..first + n]);
+        let mut taken = vec![values[0]; columns * rows * n];
+        taken.par_chunks_mut(columns * n).enumerate().for_each_init(Vec::new, |sums, (row, to)| {
+            let row = y0 + row * step;
+            let of_row = |y: usize| &values[y * width * n..(y + 1) * width * n];
+            for (pixel, to) in of_row(row)[x0 * n..].chunks(step * n).zip(to.chunks_mut(n)) {
+                to.copy_from_slice(&pixel[..n]);
+            }
             if !is_mean {
                 return;
             }
-            let [right, below] = [(column + step).min(width), (row + step).min(height)];
-            for (channel, to) in to.iter_mut().enumerate() {
-                let (mut sum, mut count) = (0.0, 0.0);
-                for y in row..below {
-                    let of_row = &values[(y * width + column) * n..(y * width + right) * n];
-                    for &value in of_row.iter().skip(channel).step_by(n) {
-                        let value: f64 = value.into();
-                        // Depth is infinite where there is nothing.
-                        if value.is_finite() {
-                            (sum, count) = (sum + value, count + 1.0);
+            // The sum of each value and how many are in it.
+            sums.clear();
+            sums.resize(columns * n, (0.0, 0.0));
+            for y in row..(row + step).min(height) {
+                for (pixels, sums) in of_row(y)[x0 * n..].chunks(step * n).zip(sums.chunks_mut(n)) {
+                    for pixel in pixels.chunks(n) {
+                        for ((sum, count), &value) in sums.iter_mut().zip(pixel) {
+                            let value: f64 = value.into();
+                            // Depth is infinite where there is nothing.
+                            if value.is_finite() {
+                                (*sum, *count) = (*sum + value, *count + 1.0);
+                            }
                         }
                     }
                 }
+            }
+            for (to, &(sum, count)) in to.iter_mut().zip(&*sums) {
                 if count > 0.0 {
                     *to = mean(sum, count);
                 }
-            }
-        };
-        let mut taken = vec![values[0]; columns * rows * n];
-        taken.par_chunks_mut(columns * n).enumerate().for_each(|(row, to)| {
-            for (column, to) in to.chunks_mut(n).enumerate() {
-                of_pixel(x0 + column * step, y0 + row * step, to);
             }
         });
         taken

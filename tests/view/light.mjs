@@ -188,9 +188,10 @@ async function large(chromium) {
     await page.mouse.move(corner[0] + 60, corner[1] + 40, { steps: 4 });
     await page.mouse.up();
     await page.waitForFunction(() => /^Patch of/.test(document.getElementById("figures").textContent), null, { timeout: 10_000 });
-    const [, w, h, x0, y0] = (await page.locator("#figures").innerText()).match(/Patch of (\d+) × (\d+) pixels at (\d+), (\d+)/).map(Number);
-    const tile = await page.evaluate(() => window.state.picture.raw.tile);
-    for (const { name, mean, sd, count } of await page.evaluate(() => window.state.figures)) {
+    // Words and figures of the same moment: a patch that is still being drawn may have been measured, too.
+    const [words, figures, tile] = await page.evaluate(() => [document.getElementById("figures").textContent, window.state.figures, window.state.picture.raw.tile]);
+    const [, w, h, x0, y0] = words.match(/Patch of (\d+) × (\d+) pixels at (\d+), (\d+)/).map(Number);
+    for (const { name, mean, sd, count } of figures) {
       const all = [];
       for (let y = y0; y < y0 + h; y++) for (let x = x0; x < x0 + w; x++) if (tile[y % tile.length][x % tile[0].length] === name) all.push(raw[y * size[0] + x]);
       const wanted = all.reduce((sum, v) => sum + v, 0) / all.length, square = all.reduce((sum, v) => sum + (v - wanted) ** 2, 0) / (all.length - 1);

@@ -188,6 +188,41 @@ async function camera(page) {
   console.log("light of another focus has the bytes of photosite render");
 }
 
+/** What the pointer does with a picture, keys do, too. */
+async function byKeys(page) {
+  const view = page.locator("#view"), tool = page.getByRole("combobox", { name: "Tool" });
+  const press = async (...keys) => { await view.focus(); for (const key of keys) await page.keyboard.press(key); };
+  const figures = words => page.waitForFunction(words => document.getElementById("figures").textContent.startsWith(words), words, { timeout: 10_000 });
+  await tool.selectOption("patch");
+  const [x, y] = await page.evaluate(() => [window.state.pixel.x, window.state.pixel.y]);
+  await press("Enter", "ArrowRight", "ArrowRight", "ArrowRight", "ArrowDown", "ArrowDown", "Enter");
+  await figures(`Patch of 4 × 3 pixels at ${x}, ${y}`);
+  const { width, values: codes } = readPng(join(moved, "image.png"));
+  let sum = 0;
+  for (let row = y; row < y + 3; row++) for (let column = x; column < x + 4; column++) sum += codes[3 * (row * width + column) + 1];
+  const green = await page.evaluate(() => window.state.figures.find(({ name }) => name === "G"));
+  check(green.count === 12 && Math.abs(green.mean - sum / 12) < 1e-9, `green of the patch: ${JSON.stringify(green)}, ${sum / 12} in image.png`);
+  await press("ArrowRight", "Escape");
+  await figures("All pixels");
+  /** Keys by which light is traced anew. */
+  const traces = async (...keys) => {
+    const { trace } = await page.evaluate(() => window.state.status);
+    await press(...keys);
+    await page.waitForFunction(trace => window.state.status.trace > trace && window.state.status.phase === "done", trace, { timeout: 30_000 });
+    return page.evaluate(() => window.state.status.camera);
+  };
+  await tool.selectOption("focus");
+  const focused = await traces("Enter");
+  check(focused.focus_distance_m > 0.7 && focused.focus_distance_m < 1.5, `focused at ${focused.focus_distance_m} m, in a room that is 0.8 to 1.36 m away`);
+  await tool.selectOption("orbit");
+  const distance = (a, b) => Math.hypot(...a.position_m.map((v, i) => v - b.position_m[i]));
+  const near = await traces("PageUp"), aside = await traces("Shift+ArrowRight"), turned = await traces("ArrowRight");
+  check(Math.abs(near.pivot_m / focused.pivot_m - 1 / 1.1) < 0.01, `nearer: ${focused.pivot_m} m, then ${near.pivot_m} m`);
+  check(distance(near, aside) > 0.01 && near.forward.every((v, i) => Math.abs(v - aside.forward[i]) < 1e-6), "moved aside by Shift and an arrow");
+  check(distance(aside, turned) > 0.01 && turned.forward.some((v, i) => Math.abs(v - aside.forward[i]) > 0.01), "turned by an arrow");
+  console.log("patch, focus and camera by keys alone");
+}
+
 /** Tracing that would take hours pauses, goes on and stops, and what is there can be exposed. */
 async function longTrace(chromium) {
   const server = await view(program, [capture, ...sets(["sensor.resolution_px=[160,120]", "render.samples_per_pixel=1000000"])]);
@@ -273,6 +308,7 @@ try {
   await planes(page);
   await everyControl(page, errors);
   await camera(page);
+  await byKeys(page);
   check(!errors.length, `the console says:\n${errors.join("\n")}`);
   await page.close();
   await looks(chromium, server.address);

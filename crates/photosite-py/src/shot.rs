@@ -135,7 +135,7 @@ impl Shot {
 
     /// Mean electrons, (rows, columns, channels), and their variance from light transport, where it is known.
     fn electrons<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Option<Bound<'py, PyAny>>)> {
-        let Estimate { mean, variance } = &self.shot.electrons;
+        let Estimate { mean, variance } = &*self.shot.electrons;
         let variance = if variance.channels().is_empty() { None } else { Some(of_stack(py, variance)?) };
         Ok((of_stack(py, mean)?, variance))
     }

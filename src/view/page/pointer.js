@@ -30,6 +30,45 @@ export function turn(right, up, isSideways) {
   traceAnew(camera.orbit.changes());
 }
 
+/** Goes nearer to what the camera looks at, or away from it, by steps. */
+export function approach(steps) {
+  if ($("tool").value !== "orbit" || !camera.orbit) return;
+  camera.orbit.approach(1.1 ** steps);
+  traceAnew(camera.orbit.changes());
+}
+
+/** Marks the patch between two pixels; what of it lies beside the picture is left out. */
+function mark(a, b) {
+  const corners = [Math.min(a[0], b[0]), Math.min(a[1], b[1]), Math.max(a[0], b[0]) + 1, Math.max(a[1], b[1]) + 1];
+  stage.patch = clipped(corners, sides[session.edited].picture ?? { full: [1, 1] });
+  // Beside the picture there is nothing to measure.
+  if (stage.patch[0] >= stage.patch[2] || stage.patch[1] >= stage.patch[3]) stage.patch = null;
+  stage.draw();
+}
+
+/** The pixel at which a patch was begun by keys. */
+let corner = null;
+
+/** The other corner of a patch that is being marked by keys. */
+export function markCorner(pixel) {
+  if (corner) mark(corner, pixel);
+}
+
+/** Does with a pixel what a click of the tool would do: begins and ends a patch, or focuses. Without a pixel a patch goes
+ * away. */
+export function pickByTool(pixel) {
+  const tool = $("tool").value;
+  if (tool === "patch" && pixel) {
+    corner = corner ? null : pixel;
+    if (corner) mark(pixel, pixel);
+    measure();
+  } else if (tool === "patch") {
+    corner = stage.patch = null;
+    stage.draw();
+    measure();
+  } else if (tool === "focus" && pixel) focusOn(pixel);
+}
+
 const view = $("view"), pointers = new Map();
 const place = event => { const box = view.getBoundingClientRect(); return [event.clientX - box.left, event.clientY - box.top]; };
 let drag = null;
@@ -51,11 +90,8 @@ view.onpointermove = event => {
   drag.last = at;
   const tool = $("tool").value;
   if (tool === "patch") {
-    const [a, b] = [stage.at(drag.from), stage.at(at)];
-    stage.patch = clipped([Math.min(a[0], b[0]), Math.min(a[1], b[1]), Math.max(a[0], b[0]) + 1, Math.max(a[1], b[1]) + 1], sides[session.edited].picture ?? { full: [1, 1] });
-    // Beside the picture there is nothing to measure.
-    if (stage.patch[0] >= stage.patch[2] || stage.patch[1] >= stage.patch[3]) stage.patch = null;
-    stage.draw();
+    corner = null;
+    mark(stage.at(drag.from), stage.at(at));
   } else if (tool === "orbit" && camera.orbit) {
     if (event.shiftKey) turn(-dx / view.clientHeight, dy / view.clientHeight, true);
     else turn(dx / 200, dy / 200, false);
@@ -90,8 +126,6 @@ view.onpointercancel = event => { pointers.delete(event.pointerId); drag = null;
 
 view.addEventListener("wheel", event => {
   event.preventDefault();
-  if ($("tool").value === "orbit" && camera.orbit) {
-    camera.orbit.approach(1.1 ** Math.sign(event.deltaY));
-    traceAnew(camera.orbit.changes());
-  } else zoom(stage.scale * 1.2 ** -Math.sign(event.deltaY), place(event));
+  if ($("tool").value === "orbit" && camera.orbit) approach(Math.sign(event.deltaY));
+  else zoom(stage.scale * 1.2 ** -Math.sign(event.deltaY), place(event));
 }, { passive: false });

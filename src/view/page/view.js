@@ -4,7 +4,7 @@ import { Controls } from "./controls.js";
 import { measure, pick } from "./inspect.js";
 import { camera, connect, traceAnew } from "./light.js";
 import { UNTOLD, lookCloser, needsTrace, refresh, show, showSettings } from "./pictures.js";
-import { fit, move, turn, zoom } from "./pointer.js";
+import { approach, fit, markCorner, move, pickByTool, turn, zoom } from "./pointer.js";
 import * as server from "./server.js";
 import { $, hasOwnLight, query, refuse, session, sides, stage, state } from "./session.js";
 
@@ -143,16 +143,22 @@ const KEYS = {
 };
 
 function arrow([dx, dy], isShifted) {
-  if ($("tool").value === "orbit" && camera.orbit) return turn(dx / 20, -dy / 20, false);
+  if ($("tool").value === "orbit" && camera.orbit) return turn(dx / 20, -dy / 20, isShifted);
   if (isShifted) return move(-40 * dx, -40 * dy);
   const [w, h] = stage.size, [x, y] = stage.pixel ?? [w >> 1, h >> 1];
-  pick([Math.min(Math.max(x + dx, 0), w - 1), Math.min(Math.max(y + dy, 0), h - 1)]);
+  const pixel = [Math.min(Math.max(x + dx, 0), w - 1), Math.min(Math.max(y + dy, 0), h - 1)];
+  markCorner(pixel);
+  pick(pixel);
 }
+
+/** Keys of the picture itself. */
+const ON_PICTURE = { Enter: () => { if (stage.pixel) pickByTool(stage.pixel); }, PageUp: () => approach(-1), PageDown: () => approach(1), Escape: () => pickByTool(null) };
 
 document.addEventListener("keydown", event => {
   const isTyped = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "checkbox";
   if (event.ctrlKey || event.metaKey || event.altKey || $("keys").open || isTyped) return;
   if (event.target === $("view") && ARROWS[event.key]) arrow(ARROWS[event.key], event.shiftKey);
+  else if (event.target === $("view") && ON_PICTURE[event.key]) ON_PICTURE[event.key]();
   else if (KEYS[event.key]) KEYS[event.key]();
   else return;
   event.preventDefault();

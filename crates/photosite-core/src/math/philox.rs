@@ -4,6 +4,7 @@
 
 use std::convert::Infallible;
 
+use photosite_simd::{Simd, WithSimd, dispatch_wide};
 use rand::TryRng;
 
 /// A stream of random numbers for one key and one 64-bit stream number (a pixel, a row …).
@@ -20,9 +21,8 @@ pub struct Philox {
 impl Philox {
     /// The stream `stream` of `key`.
     pub fn new(key: u64, stream: u64) -> Self {
-        let key = [key as u32, (key >> 32) as u32];
-        let counter = [0, 0, stream as u32, (stream >> 32) as u32];
-        Self { key, counter, block: [0; 4], used: 4 }
+        let [low, high] = halves(stream);
+        Self { key: halves(key), counter: [0, 0, low, high], block: [0; 4], used: 4 }
     }
 
     /// The two streams number 2·`pair` and 2·`pair` + 1 of another kind: they share their first block, so that
@@ -30,9 +30,22 @@ impl Philox {
     /// the same key.
     #[inline]
     pub fn pair(key: u64, pair: u64) -> [Self; 2] {
-        let key = [key as u32, (key >> 32) as u32];
-        let [low, high] = [pair as u32, (pair >> 32) as u32];
-        let [a, b, c, d] = philox4x32_10([0, 0, low, high], key);
+        let block = philox4x32_10([0, 0, pair as u32, (pair >> 32) as u32], halves(key));
+        Self::of_block(key, pair, block)
+    }
+
+    /// The streams of the pairs `first`, `first + 1` … of [`Self::pair`], for which [`PairBlocks::new`] has computed the
+    /// first blocks.
+    #[inline]
+    pub fn pairs(blocks: &PairBlocks) -> impl Iterator<Item = [Self; 2]> {
+        let PairBlocks { key, first, numbers: [a, b, c, d] } = blocks;
+        (0..PAIRS).map(move |i| Self::of_block(*key, first + i as u64, [a, b, c, d].map(|of| of[i] as u32)))
+    }
+
+    #[inline]
+    fn of_block(key: u64, pair: u64, [a, b, c, d]: [u32; 4]) -> [Self; 2] {
+        let key = halves(key);
+        let [low, high] = halves(pair);
         // The third and fourth number of a block are those that are left; what follows is each stream's own.
         let stream = |own: u32, first: [u32; 2]| Self {
             key,
@@ -44,19 +57,83 @@ impl Philox {
     }
 }
 
+/// The low and the high half of a number.
+#[inline]
+fn halves(number: u64) -> [u32; 2] {
+    [number as u32, (number >> 32) as u32]
+}
+
+const ROUNDS: usize = 10;
+const MULTIPLIERS: [u64; 2] = [0xd251_1f53, 0xcd9e_8d57];
+/// What the key of a round is more than that of the one before.
+const WEYL: [u32; 2] = [0x9e37_79b9, 0xbb67_ae85];
+
 /// One block of four numbers: ten rounds of Philox4x32.
 #[inline]
 pub fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
-    for round in 0..10 {
+    for round in 0..ROUNDS {
         if round > 0 {
-            key = [key[0].wrapping_add(0x9e37_79b9), key[1].wrapping_add(0xbb67_ae85)];
+            key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
         }
-        let p0 = 0xd251_1f53 * u64::from(counter[0]);
-        let p1 = 0xcd9e_8d57 * u64::from(counter[2]);
+        let p0 = MULTIPLIERS[0] * u64::from(counter[0]);
+        let p1 = MULTIPLIERS[1] * u64::from(counter[2]);
         counter =
             [(p1 >> 32) as u32 ^ counter[1] ^ key[0], p1 as u32, (p0 >> 32) as u32 ^ counter[3] ^ key[1], p0 as u32];
     }
     counter
+}
+
+/// How many pairs of streams are begun together: several of the widest registers full.
+pub const PAIRS: usize = 32;
+
+/// The first blocks of [`PAIRS`] pairs of streams, which share what a block costs: the rounds run on all of them at once.
+pub struct PairBlocks {
+    key: u64,
+    first: u64,
+    /// The four numbers of all blocks, each in 64 bits.
+    numbers: [[u64; PAIRS]; 4],
+}
+
+impl PairBlocks {
+    /// Those of the pairs from number `first` on.
+    #[inline]
+    pub fn new(key: u64, first: u64) -> Self {
+        Self { key, first, numbers: dispatch_wide(Rounds { key, first }) }
+    }
+}
+
+/// The rounds of many blocks.
+struct Rounds {
+    key: u64,
+    first: u64,
+}
+
+impl WithSimd for Rounds {
+    type Output = [[u64; PAIRS]; 4];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> [[u64; PAIRS]; 4] {
+        // A product of two halves is one instruction for numbers of 64 bits whose upper half is known to be 0.
+        const LOW: u64 = u32::MAX as u64;
+        let [mut a, mut b, mut c, mut d] = [[0; PAIRS]; 4];
+        for i in 0..PAIRS {
+            let pair = self.first + i as u64;
+            (c[i], d[i]) = (pair & LOW, pair >> 32);
+        }
+        let mut key = halves(self.key);
+        for round in 0..ROUNDS {
+            if round > 0 {
+                key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
+            }
+            let [k0, k1] = key.map(u64::from);
+            for i in 0..PAIRS {
+                let p0 = MULTIPLIERS[0] * (a[i] & LOW);
+                let p1 = MULTIPLIERS[1] * (c[i] & LOW);
+                (a[i], b[i], c[i], d[i]) = ((p1 >> 32) ^ b[i] ^ k0, p1 & LOW, (p0 >> 32) ^ d[i] ^ k1, p0 & LOW);
+            }
+        }
+        [a, b, c, d]
+    }
 }
 
 impl TryRng for Philox {
@@ -120,6 +197,21 @@ mod tests {
             for (i, a) in numbers.iter().enumerate() {
                 // Two of 64 numbers of 32 bits are equal with a probability of 5e-7.
                 assert!(numbers[i + 1..].iter().all(|b| a.iter().all(|x| !b.contains(x))));
+            }
+        }
+    }
+
+    #[test]
+    fn many_pairs_are_those_that_are_begun_one_by_one() {
+        let key = 0x0123_4567_89ab_cdef;
+        // The low half of the numbers overflows, too.
+        for first in [0, 7 << 32 | 1000, (9 << 32) - 5] {
+            let blocks = PairBlocks::new(key, first);
+            for (i, together) in Philox::pairs(&blocks).enumerate() {
+                for (mut together, mut alone) in together.into_iter().zip(Philox::pair(key, first + i as u64)) {
+                    let numbers = |stream: &mut Philox| [(); 6].map(|()| stream.next_u32());
+                    assert_eq!(numbers(&mut together), numbers(&mut alone), "{first} + {i}");
+                }
             }
         }
     }

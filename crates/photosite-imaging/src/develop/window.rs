@@ -15,10 +15,13 @@ pub(super) fn gaussian_weights(sigma: f64, radius: usize) -> Vec<f32> {
 pub(super) fn separable(plane: &[f32], [width, height]: [usize; 2], [across, down]: [&[f32]; 2]) -> Vec<f32> {
     let radius = across.len() / 2;
     let mut along_rows = vec![0.0; plane.len()];
-    along_rows.par_chunks_mut(width.max(1)).zip(plane.par_chunks(width.max(1))).for_each(|(to, from)| {
-        for (x, to) in to.iter_mut().enumerate() {
-            let value = |k: usize| from[mirror(x + k, radius, width)];
-            *to = across.iter().enumerate().map(|(k, w)| w * value(k)).sum();
+    let rows = along_rows.par_chunks_mut(width.max(1)).zip(plane.par_chunks(width.max(1)));
+    // A row between its mirrored ends, so that the loop over its pixels is a plain one.
+    rows.for_each_init(Vec::new, |wide, (to, from)| {
+        wide.clear();
+        wide.extend((0..width + 2 * radius).map(|x| from[mirror(x, radius, width)]));
+        for (k, w) in across.iter().enumerate() {
+            to.iter_mut().zip(&wide[k..]).for_each(|(to, from)| *to += w * from);
         }
     });
     let radius = down.len() / 2;

@@ -6,7 +6,7 @@ use rand::RngExt;
 use rand_distr::StandardNormal;
 
 use photosite_core::math::hash::hash64;
-use photosite_core::math::philox::Philox;
+use photosite_core::math::philox::{PAIRS, PairBlocks, Philox};
 
 use super::charge_plane::Row;
 use super::effects::Stage;
@@ -133,10 +133,14 @@ impl Streams {
     /// Changes each value of a row: hands its column, the value and the stream of its pixel to `change`.
     #[inline]
     pub(in crate::sensor) fn pixels(&self, row: &mut Row<'_>, change: impl Fn(usize, f32, &mut Philox) -> f32) {
-        for (pair, values) in row.values.chunks_mut(2).enumerate() {
-            let streams = Philox::pair(self.key, self.number(pair, row.y));
-            for (i, (value, mut random)) in values.iter_mut().zip(streams).enumerate() {
-                *value = change(2 * pair + i, *value, &mut random);
+        for (block, values) in row.values.chunks_mut(2 * PAIRS).enumerate() {
+            let blocks = PairBlocks::new(self.key, self.number(block * PAIRS, row.y));
+            let mut x = block * 2 * PAIRS;
+            for (pair, streams) in values.chunks_mut(2).zip(Philox::pairs(&blocks)) {
+                for (value, mut random) in pair.iter_mut().zip(streams) {
+                    *value = change(x, *value, &mut random);
+                    x += 1;
+                }
             }
         }
     }

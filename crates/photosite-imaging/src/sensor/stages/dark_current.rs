@@ -2,13 +2,12 @@
 //! higher one.
 
 use rand::RngExt;
-use rand::distr::Distribution;
 use rand_distr::{Exp1, Poisson, StandardNormal};
 
 use photosite_core::units::{BOLTZMANN, Celsius, ELEMENTARY_CHARGE, Electrons, Seconds, ZERO_CELSIUS};
 
 use super::frame::Frame;
-use super::shot_noise::poisson;
+use super::shot_noise::{Counts, poisson};
 use crate::sensor::model::{DarkCurrentLaw, Noise};
 use crate::sensor::signal::charge_plane::{Row, RowStage};
 use crate::sensor::signal::effects::Stage;
@@ -86,7 +85,7 @@ impl DarkElectrons {
 pub(in crate::sensor) struct DarkCurrent {
     pub(in crate::sensor) electrons: DarkElectrons,
     /// Distribution of the electrons of pixels that are all alike, prepared once.
-    distribution: Poisson<f64>,
+    alike: Counts,
     streams: Streams,
 }
 
@@ -116,9 +115,9 @@ impl Nonuniformity {
 impl DarkCurrent {
     pub(in crate::sensor) fn new(frame: &Frame<'_>) -> Option<Self> {
         let (electrons, streams) = (DarkElectrons::new(frame)?, frame.temporal(Stage::DarkCurrent)?);
-        // More than the distribution can take fills any well; without any dark current there is no distribution.
-        let distribution = Poisson::new(electrons.mean.0.min(Poisson::<f64>::MAX_LAMBDA)).ok()?;
-        Some(Self { electrons, distribution, streams })
+        let mean = electrons.mean.0;
+        // More than the distribution can take fills any well; without any dark current there is none.
+        (mean > 0.0).then(|| Self { electrons, alike: Counts::new(mean.min(Poisson::<f64>::MAX_LAMBDA)), streams })
     }
 }
 
@@ -128,7 +127,7 @@ impl RowStage for DarkCurrent {
     fn apply(&self, row: &mut Row<'_>) {
         let y = row.y;
         match self.electrons.nonuniformity {
-            None => self.streams.pixels(row, |_, charge, random| charge + self.distribution.sample(random) as f32),
+            None => self.streams.pixels(row, |_, charge, random| charge + self.alike.sample(random) as f32),
             Some(_) => self
                 .streams
                 .pixels(row, |x, charge, random| charge + poisson(self.electrons.of_pixel(x, y), random) as f32),
