@@ -1,9 +1,8 @@
 //! `photosite completions`: what a shell needs to complete commands and options.
 
-use clap::Args;
+use clap::{Args, Command};
 use clap_complete::{Shell, generate};
 
-use super::help;
 use super::print::print_out;
 
 const EXAMPLES: &str = "\
@@ -23,8 +22,8 @@ pub(super) struct CompletionsArgs {
     shell: Shell,
 }
 
-pub(super) fn run(args: &CompletionsArgs) -> crate::Result<()> {
+pub(super) fn run(args: &CompletionsArgs, mut command: Command) -> crate::Result<()> {
     let mut script = Vec::new();
-    generate(args.shell, &mut help::command(), "photosite", &mut script);
+    generate(args.shell, &mut command, "photosite", &mut script);
     print_out(&script)
 }

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use clap::{Args, Command};
 use clap_mangen::Man;
 
-use super::help;
 use super::log::say;
 use super::print::write_result;
 use crate::io::output::create_folder;
@@ -31,8 +30,8 @@ pub(super) struct ManArgs {
     force: bool,
 }
 
-pub(super) fn run(args: &ManArgs) -> crate::Result<()> {
-    let mut command = help::command().disable_help_subcommand(true);
+pub(super) fn run(args: &ManArgs, command: Command) -> crate::Result<()> {
+    let mut command = command.disable_help_subcommand(true);
     command.build();
     let mut pages = Vec::new();
     collect(&command, &mut pages);

@@ -46,6 +46,8 @@ mod signals;
 mod status;
 mod submit;
 mod target;
+#[cfg(test)]
+mod tests;
 mod tev;
 #[cfg(feature = "view")]
 mod view;
@@ -54,7 +56,7 @@ use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
-use clap::{FromArgMatches, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use self::arguments::start_threads;
 use self::exit_status::{ANOTHER_TRY, DONE, FAILED, WRONG_USAGE};
@@ -120,6 +122,11 @@ enum Command {
     Man(man::ManArgs),
 }
 
+/// The command with all its subcommands, from which help, completions and manual pages are made.
+fn command() -> clap::Command {
+    help::grouped(Cli::command())
+}
+
 impl Cli {
     /// The options for all commands that hold wherever photosite is started for this one.
     fn of_hosts(&self) -> Result<Vec<String>> {
@@ -141,12 +148,12 @@ impl Cli {
 /// the process where one comes while the work under way cannot be kept.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
-    let parsed = help::command().try_get_matches_from(&arguments).and_then(|found| Cli::from_arg_matches(&found));
+    let parsed = command().try_get_matches_from(&arguments).and_then(|found| Cli::from_arg_matches(&found));
     let status = match parsed {
         Ok(cli) => run_parsed(&cli),
         // Wrong usage, or what --help and --version ask for.
         Err(words) => {
-            let words = help::unknown_option(words, &arguments);
+            let words = help::unknown_option(words, &command(), &arguments);
             let _ = words.print();
             if words.use_stderr() { WRONG_USAGE } else { DONE }
         }
@@ -217,8 +224,8 @@ fn run_command(cli: &Cli) -> Result<u8> {
         Command::Target(args) => target::run(args),
         #[cfg(feature = "view")]
         Command::View(args) => view::run(args, sandbox),
-        Command::Completions(args) => completions::run(args),
-        Command::Man(args) => man::run(args),
+        Command::Completions(args) => completions::run(args, command()),
+        Command::Man(args) => man::run(args, command()),
     };
     done.map(|()| DONE)
 }

@@ -30,7 +30,7 @@ fn folder(capture: String) -> Folder {
     "[sensor]\npreset = 'sony-imx294-mono'",
     5,
     "no sensor \"sony-imx294-mono\"; did you mean `sony-imx249-mono`?",
-    "known are sony-imx249-mono, sony-imx250-mono"
+    "known names are sony-imx249-mono, sony-imx250-mono"
 )]
 #[case::quantum_efficiency(
     "[sensor.channels.R]\nquantum_efficiency = 1.3",

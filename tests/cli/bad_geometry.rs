@@ -124,7 +124,7 @@ fn damaged_vertex() -> Document {
 #[case::ply_cloud("a.ply", b"ply\nformat ascii 1.0\nelement vertex 9\nend_header\n".to_vec(), "", "is a cloud of 9 points", "Poisson")]
 #[case::ply_empty("a.ply", vec![], "", "is not a PLY file", "begins with the line \"ply\"")]
 #[case::stl_torn("a.stl", b"solid a\nfacet normal 0 0 1\n".to_vec(), "facet", "the file ends where \"outer\" must follow", "copy or export")]
-#[case::stl_short("a.stl", vec![1; 99], "", "is truncated: 16843009 facets are announced, and 0 are there", "copy or export")]
+#[case::stl_short("a.stl", vec![1; 99], "", "is truncated: 16843009 facets are announced, but only 0 follow", "copy or export")]
 #[case::stl_empty("a.stl", vec![], "", "is not an STL file", "")]
 fn damaged_scenes_are_refused(
     #[case] name: &str,

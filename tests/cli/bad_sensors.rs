@@ -38,7 +38,7 @@ fn folder(capture: String) -> Folder {
 )]
 #[case::region(
     "[exposure]\nregion_px = [790, 0, 20, 10]",
-    "region_px: 20 × 10 pixels at 790, 0 are no part",
+    "region_px: 20 × 10 pixels at 790, 0 do not lie within",
     "write ["
 )]
 #[case::parts_of_bins(
@@ -110,7 +110,7 @@ fn folder(capture: String) -> Folder {
     "exposure.bracket_ev: must be 2 to 32 exposures, got 1",
     "[-4, 0, 4]"
 )]
-#[case::twice("[exposure]\nbracket_ev = [0, 1, 1]", "exposure.bracket_ev: has 1 twice", "for example")]
+#[case::twice("[exposure]\nbracket_ev = [0, 1, 1]", "exposure.bracket_ev: contains 1 twice", "for example")]
 #[case::infinite("[exposure]\nbracket_ev = [0, inf]", "exposure.bracket_ev: must be finite numbers, got inf", "")]
 #[case::no_time_at_all(
     "[exposure]\nbracket_times_s = [0.1, 0]",
@@ -142,7 +142,7 @@ fn folder(capture: String) -> Folder {
 #[case::tiny_circle("[sensor]\nimage_circle_mm = 1e-4", "image_circle_mm: a circle of 0.0001 mm", "diameter")]
 #[case::video_gamma("[sensor.video]\ngamma = 0.3", "video.gamma: must lie between 0.4 and 5, got 0.3", "0.45")]
 #[case::no_clock("[sensor]\nvideo = { bandwidth_mhz = 4.2 }", "video.pixel_clock_mhz: missing", "13.5")]
-#[case::no_bandwidth("[sensor.video]\npixel_clock_mhz = 13.5", "video.pixel_clock_mhz: says nothing", "4.2")]
+#[case::no_bandwidth("[sensor.video]\npixel_clock_mhz = 13.5", "video.pixel_clock_mhz: has no effect", "4.2")]
 #[case::narrow(
     "[sensor.video]\npixel_clock_mhz = 10\nbandwidth_mhz = 1e-4",
     "video.bandwidth_mhz: 0.0001 MHz",
@@ -208,7 +208,7 @@ fn errors_in_a_sensor_file_of_ones_own_name_its_line() {
             .enumerate()
             .map(|(i, text)| if i == line { format!("{key} = {wrong}") } else { text.to_owned() })
             .collect();
-        folder.add("mine.toml", lines.join("\n").replace("../spectra/", "spectra/"));
+        folder.add("mine.toml", lines.join("\n").replace("../../../photosite-core/assets/spectra/", "spectra/"));
         let curve = include_str!("../../crates/photosite-core/assets/spectra/quantum-efficiency/sony-imx249-mono.csv");
         folder.add("spectra/quantum-efficiency/sony-imx249-mono.csv", curve);
         folder.fail("render capture.toml", 1, &[&format!("mine.toml:{}: ", line + 1), key, wrong]);

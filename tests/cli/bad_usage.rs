@@ -47,7 +47,7 @@ fn earlier_results_are_kept_unless_told_otherwise() {
     );
     // A picture of that name may be anything, a texture for example.
     folder.add("image.png", "mine");
-    folder.fail("render capture.toml -o .", 2, &[". holds a file image.png already", "--force"]);
+    folder.fail("render capture.toml -o .", 2, &[". already contains a file image.png", "--force"]);
     // A failure must not cost the results that are there either.
     folder.fail("render capture.toml -o out --force --set exposure.time_s=1e300", 1, &["exposure: "]);
 }

@@ -86,7 +86,7 @@ fn files_and_render_merge_to_the_same_light() {
     folder.fail(
         "merge-hdr out/raw-0000.dng out/raw-0001.dng -o merged.exr",
         2,
-        &["merged.exr exists already", "--force"],
+        &["merged.exr already exists", "--force"],
     );
 }
 

@@ -42,7 +42,7 @@ fn hexagons_become_square_pixels_in_the_picture_and_from_the_file() {
 }
 
 #[rstest]
-#[case::camera("camera board.toml --format opencv", "sensor.cells: formats of cameras")]
+#[case::camera("camera board.toml --format opencv", "sensor.cells: camera formats")]
 #[case::binning(
     "render board.toml --set exposure.binning=[2,2] -o x",
     "exposure.binning: cannot be combined with sensor.cells"

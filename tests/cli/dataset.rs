@@ -268,7 +268,7 @@ fn a_trajectory_zooms() {
 )]
 #[case::twins(
     "capture = 'board.toml'\n[[cameras]]\nname = 'a'\n[[cameras]]\nname = 'A'\n",
-    "there are two cameras \"A\""
+    "two cameras are called \"A\""
 )]
 #[case::partner(
     "capture = 'board.toml'\n[[cameras]]\nname = 'a'\ndisparity_to = 'b'\n",

@@ -220,8 +220,8 @@ fn files_of_numbers_of_every_kind_become_linear_light() {
     folder.add("cut.pgm", b"P2 3 2 255 1 2 3 4 5");
     for (arguments, status, wanted) in [
         ("colour.tiff -o p.pgm", 2, &["a PGM file holds grey", ".ppm"][..]),
-        ("cut.tif", 1, &["cut.tif", "cut short"]),
-        ("cut.pgm", 1, &["cut.pgm", "number 6 of 6", "cut short"]),
+        ("cut.tif", 1, &["cut.tif", "truncated"]),
+        ("cut.pgm", 1, &["cut.pgm", "number 6 of 6", "truncated"]),
     ] {
         folder.fail(&format!("develop {arguments}"), status, wanted);
     }

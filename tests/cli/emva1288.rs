@@ -41,7 +41,7 @@ fn image_sets_are_taken_and_measured() {
     // Nothing is fetched: no addresses but the name of the format.
     assert!(page.matches("http").count() == page.matches("http://www.w3.org/2000/svg").count());
     assert!(!page.contains("<script") && !page.contains("src="));
-    folder.fail("emva1288-report sets", 2, &["report.html exists already", "--force"]);
+    folder.fail("emva1288-report sets", 2, &["report.html already exists", "--force"]);
     // A descriptor alone is any camera's.
     let text = folder.succeed("emva1288-report sets/G/emva1288.txt -o camera.html").stdout;
     assert!(text.contains("System gain"), "{text}");
@@ -140,10 +140,10 @@ fn earlier_sets_are_replaced_only_if_asked_for() {
 #[case::size("emva1288 sony-imx249-mono --size 9999x9999", 2, "1936 × 1216")]
 #[case::range("emva1288 sony-imx249-mono --sweep 380-1000", 2, "write first, last and step")]
 #[case::wavelength("emva1288 sony-imx249-mono --wavelength-nm 2000", 2, "from 300 to 1100")]
-#[case::blind("emva1288 generic-cmos-color --wavelength-nm 1000", 2, "sees nothing at 1000 nm")]
+#[case::blind("emva1288 generic-cmos-color --wavelength-nm 1000", 2, "is blind at 1000 nm")]
 #[case::gain("emva1288 sony-imx249-mono --gain-db 60", 2, "gain_db: 60 dB is not among the gains")]
 #[case::hot("emva1288 sony-imx249-mono --temperature-c 400", 2, "the dark current alone fills the pixels")]
-#[case::no_sets("emva1288-report .", 1, "holds no emva1288.json")]
+#[case::no_sets("emva1288-report .", 1, "has no emva1288.json")]
 #[case::no_file("emva1288-report nowhere.txt", 1, "nowhere.txt: cannot read")]
 #[case::broken("emva1288-report broken.txt", 1, "broken.txt:2: b: cannot read \"b 5\"")]
 #[case::lost("emva1288-report lost.txt", 1, "lost.tiff: cannot read")]

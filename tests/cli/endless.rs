@@ -47,7 +47,7 @@ fn devices_and_pipes_are_no_inputs(#[case] arguments: &str, #[values("device", "
 fn texts_that_are_read_as_a_tree_have_a_largest_size() {
     let folder = room("[render]\nsamples_per_pixel = 1\n");
     folder.add("long.toml", "# comment\n".repeat(2 << 20));
-    folder.fail("render long.toml", 1, &["long.toml", "more than 16 MiB"]);
+    folder.fail("render long.toml", 1, &["long.toml", "larger than 16 MiB"]);
 }
 
 #[test]

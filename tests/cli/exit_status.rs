@@ -95,7 +95,7 @@ fn a_checkpoint_for_which_the_disk_is_too_small_is_a_warning() {
 fn results_of_a_killed_process_are_written_anew() {
     let folder = room("[render]\nsamples_per_pixel = 1\n");
     folder.add("out/raw.dng", "half");
-    folder.fail("render capture.toml --quiet -o out", 2, &["out holds a file raw.dng already"]);
+    folder.fail("render capture.toml --quiet -o out", 2, &["out already contains a file raw.dng"]);
     folder.add("out/.photosite.unfinished", "");
     folder.succeed("render capture.toml --quiet -o out");
     assert!(folder.raw("out/raw.dng").width > 0 && !folder.path("out/.photosite.unfinished").exists());

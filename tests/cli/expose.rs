@@ -278,7 +278,7 @@ fn what_cannot_be_exposed_is_told() {
         folder.fail(arguments, status, wanted);
     };
     fail("expose nowhere", 1, &["nowhere", "cannot read"]);
-    fail("expose .", 1, &["holds no capture.json", "photosite render filled"]);
+    fail("expose .", 1, &["has no capture.json", "photosite render filled"]);
     fail("expose capture.toml", 1, &["capture.toml: is a capture file", "photosite render"]);
     folder.add("half.exr", &electrons[..electrons.len() / 2]);
     fail("expose half.exr", 1, &["half.exr", "OpenEXR"]);
@@ -291,7 +291,7 @@ fn what_cannot_be_exposed_is_told() {
     folder.add("light.exr", &electrons);
     fail(&format!("expose light.exr {mono}"), 1, &["sensor.cfa", "channel Y", "B, G, R", "irradiance.exr"]);
     fail("expose out --set sensor.resolution_px=[8,8]", 1, &["resolution_px", "32 × 24", "8 × 8"]);
-    fail("expose out --set lens.f_number=4", 2, &["lens.f_number=4", "traced already", "render again"]);
+    fail("expose out --set lens.f_number=4", 2, &["lens.f_number=4", "already been traced", "render again"]);
     fail("expose out --set exposure.tim_s=4", 1, &["tim_s", "time_s"]);
     fail("expose out --set exposure.gain_db=999", 1, &["gain_db", "999"]);
     fail("expose out -o out --force", 2, &["take the place of the light", "-o"]);
@@ -334,18 +334,14 @@ fn wall(lux: f64, exposure: &str) -> Folder {
 }
 
 #[rstest]
-#[case::time_in_its_place(
-    "time_s = 0.01",
-    "--set exposure.auto=true",
-    "exposure.auto=true takes the place of exposure.time_s"
-)]
-#[case::limit_in_its_place("time_s = 0.01", "--set exposure.max_time_s=9", "takes the place of exposure.time_s")]
-#[case::limits_lost("max_time_s = 9", "--set exposure.time_s=0.01", "takes the place of exposure.max_time_s")]
-#[case::gain_lost("gain_db = 3", "--set exposure.iso=1000", "takes the place of exposure.gain_db")]
+#[case::time_in_its_place("time_s = 0.01", "--set exposure.auto=true", "exposure.auto=true replaces exposure.time_s")]
+#[case::limit_in_its_place("time_s = 0.01", "--set exposure.max_time_s=9", "replaces exposure.time_s")]
+#[case::limits_lost("max_time_s = 9", "--set exposure.time_s=0.01", "replaces exposure.max_time_s")]
+#[case::gain_lost("gain_db = 3", "--set exposure.iso=1000", "replaces exposure.gain_db")]
 #[case::two_arguments(
     "",
     "--set exposure.auto=true --set exposure.time_s=0.01",
-    "exposure.time_s=0.01 takes the place of exposure.auto"
+    "exposure.time_s=0.01 replaces exposure.auto"
 )]
 #[case::a_time_for_none("auto = true", "--set exposure.time_s=0.01", "")]
 #[case::another_time("time_s = 0.01", "--set exposure.time_s=0.02", "")]

@@ -126,8 +126,8 @@ fn what_is_no_light_is_refused(#[case] arguments: &str, #[case] status: i32, #[c
 fn numbers_below_0_are_said_to_be_none_and_stored_light_needs_no_unit() {
     let folder = folder();
     let said = folder.succeed(&format!("expose negative.exr -o out --unit electrons --one 1000 {TIME}"));
-    assert!(said.text().contains("3072 numbers below 0 are no light"), "{}", said.stderr);
-    folder.fail("expose out/electrons.exr -o x --unit lux", 1, &["says itself what it holds"]);
+    assert!(said.text().contains("3072 numbers below 0 cannot be light"), "{}", said.stderr);
+    folder.fail("expose out/electrons.exr -o x --unit lux", 1, &["states itself what it contains"]);
     folder.fail("expose out -o x --unit lux", 2, &["remove --unit"]);
     // What was exposed can be exposed again.
     folder.succeed("expose out -o again --set exposure.gain_db=6");

@@ -240,6 +240,6 @@ fn what_init_writes_gives_the_same_pictures() {
     // Without a file it is printed, for one in the current folder.
     let printed = folder.succeed("init sail.obj").stdout;
     assert_eq!(printed, std::fs::read_to_string(folder.path("sail.toml")).expect("a capture"));
-    folder.fail("init sail.obj -o sail.toml", 2, &["sail.toml exists already", "--force"]);
+    folder.fail("init sail.obj -o sail.toml", 2, &["sail.toml already exists", "--force"]);
     folder.fail("init sail.toml", 1, &["sail.toml", "is not a scene file"]);
 }

@@ -148,7 +148,7 @@ fn pictures_show_things_where_ground_truth_has_them() {
 fn wrong_usage_says_what_to_write() {
     let folder = Folder::new([("notes/a.txt", "mine".into())]);
     folder.fail("layout notes --format kalbr -o laid", 2, &["'kalbr'", "'kalibr'"]);
-    folder.fail("layout notes --format kalibr -o laid", 1, &["notes: holds no manifest.jsonl", "photosite dataset"]);
+    folder.fail("layout notes --format kalibr -o laid", 1, &["notes: has no manifest.jsonl", "photosite dataset"]);
     folder.fail("layout notes --format kalibr -o notes", 2, &["notes is not empty"]);
     folder.fail("layout notes --format kalibr -o notes/a.txt", 2, &["notes/a.txt is a file"]);
     folder.add("notes/manifest.jsonl", "{\"frame\": 0}\n");
@@ -287,7 +287,7 @@ fn folders_of_other_shards_are_refused() {
     folder.fail("layout out --format parquet -o laid", 2, &["laid holds mcap files, and not parquet", "a new folder"]);
     folder.fail("layout out --format mcap -o laid --shard-frames 3", 2, &["shards of 2 frames, and not of 3"]);
     folder.fail("layout out --format mcap -o laid --shard-mb 9", 2, &["2 frames, and not of at most 9 MiB"]);
-    folder.fail("layout out --format mcap -o out", 2, &["out is not empty, and holds no layout.json"]);
+    folder.fail("layout out --format mcap -o out", 2, &["out is not empty and does not contain layout.json"]);
     folder.succeed("dataset set.toml -o other --set exposure.time_s=0.002 --quiet");
     folder.fail("layout other --format mcap -o laid", 2, &["laid contains shards of another data set"]);
     folder.fail("dataset set.toml -o out --layout parquet=laid", 2, &["laid holds mcap files"]);
@@ -346,7 +346,7 @@ fn shards_that_were_broken_off_are_written_anew(#[values("file-written", "file-n
 fn damaged_sets_and_shards_are_noticed() {
     let folder = made(SET, "");
     std::fs::remove_file(folder.path("out/left/000001/raw.dng")).expect("removed");
-    let message = "has pictures that are damaged or gone: 1 of the shards cannot be written";
+    let message = "has damaged or missing pictures: 1 of the shards cannot be written";
     folder.run("layout out --format webdataset -o shards --shard-frames 1");
     folder.fail("layout out --format webdataset -o shards --shard-frames 1", 1, &[message]);
     folder.succeed("dataset set.toml -o out --quiet");

@@ -49,7 +49,7 @@ fn a_lens_file_becomes_one_of_ours_and_a_page() {
     };
     assert_eq!(efl("lens.toml"), efl("singlet.seq"));
     assert!((efl("lens.toml") - 50.0 / 0.5168).abs() < 1e-3);
-    folder.fail("lens singlet.seq -o lens.toml", 2, &["lens.toml exists already", "--force"]);
+    folder.fail("lens singlet.seq -o lens.toml", 2, &["lens.toml already exists", "--force"]);
     folder.succeed("lens singlet.seq -o lens.toml --force --quiet");
 }
 

@@ -68,8 +68,11 @@ fn what_is_allowed_is_kept_to() {
         1,
         &["takes", "0.1 GiB of the limit that was set", "with --memory 0."],
     );
-    for (value, wrong) in [("0", "0 GiB is no memory"), ("-1", "-1 GiB is no memory"), ("inf", "inf GiB is no memory")]
-    {
+    for (value, wrong) in [
+        ("0", "0 GiB is not an amount of memory"),
+        ("-1", "-1 GiB is not an amount of memory"),
+        ("inf", "inf GiB is not an amount of memory"),
+    ] {
         folder.fail(&format!("render capture.toml -o out --memory {value}"), 2, &[wrong, "above 0"]);
     }
     folder.fail("render capture.toml -o out --memory much", 2, &["invalid value 'much' for '--memory <GIB>'"]);

@@ -115,7 +115,7 @@ fn parts_that_make_no_whole_are_refused(
 }
 
 #[rstest]
-#[case::exposed("expose part0", 1, &["part0", "holds no capture.json", "photosite merge"])]
+#[case::exposed("expose part0", 1, &["part0", "has no capture.json", "photosite merge"])]
 #[case::rendered_over("render capture.toml -o part0", 2, &["part0 contains a part of a render", "--force"])]
 #[case::merged_over_a_render(
     "merge part0 part1 part2 -o whole",
@@ -178,7 +178,7 @@ fn render_another_capture(folder: &Folder) {
 #[case::another_capture(
     render_another_capture,
     2,
-    &["part0 and part1 are no parts", "the capture says something else"]
+    &["part0 and part1 are not parts", "the capture says something else"]
 )]
 fn damaged_and_foreign_parts_are_refused(#[case] damage: fn(&Folder), #[case] status: i32, #[case] wanted: &[&str]) {
     let folder = parts();

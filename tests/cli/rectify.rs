@@ -81,7 +81,7 @@ fn a_pair_of_three_is_chosen() {
 #[case("map.exr --focal-length-px 0 --baseline-m 1 -o z.exr", 2, &["--focal-length-px: 0 is not above 0"])]
 #[case("map.exr --focal-length-px 9 --baseline-m 0 -o z.exr", 2, &["--baseline-m: 0 is not a length other than 0"])]
 #[case("map.exr --focal-length-px 9 --baseline-m 1 -o z.jpg", 2, &["z.jpg is not the name of a map", ".npy"])]
-#[case("map.exr --focal-length-px 9 --baseline-m 1 -o map.exr", 2, &["map.exr exists already", "--force"])]
+#[case("map.exr --focal-length-px 9 --baseline-m 1 -o map.exr", 2, &["map.exr already exists", "--force"])]
 #[case("map.exr --focal-length-px 9 --baseline-m 1 -o z.exr", 1, &["map.exr: cannot read it as OpenEXR"])]
 fn what_cannot_be_turned_into_depth_is_said(#[case] arguments: &str, #[case] status: i32, #[case] wanted: &[&str]) {
     let folder = Folder::new([("map.exr", b"no picture".to_vec())]);

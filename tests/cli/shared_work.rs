@@ -165,8 +165,8 @@ fn bad_frames_are_named_and_gone_past() {
     assert_eq!(outcome.status, Some(1));
     let text = outcome.text();
     for words in [
-        "warning: frame 2 of camera is left out: set.toml:3: vary[0]: in frame 2: exposure.gain_db: 40 dB",
-        "warning: frame 3 of camera is left out:",
+        "warning: frame 2 of camera is skipped: set.toml:3: vary[0]: in frame 2: exposure.gain_db: 40 dB",
+        "warning: frame 3 of camera is skipped:",
         "out: lacks frames that could not be made: 2..4",
         "--frames 2..4",
     ] {
@@ -183,7 +183,7 @@ fn frames_without_a_pose_are_gone_past() {
     let folder = folder("frames = 2\n[poses.random]\ntarget = 'board'\ndistance_m = [0.1, 0.2]\n");
     let outcome = folder.run("dataset set.toml -o out --keep-going");
     assert_eq!(outcome.status, Some(1));
-    assert!(outcome.text().contains("warning: frame 1 is left out: set.toml:"), "{}", outcome.stderr);
+    assert!(outcome.text().contains("warning: frame 1 is skipped: set.toml:"), "{}", outcome.stderr);
     assert!(outcome.text().contains("lacks frames that could not be made: 0..2"), "{}", outcome.stderr);
 }
 
@@ -211,7 +211,7 @@ fn a_dry_run_tells_what_the_rest_takes_and_makes_nothing() {
     folder.add("set.toml", format!("capture = 'board.toml'\n{HALF_BAD}"));
     folder.fail("dataset set.toml -o other --dry-run", 1, &["in frame 2: exposure.gain_db: 40 dB"]);
     let outcome = folder.run("dataset set.toml -o other --dry-run --keep-going");
-    assert!(outcome.text().contains("frame 3 of camera is left out"), "{}", outcome.stderr);
+    assert!(outcome.text().contains("frame 3 of camera is skipped"), "{}", outcome.stderr);
     assert!(outcome.text().contains("set.toml: frames cannot be made: 2..4"), "{}", outcome.stderr);
     assert_eq!(outcome.status, Some(1));
 }

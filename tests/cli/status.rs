@@ -264,7 +264,7 @@ fn a_folder_that_is_read_only_tells_what_it_can() {
     let Some(output) = crate::exit_status::with_mounts(&folder, &script) else { return };
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(said.contains("status 4") && said.contains("camera/000000 on elsewhere, process 7\n"), "{said}");
-    assert!(said.contains("warning: nothing can be written to out/camera: it is not known since when"), "{said}");
+    assert!(said.contains("warning: nothing can be written to out/camera, so it is not known for how long"), "{said}");
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("dataset 1") && errors.contains("Read-only file system"), "{said}{errors}");
 }

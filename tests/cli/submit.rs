@@ -273,7 +273,7 @@ fn folders_of_something_else_are_refused(
 fn files_are_not_overwritten_unasked() {
     let folder = board(SIX);
     folder.add("job.sh", "mine");
-    folder.fail("submit slurm set.toml --write job.sh", 2, &["job.sh exists already", "--force"]);
+    folder.fail("submit slurm set.toml --write job.sh", 2, &["job.sh already exists", "--force"]);
     folder.succeed("submit slurm set.toml --write job.sh --force");
     assert!(fs::read_to_string(folder.path("job.sh")).expect("read").ends_with("exit \"$status\"\n"));
 }

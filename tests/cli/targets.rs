@@ -17,8 +17,8 @@ fn a_target_is_printed_photographed_and_handed_on() {
         std::fs::read_to_string(folder.path("board.svg")).expect("text").contains("width=\"160mm\" height=\"120mm\"")
     );
     assert!(std::fs::read(folder.path("board.pdf")).expect("bytes").starts_with(b"%PDF-1."));
-    folder.fail("target chessboard -o board.svg", 2, &["board.svg exists already", "--force"]);
-    folder.fail("target chessboard -o board.obj", 2, &["board.mtl exists already"]);
+    folder.fail("target chessboard -o board.svg", 2, &["board.svg already exists", "--force"]);
+    folder.fail("target chessboard -o board.obj", 2, &["board.mtl already exists"]);
 
     // The capture file says the same target, and the picture's report where its points are.
     folder.succeed("render board.toml -o out --set render.samples_per_pixel=1 --set sensor.resolution_px=[40,30]");
@@ -53,7 +53,7 @@ fn an_image_that_shows_the_points_elsewhere_is_warned_of() {
 
 #[rstest]
 #[case::kind("target chesboard -o a.svg", 2, "a similar value exists: 'chessboard'")]
-#[case::format("target flat -o a.png", 2, "a.png does not say in which format")]
+#[case::format("target flat -o a.png", 2, "a.png does not tell which format")]
 #[case::key("target flat -o a.svg --set sze_mm=3", 1, "unknown key `sze_mm` in [target]; did you mean `size_mm`?")]
 #[case::value(
     "target charuco -o a.svg --set marker_mm=40",
@@ -77,7 +77,7 @@ fn wrong_targets_are_told(#[case] arguments: &str, #[case] status: i32, #[case] 
 #[case::pose("type = 'flat'\nlook_at_m = [0, 0, 0]", "targets[0].look_at_m: is where the target stands")]
 #[case::up("type = 'flat'\nup = [0, 0, 1]", "targets[0].up: the target faces along [0, 0, 1]")]
 #[case::far("type = 'flat'\nposition_m = [1e30, 0, 0]", "targets[0].position_m: lies farther out than")]
-#[case::twice("type = 'flat'\n[[targets]]\ntype = 'flat'", "targets[1]: there is a target \"flat\" already")]
+#[case::twice("type = 'flat'\n[[targets]]\ntype = 'flat'", "targets[1]: there is already a target \"flat\"")]
 #[case::material(
     "type = 'flat'\n[materials.flat-shet]\ntype = 'diffuse'\nreflectance = 1",
     "did you mean `flat-sheet`?"

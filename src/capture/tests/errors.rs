@@ -370,7 +370,10 @@ fn errors_of_arguments_name_the_argument(#[case] argument: &str, #[case] message
 fn errors_in_a_sensor_file_name_that_file() {
     let files = Files::new(&room("[sensor]\npreset = 'mine.toml'"));
     let text = include_str!("../../../crates/photosite-imaging/assets/sensors/sony-imx249-mono.toml");
-    let text = text.replace("{ file = \"../spectra/quantum-efficiency/sony-imx249-mono.csv\" }", "0.5");
+    let text = text.replace(
+        "{ file = \"../../../photosite-core/assets/spectra/quantum-efficiency/sony-imx249-mono.csv\" }",
+        "0.5",
+    );
     let lines = text.lines().take_while(|line| !line.starts_with("full_well_e =")).count();
     for (from, to) in [("full_well_e =", "full_wel_e ="), ("full_well_e = ", "full_well_e = -")] {
         files.add("mine.toml", text.replace(from, to).as_bytes());

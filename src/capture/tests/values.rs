@@ -307,7 +307,7 @@ fn a_sensor_is_a_preset_or_a_file_with_changes() {
         let files = Files::new(&room(sensor));
         fs::create_dir(files.0.path().join("sensors")).expect("created");
         let text = include_str!("../../../crates/photosite-imaging/assets/sensors/sony-imx249-mono.toml");
-        let quantum_efficiency = "../spectra/quantum-efficiency/sony-imx249-mono.csv";
+        let quantum_efficiency = "../../../photosite-core/assets/spectra/quantum-efficiency/sony-imx249-mono.csv";
         assert!(text.contains(quantum_efficiency));
         files.add("sensors/mine.toml", text.replace(quantum_efficiency, "qe.csv").as_bytes());
         files.add("sensors/qe.csv", b"400,0.25\n700,0.75\n");

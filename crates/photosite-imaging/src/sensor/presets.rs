@@ -63,11 +63,14 @@ pub fn library_spectrum(source: &SpectrumSource) -> Result<Spectrum, Invalid> {
     }
 }
 
-/// Turns `{ file = "../spectra/NAME.csv" }` into `"NAME"`.
+/// Where the sensor files have their spectra, which are those of the crate below.
+const SPECTRA: &str = "../../../photosite-core/assets/spectra/";
+
+/// Turns the path of a file in [`SPECTRA`], `{ file = "…/NAME.csv" }`, into `"NAME"`.
 fn name_library_spectra(value: &mut Value) {
     let Some(table) = value.as_table_mut() else { return };
     let name = match table.get("file") {
-        Some(Value::String(file)) => file.strip_prefix("../spectra/").and_then(|file| file.strip_suffix(".csv")),
+        Some(Value::String(file)) => file.strip_prefix(SPECTRA).and_then(|file| file.strip_suffix(".csv")),
         Some(_) | None => None,
     };
     match name.map(str::to_owned) {
