@@ -157,8 +157,9 @@ impl<W: WideLanes> Rays<W> {
             let sag = r2 * (c / (one + root) + asphere.over_r2(&asphere.sag, r2));
             let slope = c / root + asphere.over_r2(&asphere.slope, r2);
             let step = (at.z - sag) / (direction.z - slope * (at.x * direction.x + at.y * direction.y));
-            distance = distance - step;
-            is_reached = step.abs().lt(shortest);
+            // A ray that has reached it stays there while others go on: what becomes of it must not depend on these
+            distance = W::select(is_reached, distance, distance - step);
+            is_reached = is_reached | step.abs().lt(shortest);
             if (zero.lt(*passed) & !is_reached).bits() == 0 {
                 break;
             }

@@ -15,6 +15,8 @@ use crate::neutral::{Case, cases, close, number, prescription, read};
 const PUPIL_NM: [f64; 3] = [450.0, 550.0, 650.0];
 /// Rays of each case.
 const RAYS: u32 = 3000;
+/// Rays that are also led through the lens one by one.
+const ALONE: usize = 500;
 /// Where rays land, mm, and what a surface lets through. A direction that is off by δ shows what is f·δ off in the picture.
 const POINT_MM: f64 = 1e-4;
 const TRANSMITTANCE: f64 = 1e-4;
@@ -39,7 +41,13 @@ fn compare(name: &str, lens: &Lens, corner_mm: f64) {
         .zip(&wavelengths)
         .map(|(&(point, cosines), [nm, _])| LaneRay::from_sensor(point, cosines, *nm as f32))
         .collect();
+    let mut alone = out[..ALONE].to_vec();
     lanes.trace_out(&mut out);
+    // What becomes of a ray does not depend on those beside it.
+    alone.iter_mut().for_each(|ray| lanes.trace_out(std::slice::from_mut(ray)));
+    for (alone, beside) in alone.iter().zip(&out) {
+        assert!(alone == beside || alone.passed == 0.0 && beside.passed == 0.0, "{name}: {alone:?} {beside:?}");
+    }
     let mut back: Vec<LaneRay> = out.iter().zip(&wavelengths).map(|(ray, [_, nm])| ray.back(*nm as f32)).collect();
     lanes.trace_in(&mut back);
 
