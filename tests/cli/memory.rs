@@ -66,7 +66,7 @@ fn what_is_allowed_is_kept_to() {
     folder.fail(
         &format!("{large} --memory 0.1"),
         1,
-        &["takes", "0.1 GiB of the limit that was set", "with --memory 0."],
+        &["takes", "102 MiB of the limit that was set", "with --memory 0."],
     );
     for (value, wrong) in [
         ("0", "0 GiB is not an amount of memory"),
@@ -101,7 +101,7 @@ fn raw_files_and_stored_light_that_do_not_fit_are_refused() {
     let header = format!("P5 {width} {height} 255\n").into_bytes();
     folder.add("large.pgm", [header, vec![7; width * height]].concat());
     for command in ["develop large.pgm -o p.png", "info large.pgm", "noise large.pgm", "compare large.pgm large.pgm"] {
-        folder.fail(&format!("{command} --memory 0.03"), 1, &["large.pgm", "3000 × 3000", "GiB", "--memory"]);
+        folder.fail(&format!("{command} --memory 0.03"), 1, &["large.pgm", "3000 × 3000", "MiB", "--memory"]);
     }
-    folder.fail("expose out -o again --memory 0.015", 1, &["takes", "GiB", "--memory"]);
+    folder.fail("expose out -o again --memory 0.015", 1, &["takes", "MiB", "--memory"]);
 }

@@ -261,7 +261,7 @@ fn a_data_set_along_a_trajectory_takes_what_moves_along() {
 #[case::too_fast(
     "motion.angular_velocity_deg_per_s = [0, 1e9, 0]",
     "scene.objects[0].motion: turns more than a hundred times",
-    "slower"
+    "slowly"
 )]
 #[case::automatic_exposure("motion.velocity_m_per_s = [1, 0, 0]\n[exposure]\ntime_s = 'automatic'", "exposure", "")]
 fn impossible_tracks_are_refused(#[case] keys: &str, #[case] message: &str, #[case] help: &str) {

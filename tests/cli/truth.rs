@@ -254,12 +254,12 @@ fn a_pair_that_is_none_is_refused() {
     folder.fail(
         "dataset set.toml -o out",
         1,
-        &["set.toml:5: cameras[0].disparity_to: disparity is that of two cameras of one kind"],
+        &["set.toml:5: cameras[0].disparity_to: disparity needs two cameras of one kind"],
     );
     let vary = "[[vary]]\nkey = 'lens.focal_length_mm'\nuniform = [5, 6]\nper_camera = true\n";
     let both = pair("disparity_to = 'right'", "disparity_to = 'left'");
     folder.add("set.toml", format!("capture = 'board.toml'\nframes = 1\n{both}{vary}"));
-    folder.fail("dataset set.toml -o out", 1, &["vary[0].per_camera: lens.focal_length_mm: disparity is that of two"]);
+    folder.fail("dataset set.toml -o out", 1, &["vary[0].per_camera: lens.focal_length_mm: disparity needs two"]);
 }
 
 /// Where nothing leads to a partner, disparity cannot be asked for.

@@ -209,17 +209,17 @@ fn materials_of_the_geometry_change_without_being_described_anew() {
     folder.fail(
         "render board.toml -o x --set materials.board-white.metallic=1",
         1,
-        &["materials.board-white.metallic: is nothing that this material has", "type = \"metallic-roughness\""],
+        &["materials.board-white.metallic: is not a key of this material", "type = \"metallic-roughness\""],
     );
 }
 
 #[rstest]
-#[case::no_name("[[vary]]\nkey = 'lights.x*.on'\ncount = [0, 1]\n", &["set.toml:3: vary[0].key: \"lights.x*.on\" stands for nothing", "fill, key"])]
+#[case::no_name("[[vary]]\nkey = 'lights.x*.on'\ncount = [0, 1]\n", &["set.toml:3: vary[0].key: \"lights.x*.on\" matches nothing", "fill, key"])]
 #[case::no_material("[[vary]]\nkey = 'materials.wood*.roughness'\nuniform = [0, 1]\n", &["set.toml:3: vary[0].key", "board-white"])]
-#[case::no_file("[[vary]]\nkey = 'scene.environment.image'\nfiles = 'skies/*.exr'\n", &["set.toml:4: vary[0].files: no file is like"])]
+#[case::no_file("[[vary]]\nkey = 'scene.environment.image'\nfiles = 'skies/*.exr'\n", &["set.toml:4: vary[0].files: no file matches"])]
 #[case::tables("[[vary]]\nchoices = [{ 'a.b' = 1 }, { 'a.c' = 1 }]\n", &["vary[0].choices[1]: has no \"a.b\""])]
-#[case::too_many("[[vary]]\nkey = 'lights.*.on'\ncount = [0, 3]\n", &["set.toml:4: vary[0].count: asks for 3, and the key stands for 2"])]
-#[case::weights("[[vary]]\nkey = 'lens.f_number'\nchoice = [2, 4]\nweights = [1]\n", &["set.toml:5: vary[0].weights: are 1, and there are 2"])]
+#[case::too_many("[[vary]]\nkey = 'lights.*.on'\ncount = [0, 3]\n", &["set.toml:4: vary[0].count: asks for 3, but the key matches 2"])]
+#[case::weights("[[vary]]\nkey = 'lens.f_number'\nchoice = [2, 4]\nweights = [1]\n", &["set.toml:5: vary[0].weights: has 1 entry, but there are 2 choices"])]
 #[case::misspelt("[[vary]]\nkey = 'lights.*.intensity'\nuniform = [1, 2]\n", &["set.toml:2: vary[0]", "did you mean `intensity_cd`?"])]
 #[case::in_table("[[vary]]\nchoices = [{ 'exposure.gain_db' = 90 }]\n", &["set.toml:2: vary[0]: in frame 0: exposure.gain_db: 90 dB"])]
 #[case::no_such_light("[[vary]]\nkey = 'lights.kex.on'\nchoice = [true]\n", &["set.toml:2: vary[0]", "has no element called \"kex\"; did you mean `key`?"])]

@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use super::draws::Draws;
 use super::toml_value::{list, number, toml};
 use super::{HsvDescription, RotationDescription, SphereDescription, VariationDescription};
-use photosite_core::Invalid;
+use photosite_core::{Invalid, counted};
 
 /// What a variation gives values to.
 #[derive(Clone, Debug)]
@@ -148,7 +148,11 @@ impl<T> Choice<T> {
     fn weighted(self, weights: &[f64]) -> Result<Self, Invalid> {
         let sum: f64 = weights.iter().sum();
         if weights.len() != self.things.len() {
-            let message = format!("has {} entries, but there are {} choices", weights.len(), self.things.len());
+            let message = format!(
+                "has {}, but there are {} choices",
+                counted(weights.len(), ["entry", "entries"]),
+                self.things.len()
+            );
             return Err(Invalid::new("", message).help("write a number for each, in their order"));
         }
         if !(weights.iter().all(|weight| *weight >= 0.0) && sum > 0.0 && sum.is_finite()) {

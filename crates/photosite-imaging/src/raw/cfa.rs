@@ -382,7 +382,7 @@ mod tests {
             ("RГGB", "'Г' is not a channel"),
             (&wide, "80 × 2 pixels is too large"),
             ("full:", "no channels"),
-            ("full:RGR", "channel R comes twice"),
+            ("full:RGR", "channel R appears twice"),
             ("full:rgb", "'r' is not a channel"),
         ] {
             let error = Cfa::parse(text).expect_err(text);

@@ -311,7 +311,7 @@ fn what_would_show_is_told_when_it_is_left_out() {
     };
     let rows = ROWS.replace(" 0\n", " 0 1 2 0\n").replace(" 0.1\n", " 0.1 1 2 0\n");
     assert!(warning(&colours("float"), &rows).contains("beyond 0–1"));
-    assert!(warning(&colours("int"), &rows).contains("of type int"));
+    assert!(warning(&colours("int"), &rows).contains("their type int"));
 }
 
 #[rstest]
@@ -340,7 +340,7 @@ fn what_would_show_is_told_when_it_is_left_out() {
 #[case::negative("3 0 2 3", "3 0 2 -1", ":15: face 1: refers to vertex -1, but there are 4")]
 #[case::fraction("3 0 2 3", "3 0 2 1.5", ":15: face 1: \"1.5\" is no int")]
 #[case::range("3 0 2 3", "300 0 2 3", ":15: face 1: \"300\" is no uchar")]
-#[case::long_list("3 0 2 3", "99 0 2 3", ":15: face 1: a list of 99 values cannot be")]
+#[case::long_list("3 0 2 3", "99 0 2 3", ":15: face 1: a list of 99 values is impossible")]
 #[case::short_list("3 0 2 3", "4 0 2 3", ":15: face 1: the file ends within it")]
 #[case::more_vertices("vertex 4", "vertex 5", ":14: vertex 4: has other values than the header announces")]
 #[case::many_vertices(
@@ -374,7 +374,7 @@ fn damage_of_binary_files_is_refused_with_its_byte() {
     );
     refused(
         &with(48, &[255]),
-        &format!("face 0: a list of 255 values cannot be, where 7 follow at most, at byte {}", body + 49),
+        &format!("face 0: a list of 255 values is impossible where at most 7 follow, at byte {}", body + 49),
     );
     refused(&with(61, &[4]), &format!("face 1: the file ends within it, at byte {}", body + 74));
     refused(&bytes[..bytes.len() - 1], &format!("face 1: the file ends within it, at byte {}", body + 70));

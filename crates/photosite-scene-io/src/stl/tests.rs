@@ -103,7 +103,10 @@ fn what_would_show_is_told_when_it_is_left_out() {
     turned[0].swap(0, 1);
     turned[2].swap(1, 2);
     for bytes in [binary(b"", &turned), solid("", &turned).into_bytes()] {
-        assert!(warning(&bytes).starts_with("in/my part.stl: the normals of 2 of 4 facets point to the back"));
+        assert!(
+            warning(&bytes)
+                .starts_with("in/my part.stl: the normals of 2 of 4 facets contradict the order of their corners")
+        );
     }
     let mut coloured = binary(b"COLOR=", &FACETS);
     coloured[84 + 48] = 0x1f;
@@ -149,13 +152,13 @@ fn damaged_binary_files_are_refused_with_what_they_lack() {
     refused(&[], "is not an STL file");
     refused(b"ply\n", "is not an STL file");
     refused(&bytes[..83], "is not an STL file");
-    refused(&bytes[..bytes.len() - 1], "is truncated: 4 facets are announced, and 3 are there");
+    refused(&bytes[..bytes.len() - 1], "is truncated: 4 facets are announced, but only 3 follow");
     refused(&binary(b"", &[]), "has no triangles");
     refused(b"solid a\nendsolid a\n", "has no triangles");
-    refused(&binary(b"solid", &FACETS)[..150], "is truncated: 4 facets are announced, and 1 are there");
+    refused(&binary(b"solid", &FACETS)[..150], "is truncated: 4 facets are announced, but only 1 follow");
     let mut damaged = bytes.clone();
     damaged[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
-    refused(&damaged, "is truncated: 4294967295 facets are announced, and 4 are there");
+    refused(&damaged, "is truncated: 4294967295 facets are announced, but only 4 follow");
     let mut damaged = bytes.clone();
     damaged[84 + 50 + 16..][..4].copy_from_slice(&f32::INFINITY.to_le_bytes());
     refused(&damaged, "facet 1 (from byte 134).vertex: is not finite: [0, inf, 0]");
