@@ -8,10 +8,10 @@ pub(crate) fn remove_rustdoc_links(schema: &mut Value) {
     match schema {
         Value::Object(object) => {
             for (key, value) in object {
-                match value {
-                    Value::String(text) if key == "description" => *text = without_links(text),
-                    other => remove_rustdoc_links(other),
+                if let (true, Value::String(text)) = (key == "description", &mut *value) {
+                    *text = without_links(text);
                 }
+                remove_rustdoc_links(value);
             }
         }
         Value::Array(array) => array.iter_mut().for_each(remove_rustdoc_links),
