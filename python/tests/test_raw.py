@@ -275,7 +275,7 @@ def test_arrays_are_developed_like_a_raw_image(rendered: Path) -> None:
 
 def test_what_has_no_part_is_warned_of(rendered: Path) -> None:
     raw = ps.read_raw(rendered / "raw.dng")
-    with pytest.warns(ps.PhotositeWarning, match="develop.bits has no part in the array"):
+    with pytest.warns(ps.PhotositeWarning, match="develop.bits does not affect the array"):
         ps.develop(raw, linear=True, bits=16)
 
 
