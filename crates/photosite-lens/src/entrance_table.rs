@@ -31,6 +31,7 @@ const BEYOND: f64 = 1.02;
 /// How much farther out than the polygon before the next one is looked for, and how much wider than found polygons are.
 const WIDER: f64 = 3.0;
 const MARGIN: f64 = 0.02;
+
 /// What points of the scene see of the pupil.
 #[derive(Clone, Debug)]
 pub struct EntranceTable {
@@ -116,7 +117,7 @@ impl EntranceTable {
                 last = polygon;
             }
         }
-        // Where they bend, they reach farther out than found between them
+        // Where polygons bend, light reaches farther out between them than they say.
         let mut lacking = vec![0.0_f64; polygons.len()];
         for i in 0..(ANGLES - 1) * (CLOSENESSES - 1) {
             let (angle, closeness) = (i % (ANGLES - 1), i / (ANGLES - 1));
