@@ -15,8 +15,8 @@ pub struct Options<'a> {
     /// A folder for the checkpoint of light that is traced in memory: work that is stopped goes on from there. It is
     /// gone when the work is done.
     pub checkpoint: Option<&'a Path>,
-    /// Whether some pixels shall have a sample before all others, so that there is a coarse picture at once. The picture
-    /// does not depend on it. Not with `render.reuse`, `light_paths` or a time limit.
+    /// Whether a coarse picture of some pixels is traced before all others, so that there is something to see at once. The
+    /// picture does not depend on it. Not with a time limit.
     pub is_coarse_first: bool,
 }
 

@@ -134,6 +134,11 @@ pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> 
                 t.monitor.report(Event::Traced(paths));
                 stop()
             }
+            Step::Coarse { film } => {
+                let samples_per_pixel = film.total() as f64 / (width * height) as f64;
+                t.monitor.report(Event::PassEnds { samples_per_pixel, expected: asked_for, film });
+                stop()
+            }
             Step::Pass { film, pilot, elapsed, planned_paths } => {
                 let elapsed = earlier + before + elapsed;
                 // Those of all other strips are known.
@@ -179,7 +184,7 @@ pub(super) fn trace(t: &Trace<'_>, mut checkpoints: Option<Checkpoints<'_>>) -> 
 
 /// Gives a film its samples; one that has a pilot has all rows.
 fn fill(t: &Trace<'_>, job: &RenderJob<'_>, film: &mut Film, pilot: Option<&mut Pilot>, step: &Listener<'_>) {
-    // A limit of time may end after any pass, and this one leaves pixels without light.
+    // A limit of time has none to spare for what is not kept.
     if t.is_coarse_first && t.settings.time_limit.is_none() {
         render_coarse(job, film, step);
     }

@@ -276,6 +276,29 @@ async function lost(chromium) {
   console.log("a server that dies is missed, and found again");
 }
 
+/** A raw file is developed as the command does; what needs its light is not offered, not even as an empty group. */
+async function rawFile(chromium) {
+  const raw = join(stored, "raw.dng"), developed = join(here, "developed.png");
+  photosite(program, "develop", raw, "-o", developed, "--quiet", "--set", "develop.sharpening=1.5");
+  const server = await view(program, [raw]);
+  const { page, errors } = await open(chromium, server.address);
+  await page.waitForFunction(() => window.state.picture);
+  const before = await values(page), answers = await page.evaluate(() => window.state.answers);
+  const groups = await page.locator("#controls > details:visible").all();
+  for (const group of groups) check(await group.locator(".control:visible").count(), `an empty group: ${await group.textContent()}`);
+  check(groups.length === 1, `${groups.length} groups of controls for a raw file`);
+  await page.locator('[id="control-develop-sharpening"]').fill("1.5");
+  await page.waitForFunction(answers => window.state.answers > answers, answers);
+  const after = await values(page);
+  check(difference(before, after), "sharpening changes nothing");
+  const differs = difference(after, readPng(developed).values);
+  check(!differs, `a raw file, sharpened: ${differs}`);
+  check(!errors.length, errors.join("\n"));
+  await page.close();
+  await server.end("SIGTERM");
+  console.log("a raw file has the bytes of photosite develop, and controls of nothing else");
+}
+
 /** What people look at: dark, light, and as narrow as a phone. */
 async function looks(chromium, address) {
   for (const [name, options] of Object.entries({
@@ -314,6 +337,7 @@ try {
   await looks(chromium, server.address);
   check(!server.log().includes("panicked"), server.log());
   await server.end("SIGTERM");
+  await rawFile(chromium);
   await longTrace(chromium);
   await lost(chromium);
 } finally {

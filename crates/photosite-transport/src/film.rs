@@ -229,6 +229,12 @@ impl Film {
         }
     }
 
+    /// Takes all samples away.
+    pub fn clear(&mut self) {
+        self.sums.fill(Sums::default());
+        self.counts.fill(0);
+    }
+
     /// The planes `names` as means with the variance of the mean. Names that the film lacks are left out.
     pub fn estimate<'a>(&self, names: impl IntoIterator<Item = &'a str>) -> Estimate {
         let indices: Vec<_> =

@@ -8,7 +8,7 @@ use photosite_core::spectrum::{Dispersion, Spectrum};
 use photosite_lens::prescription::{Glass, Surface};
 use photosite_lens::{Lens, Prescription};
 use photosite_transport::film::{Film, FilmResponses, Response};
-use photosite_transport::integrator::{RenderJob, RenderSettings, render, render_on};
+use photosite_transport::integrator::{COARSE_STEP, RenderJob, RenderSettings, Step, render, render_coarse, render_on};
 use photosite_transport::optics::{Camera, Focus, LensDescription, LensKind, PixelGrid, Recording};
 use photosite_transport::sampler::SamplerKind;
 use photosite_transport::scene::description::{
@@ -97,6 +97,23 @@ fn settings(samples_per_pixel: u32, seed: u64, sampler: SamplerKind) -> RenderSe
 
 /// The film of a render, or of some rows of it.
 fn film(scene: &Scene, camera: &Camera, settings: &RenderSettings, rows: Option<std::ops::Range<usize>>) -> Film {
+    let go_on = |_: Step<'_>| ControlFlow::Continue(());
+    with_job(scene, camera, settings, |job, of_film| match rows {
+        None => render(job, of_film, &go_on),
+        Some(rows) => {
+            let mut film = Film::of_rows(GRID.resolution[0] as usize, rows, of_film);
+            render_on(job, &mut film, &go_on);
+            film
+        }
+    })
+}
+
+fn with_job<T>(
+    scene: &Scene,
+    camera: &Camera,
+    settings: &RenderSettings,
+    run: impl FnOnce(&RenderJob<'_>, FilmResponses) -> T,
+) -> T {
     let (responses, clear) = (responses(), Spectrum::constant(1.0));
     let job = RenderJob {
         scene,
@@ -108,16 +125,7 @@ fn film(scene: &Scene, camera: &Camera, settings: &RenderSettings, rows: Option<
         resolution: GRID.resolution,
         settings,
     };
-    let of_film = FilmResponses::new(&responses);
-    let go_on = |_: photosite_transport::integrator::Step<'_>| ControlFlow::Continue(());
-    match rows {
-        None => render(&job, of_film, &go_on),
-        Some(rows) => {
-            let mut film = Film::of_rows(GRID.resolution[0] as usize, rows, of_film);
-            render_on(&job, &mut film, &go_on);
-            film
-        }
-    }
+    run(&job, FilmResponses::new(&responses))
 }
 
 fn camera() -> Camera {
@@ -184,4 +192,47 @@ fn landings_do_not_depend_on_strips_parts_and_threads() {
     let (mut sum, second) = (part(0..2), part(2..6));
     sum.add(second.sums().iter().copied(), second.counts().iter().copied());
     assert!(sum.sums() == whole.sums() && sum.counts() == whole.counts());
+}
+
+/// Where what follows lands wavelengths apart, shares paths or follows light from lamps, too.
+#[test]
+fn coarse_pictures_are_of_the_same_light_and_leave_none_of_it() {
+    let scene = scene();
+    let (camera, width) = (camera(), GRID.resolution[0] as usize);
+    for (reuse, light_paths) in [(1, 0.0), (4, 0.0), (1, 1.0)] {
+        let of =
+            |samples, seed| RenderSettings { reuse, light_paths, ..settings(samples, seed, SamplerKind::Independent) };
+        let full = film(&scene, &camera, &of(256, 1), None);
+        let seeds = 400;
+        let mut coarse = Film::new(width, GRID.resolution[1] as usize, FilmResponses::new(&responses()));
+        for seed in 2..2 + seeds {
+            let sum = std::sync::Mutex::new(&mut coarse);
+            let step = |step: Step<'_>| {
+                let Step::Coarse { film } = step else { return ControlFlow::Continue(()) };
+                let mut sum = sum.lock().expect("nobody panics");
+                sum.add(film.sums().iter().copied(), film.counts().iter().copied());
+                ControlFlow::Continue(())
+            };
+            with_job(&scene, &camera, &of(1, seed), |job, of_film| {
+                let mut film = job.empty_film(of_film);
+                render_coarse(job, &mut film, &step);
+                let empty = job.empty_film(FilmResponses::new(&responses()));
+                assert!(film.sums() == empty.sums() && film.counts() == empty.counts());
+            });
+        }
+        for (pixel, &count) in coarse.counts().iter().enumerate() {
+            let is_seen = pixel % width % COARSE_STEP == 0 && pixel / width % COARSE_STEP == 0;
+            assert_eq!(count, if is_seen { seeds as u32 } else { 0 }, "{pixel}");
+            for channel in (0..BANDS.len()).filter(|_| is_seen) {
+                let of = |film: &Film| {
+                    let mean = film.means(channel, pixel..pixel + 1).next().expect("a pixel");
+                    (f64::from(mean), f64::from(film.variances(channel, pixel..pixel + 1).next().expect("a pixel")))
+                };
+                let (coarse, full) = (of(&coarse), of(&full));
+                let z = (coarse.0 - full.0) / (coarse.1 + full.1).sqrt();
+                // 60 of them in each case.
+                assert!(z.abs() < 4.5, "{reuse} {light_paths}, pixel {pixel}, channel {channel}: {z}");
+            }
+        }
+    }
 }

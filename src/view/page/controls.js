@@ -24,15 +24,15 @@ export class Controls {
   /** `changed(key, value)` hears of a change, with `undefined` where a control is reset. */
   constructor(root, controls, changed) {
     this.controls = new Map();
-    const groups = new Map();
+    this.groups = new Map();
     for (const control of controls) {
-      if (!groups.has(control.group)) {
+      if (!this.groups.has(control.group)) {
         const group = element("details", { open: true }, element("summary", { textContent: control.group }));
-        groups.set(control.group, group);
+        this.groups.set(control.group, group);
         root.append(group);
       }
       const made = this.make(control, value => changed(control.key, value));
-      groups.get(control.group).append(made.root);
+      this.groups.get(control.group).append(made.root);
       this.controls.set(control.key, made);
     }
   }
@@ -102,14 +102,17 @@ export class Controls {
     return { root, show, undo, anew };
   }
 
-  /** Shows values as they are, and which of them are changed. */
+  /** Shows values as they are and which of them are changed; hides what has no value, and groups of nothing else. */
   show(settings, changed) {
     for (const [key, made] of this.controls) {
       const is = Object.hasOwn(changed, key);
       made.undo.hidden = !is;
       made.root.classList.toggle("changed", is);
       made.root.hidden = !Object.hasOwn(settings, key);
-      made.show(is ? changed[key] : settings[key]);
+      if (!made.root.hidden) made.show(is ? changed[key] : settings[key]);
+    }
+    for (const group of this.groups.values()) {
+      group.hidden = ![...group.querySelectorAll(".control")].some(control => !control.hidden);
     }
   }
 

@@ -13,6 +13,11 @@ pub enum Step<'a> {
         /// Camera paths of those pixels.
         paths: u64,
     },
+    /// There is a coarse picture, of every [`COARSE_STEP`](super::COARSE_STEP)th pixel in every such row.
+    Coarse {
+        /// A film of that picture alone.
+        film: &'a Film,
+    },
     /// A pass is over, or was broken off.
     Pass {
         /// The film so far.

@@ -9,9 +9,11 @@ use std::ops::ControlFlow;
 
 use self::passes::MAX_PASS_SAMPLES;
 use self::tracer::Tracer;
+use super::RenderSettings;
 use super::job::RenderJob;
+use super::light_paths::Splats;
 use super::pilot::{Pilot, START, find_counts};
-use super::progress::Listener;
+use super::progress::{Listener, Step};
 use crate::film::{Film, FilmResponses};
 use photosite_core::math::hash::hash64;
 
@@ -40,23 +42,28 @@ pub fn render_on(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
 /// Columns, and rows, from one pixel of a coarse picture to the next.
 pub const COARSE_STEP: usize = 8;
 
-/// Gives a film without samples the first one of every eighth pixel in every eighth row, so that there is something to
-/// see at once; what follows gives the same picture as without. Nothing where pixels share what their paths find, or
-/// light lands in other pixels than its path came from.
+/// Tells of a picture of one sample of every eighth pixel in every eighth row, so that there is something to see at once.
+/// Uses the memory of a film without samples, and leaves it without: nothing of this is part of what follows.
 pub fn render_coarse(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
-    let settings = job.settings;
-    if settings.reuse > 1 || settings.light_paths > 0.0 || film.total() > 0 || settings.samples().is_empty() {
+    if film.total() > 0 || job.settings.samples().is_empty() {
         return;
     }
     let (width, first_row) = (film.width(), film.picture_rows().start);
     let is_seen = |pixel: usize| [pixel % width, first_row + pixel / width].iter().all(|at| at % COARSE_STEP == 0);
-    let tracer = Tracer::new(job, settings.seed, step);
-    if tracer.lands_wavelengths() {
-        return;
+    // Each of these pixels stands alone: it neither shares paths with its neighbours nor gets light from them.
+    let settings = RenderSettings { reuse: 1, light_paths: 0.0, ..job.settings.clone() };
+    let job = RenderJob { settings: &settings, ..*job };
+    let only_stops = |told: Step<'_>| match told {
+        Step::Band { .. } => step(Step::Band { paths: 0 }),
+        told => step(told),
+    };
+    let tracer = Tracer::new(&job, settings.seed, &only_stops);
+    tracer.add_samples(film, &|pixel| u32::from(is_seen(pixel)), &Splats::default());
+    if tracer.go_on().is_continue() {
+        // One that is broken off is one of fewer samples.
+        let _ = step(Step::Coarse { film });
     }
-    // One that is broken off is one of fewer samples.
-    let _ = tracer.pass(film, &|pixel| u32::from(is_seen(pixel)), 0);
-    let _ = tracer.tell(film, None, None);
+    film.clear();
 }
 
 /// Renders until each pixel has the samples that it needs, at most those of the settings, or `step` breaks off. Film

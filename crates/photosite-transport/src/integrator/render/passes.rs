@@ -62,7 +62,7 @@ impl Tracer<'_> {
     }
 
     /// Adds the missing samples to all pixels of a film, with what paths from lights bring to them.
-    fn add_samples(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync), splats: &Splats) {
+    pub(super) fn add_samples(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync), splats: &Splats) {
         let [block_columns, block_rows] = self.block_size();
         let (width, first_row) = (film.width(), film.picture_rows().start);
         let fill = |(index, band): (usize, FilmBand<'_>)| {
