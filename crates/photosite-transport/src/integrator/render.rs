@@ -16,6 +16,7 @@ use super::pilot::{Pilot, START, find_counts};
 use super::progress::{Listener, Step};
 use crate::film::{Film, FilmResponses};
 use photosite_core::math::hash::hash64;
+use photosite_core::spectrum::LANES;
 
 /// Most samples a pixel in one pass, where few pixels are left.
 const LARGEST_STEP: u32 = 1024;
@@ -42,8 +43,9 @@ pub fn render_on(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
 /// Columns, and rows, from one pixel of a coarse picture to the next.
 pub const COARSE_STEP: usize = 8;
 
-/// Tells of a picture of one sample of every eighth pixel in every eighth row, so that there is something to see at once.
-/// Uses the memory of a film without samples, and leaves it without: nothing of this is part of what follows.
+/// Tells of a picture of every eighth pixel in every eighth row, so that there is something to see at once: of one sample,
+/// or of four where paths carry one wavelength in place of four. Uses the memory of a film without samples, and leaves it
+/// without: nothing of this is part of what follows.
 pub fn render_coarse(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
     if film.total() > 0 || job.settings.samples().is_empty() {
         return;
@@ -58,7 +60,9 @@ pub fn render_coarse(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) 
         told => step(told),
     };
     let tracer = Tracer::new(&job, settings.seed, &only_stops);
-    tracer.add_samples(film, &|pixel| u32::from(is_seen(pixel)), &Splats::default());
+    let is_hero_alone = tracer.has_single_wavelengths || tracer.lands_wavelengths();
+    let samples = if is_hero_alone { LANES.min(settings.samples().len()) as u32 } else { 1 };
+    tracer.add_samples(film, &|pixel| if is_seen(pixel) { samples } else { 0 }, &Splats::default());
     if tracer.go_on().is_continue() {
         // One that is broken off is one of fewer samples.
         let _ = step(Step::Coarse { film });
