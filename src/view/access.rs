@@ -34,7 +34,7 @@ impl Access {
     pub(super) fn random() -> Result<Self> {
         let mut bytes = [0; TOKEN_BYTES];
         getrandom::fill(&mut bytes).map_err(|reason| Error::Resources {
-            message: format!("the system gives no random numbers: {reason}"),
+            message: format!("the system does not provide random numbers: {reason}"),
             help: None,
         })?;
         Ok(Self { token: bytes.iter().map(|byte| format!("{byte:02x}")).collect() })

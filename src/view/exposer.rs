@@ -295,9 +295,11 @@ impl Kept {
                     changed(&base, &query.exposure).map_err(Failure::from)
                 })?;
                 if !light.tells_of(&prepared.capture().sensor) {
-                    let message = "this sensor sees light in another way than the one that it was traced for";
+                    let message = "this sensor responds to light differently from the one that it was traced for";
                     let failure = needs(Failure::new(StatusCode::CONFLICT, message));
-                    return Err(failure.help("trace again for this sensor, or keep the spectrum, which serves all"));
+                    return Err(
+                        failure.help("trace again for this sensor, or keep the spectrum, which serves all sensors")
+                    );
                 }
                 (Ready::Traced(prepared, light), lit.number, trace)
             }
@@ -346,7 +348,7 @@ impl Kept {
         let prepared = self.prepared.get_or_make(key, || {
             let prepared = lit.prepared.at_f_number(f_number)?;
             prepared.map(Arc::new).ok_or_else(|| {
-                let message = "light takes other ways through another opening of this lens";
+                let message = "light takes other paths through this lens at another f-number";
                 let failure = Failure::new(StatusCode::CONFLICT, message).help("trace again for this f-number");
                 Failure { needs_trace: true, ..failure }
             })

@@ -148,7 +148,7 @@ const fn unit_of(layer: TruthLayer) -> &'static str {
 
 pub(super) fn no_plane(name: &str) -> Failure {
     Failure::new(StatusCode::NOT_FOUND, format!("there is no plane {name:?}"))
-        .help("the description of each picture lists the planes that there are")
+        .help("the description of each picture lists its planes")
 }
 
 #[cfg(test)]

@@ -337,7 +337,7 @@ async fn aside<T: Send + 'static>(
     shared: &Arc<Shared>,
     work: impl FnOnce(&Shared) -> Result<T, Failure> + Send + 'static,
 ) -> Result<(T, OwnedSemaphorePermit), Failure> {
-    let busy = || Failure::new(StatusCode::SERVICE_UNAVAILABLE, "too many pictures are asked for at the same time");
+    let busy = || Failure::new(StatusCode::SERVICE_UNAVAILABLE, "too many pictures are requested at the same time");
     let place = Arc::clone(&shared.pictures).try_acquire_owned().map_err(|_| busy())?;
     let shared = Arc::clone(shared);
     let made = tokio::task::spawn_blocking(move || Ok((work(&shared)?, place)));
@@ -384,7 +384,7 @@ async fn saved(text: &str, shared: &Arc<Shared>) -> Result<Answer, Failure> {
 
 async fn order(request: Request<Incoming>, shared: &Shared) -> Result<Answer, Failure> {
     let posted = timeout(PATIENCE, Limited::new(request.into_body(), POSTED).collect()).await;
-    let posted = posted.map_err(|_| Failure::new(StatusCode::REQUEST_TIMEOUT, "the command does not arrive"))?;
+    let posted = posted.map_err(|_| Failure::new(StatusCode::REQUEST_TIMEOUT, "the command did not arrive in time"))?;
     let posted = posted.map_err(|_| Failure::new(StatusCode::PAYLOAD_TOO_LARGE, "the request is too long"))?.to_bytes();
     let order = serde_json::from_slice(&posted);
     let order =

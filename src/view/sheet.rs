@@ -88,7 +88,7 @@ impl ContactSheet {
 }
 
 fn no_picture() -> Failure {
-    Failure::new(StatusCode::NOT_FOUND, "there is no picture of that number")
+    Failure::new(StatusCode::NOT_FOUND, "there is no picture with that number")
 }
 
 /// A whole number of a query.

@@ -111,7 +111,7 @@ impl Input {
 }
 
 fn refuse_overrides(path: &Path, overrides: &[String]) -> Result<()> {
-    let message = "has no capture, of which keys could be changed";
+    let message = "has no capture whose keys could be changed";
     match overrides.is_empty() {
         true => Ok(()),
         false => Err(Invalid::new("", message).help("remove --set, and develop it on the page").in_file(path)),
@@ -191,7 +191,8 @@ impl Ready {
             return Ok(alone);
         }
         if self.has_light_of_one_frame() {
-            let message = "this sensor keeps charge of the frames before, whose light is not traced: it is left out";
+            let message =
+                "this sensor keeps charge from earlier frames, whose light is not traced here: image lag is left out";
             alone.warnings.push(message.to_owned());
             return Ok(alone);
         }

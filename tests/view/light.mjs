@@ -81,7 +81,7 @@ async function pinhole(chromium) {
   render(room, "f8", "lens.f_number=8");
   await withPage(chromium, [room], async page => {
     const { trace } = await page.evaluate(() => window.state.status);
-    check(!await page.locator(".control").filter({ has: slider(page, "f-number") }).getByText("traces anew").isVisible(), "f-numbers of a pinhole are marked");
+    check(!await page.locator(".control").filter({ has: slider(page, "f-number") }).getByText("traces again").isVisible(), "f-numbers of a pinhole are marked");
     await answered(page, () => slider(page, "f-number").fill("3"));
     near(await values(page), png("f8", "image.png"), "a pinhole at f/8");
     await answered(page, () => slider(page, "Exposure time").fill("-5"));
@@ -101,7 +101,7 @@ async function pinhole(chromium) {
 async function lens(chromium) {
   const keys = ["sensor.resolution_px=[160,120]", "render.samples_per_pixel=8"];
   await withPage(chromium, [box, ...sets(keys)], async page => {
-    check(await page.locator(".control").filter({ has: slider(page, "f-number") }).getByText("traces anew").isVisible(), "f-numbers of a lens are not marked");
+    check(await page.locator(".control").filter({ has: slider(page, "f-number") }).getByText("traces again").isVisible(), "f-numbers of a lens are not marked");
     await tracedAnew(page, () => slider(page, "f-number").fill("2.5"));
     const n = await page.evaluate(() => window.state.picture.settings["lens.f_number"]);
     check(Math.abs(n - 2 ** 2.5) < 1e-4, `f/${n}`);

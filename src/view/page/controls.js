@@ -45,7 +45,7 @@ export class Controls {
     const undo = element("button", { className: "undo", type: "button", textContent: "↺", title: `Reset ${label}`, ariaLabel: `Reset ${label}`, hidden: true });
     undo.onclick = () => changed(undefined);
     const name = element("label", { className: "name", htmlFor: id, textContent: label });
-    const anew = element("small", { className: "anew", textContent: "traces anew", hidden: true });
+    const anew = element("small", { className: "anew", textContent: "traces again", hidden: true });
     const head = element("div", { className: "head" }, name, anew, output, undo);
     let show;
     if (kind === "linear" || kind === "logarithmic") {

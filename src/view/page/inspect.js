@@ -59,7 +59,7 @@ async function measureOnce() {
   const rows = figures(found);
   state.figures = rows;
   const name = stage.patch ? `Patch of ${part[2] - part[0]} × ${part[3] - part[1]} pixels at ${part[0]}, ${part[1]}` : "All pixels";
-  const few = found.step > 1 ? `, one of ${found.step} × ${found.step} measured` : "";
+  const few = found.step > 1 ? `, one in ${found.step} × ${found.step} pixels measured` : "";
   $("figures").textContent = `${name}${few}\n${inWords(rows, picture.unit)}`;
   await Promise.all([tellPixel(), tellNoise(side)]);
 }
@@ -90,7 +90,7 @@ async function tellNoise(side) {
   if (!isScene(side) || !state.status?.light) return;
   const { noise_ratio } = await server.noise(query(side));
   state.noise = noise_ratio;
-  $("noise").textContent = noise_ratio === null ? "" : `Noise of the light: ${readable(noise_ratio, 2)} × that of the sensor`;
+  $("noise").textContent = noise_ratio === null ? "" : `Monte Carlo noise: ${readable(noise_ratio, 2)} × that of the sensor`;
 }
 
 /** Picks a pixel. */

@@ -107,7 +107,7 @@ export function drawHistogram(canvas, picture, [low, high]) {
   each((c, v) => { counts[c][Math.min(Math.max(Math.floor((v - low) * factor), 0), BINS - 1)]++; });
   const curves = names.map((name, index) => ({ name, index, points: counts[index].map(count => Math.log10(1 + count)) }));
   const most = Math.max(...curves.flatMap(curve => curve.points));
-  plot(canvas, curves, `${picture.unit || "code"}, counts logarithmic`, readable(low), readable(high), [0, most]);
+  plot(canvas, curves, `${picture.unit || "code"}, logarithmic counts`, readable(low), readable(high), [0, most]);
   canvas.ariaLabel = `Histogram from ${readable(low)} to ${readable(high)} of ${curves.map(curve => curve.name).join(", ")}`;
 }
 

@@ -69,7 +69,7 @@ export function lookCloser() {
   }, 80);
 }
 
-export const UNTOLD = { message: "this sensor sees light in another way than the one that it was traced for", help: "trace again for this sensor, or keep the spectrum, which serves all", needs_trace: true };
+export const UNTOLD = { message: "this sensor responds to light differently from the one that it was traced for", help: "trace again for this sensor, or keep the spectrum, which serves all sensors", needs_trace: true };
 
 /** Whether the light of a side does not tell what the sensor sees that is chosen. */
 export const needsTrace = ({ settings, picture }) => Boolean(settings["sensor.preset"] && picture?.sensors && !picture.sensors.includes(settings["sensor.preset"]) && picture.trace === session.traced);

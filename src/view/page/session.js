@@ -43,5 +43,5 @@ export function lose() {
   if (state.isLost) return;
   state.isLost = true;
   $("lost").hidden = false;
-  $("lost").textContent = "The connection is lost: photosite view may have ended. This page goes on when it is back at this address.";
+  $("lost").textContent = "The connection is lost: photosite view may have ended. This page continues when it is back at this address.";
 }

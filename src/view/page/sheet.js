@@ -235,7 +235,7 @@ $("size").onchange = redraw;
 $("overlays").onchange = redraw;
 $("goto").onchange = () => {
   const frame = +$("goto").value, found = state.shown.find(number => pictures[number].frame === frame);
-  if (found === undefined) $("count").textContent = `${state.shown.length} of ${pictures.length} pictures; frame ${frame} is none of them`;
+  if (found === undefined) $("count").textContent = `${state.shown.length} of ${pictures.length} pictures; frame ${frame} is not among them`;
   else focus(found);
 };
 $("reset").onclick = () => {

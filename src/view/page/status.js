@@ -2,7 +2,7 @@
 import { readable } from "./controls.js";
 import { $, state } from "./session.js";
 
-const PHASES = { preparing: "Building the scene", tracing: "Tracing", paused: "Paused", stopped: "Stopped", done: "Traced", failed: "Cannot be traced", stored: "Light of files" };
+const PHASES = { preparing: "Building the scene", tracing: "Tracing", paused: "Paused", stopped: "Stopped", done: "Traced", failed: "Cannot be traced", stored: "Light from files" };
 const clock = s => s >= 3600 ? `${Math.floor(s / 3600)} h ${Math.floor(s / 60 % 60)} min` : s >= 60 ? `${Math.floor(s / 60)} min ${Math.floor(s % 60)} s` : `${readable(s, s < 10 ? 2 : 3)} s`;
 
 /** Says how far the light is, and enables what can be done with it. */
@@ -13,7 +13,7 @@ export function tellStatus() {
   const lines = [status.frame === null ? PHASES[status.phase] : `${PHASES[status.phase]}, frame ${status.frame}`];
   if (!isStored) lines.push(`${readable(status.samples_per_pixel, 4)} samples per pixel, ${clock(status.elapsed_s)}${isTraced && status.left_s !== null ? `, ${clock(status.left_s)} left` : ""}`);
   if (status.message) lines.push(status.message);
-  if (state.latency !== null) lines.push(`Answer within ${state.latency.toFixed(0)} ms`);
+  if (state.latency !== null) lines.push(`Answered in ${state.latency.toFixed(0)} ms`);
   $("status").textContent = lines.join("\n");
   $("progress").hidden = isStored;
   $("progress").value = status.expected_paths ? Math.min(status.paths / status.expected_paths, 1) : 0;
