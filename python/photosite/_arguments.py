@@ -134,4 +134,4 @@ def _toml(name: str, value: Any) -> str:
         items: Sequence[Any] = value  # pyright: ignore[reportUnknownVariableType]
         return "[" + ", ".join(_toml(f"{name}[{i}]", item) for i, item in enumerate(items)) + "]"
     help = "give a bool, a number, a string, a path, or a list or dictionary of these"
-    raise invalid(name, f"a value of type {type(value).__name__} is none that a capture file can hold", help)
+    raise invalid(name, f"a capture file cannot hold a value of type {type(value).__name__}", help)

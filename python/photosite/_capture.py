@@ -79,7 +79,7 @@ def load(source: "Union[Path, Mapping[str, Any]]", *, set: "Optional[Mapping[str
 
     Args:
         source: a capture file (.toml), a report of one that was rendered (capture.json), a scene (.gltf, .glb, .obj, .ply,
-            .stl), which then gets a camera, daylight, a lens and a sensor by itself; or a dictionary of what a capture file
+            .stl), which then gets a camera, daylight, a lens and a sensor automatically; or a dictionary of what a capture file
             holds, with paths relative to the current folder. In a dictionary arrays may stand where files are named:
 
             - ``scene.geometry``: a dictionary of ``positions`` (N, 3) in m and ``triangles`` (M, 3), and if there are

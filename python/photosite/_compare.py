@@ -121,7 +121,7 @@ def compare(
         samples_b: the same of b.
         channels: compare these channels only; of a mosaic ``raw``, or ``R``, ``G``, ``B``.
         masked: compare the masked pixels of raw images, too, not only those that see light.
-        alpha: probability of saying "differ" of pictures that agree.
+        alpha: probability of saying that pictures differ which agree.
         epsilon: the ε of the relative MSE, the mean of (a − b)²/(b² + ε·mean(b)²).
         peak: white for the PSNR; without, the largest number that the picture can hold, or the largest of b.
         worst: how many of the pixels that differ most are listed.
@@ -130,7 +130,7 @@ def compare(
         max_relative_mse: most that the relative mean squared error of a channel may be.
 
     Raises:
-        InputError: pictures that do not fit together, channels that there are not, arrays that are none of numbers.
+        InputError: pictures that do not fit together, channels that do not exist, arrays that do not hold numbers.
         FileError: a file cannot be read.
     """
     _number("alpha", alpha, 0 < alpha < 1, "between 0 and 1")
@@ -184,7 +184,7 @@ def _compared(
     compared = _of(name, picture, masked)
     if samples is not None:
         if variance is not None:
-            raise invalid(f"samples_{name}", f"stands beside variance_{name}", "give one of them")
+            raise invalid(f"samples_{name}", f"cannot be combined with variance_{name}", "give one of them")
         if samples < 2:
             raise invalid(f"samples_{name}", f"expected at least 2, got {samples}")
         return compared.with_second_moments(int(samples))
@@ -221,6 +221,6 @@ def _of(name: str, picture: Any, masked: bool) -> "_photosite.ComparedPicture":
     if channels is None and deep.shape[2] > 4:
         channels = [str(index) for index in range(deep.shape[2])]
     if channels is not None and len(channels) != deep.shape[2]:
-        raise invalid(name, f"has {deep.shape[2]} channels and the names {', '.join(channels)}")
+        raise invalid(name, f"has {deep.shape[2]} channels, but the names are {', '.join(channels)}")
     maximum = {"uint8": 255, "uint16": 65_535}.get(array.dtype.name)
     return _photosite.ComparedPicture.of_array(name, deep, channels, None, maximum)

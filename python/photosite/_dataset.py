@@ -302,7 +302,7 @@ class Dataset(Sequence[Frame]):
         README.
 
         Tasks are as many frames as take about 25 s at the pace seen so far. Frames of a worker that dies go to another
-        one; those that it had finished stay. A run that was killed, driver and all, goes on when it is called again. The
+        one; those that it had finished stay. A run that was killed, driver and all, continues when it is called again. The
         result has the bytes of ``photosite dataset``. Workers read the data set file by its path, and need photosite in
         the same version.
 
@@ -334,7 +334,7 @@ class Dataset(Sequence[Frame]):
             KeyboardInterrupt: Ctrl-C ends the workers, of Dask at the end of the task under way; what is done stays.
         """
         if output is None and not self._keeps:
-            raise invalid("output", "a data set of a temporary folder needs a place that stays", 'run("out")')
+            raise invalid("output", "a data set in a temporary folder needs a permanent place", 'run("out")')
         numbers = list(self._numbers)
         if frames is not None:
             wanted = set(frames)

@@ -19,7 +19,7 @@ __all__ = ["ChannelFigures", "Emva1288Report", "Figures", "SpatialFigures", "emv
 
 @dataclass(frozen=True)
 class SpatialFigures:
-    """A spatial non-uniformity: total² = row² + column² + pixel². None is what temporal noise hides."""
+    """A spatial non-uniformity: total² = row² + column² + pixel². None stands for what temporal noise hides."""
 
     total: Optional[float]
     row: Optional[float]
@@ -29,7 +29,7 @@ class SpatialFigures:
 
 @dataclass(frozen=True)
 class Figures:
-    """The figures of an EMVA 1288 data sheet. None is what cannot be known.
+    """The figures of an EMVA 1288 data sheet. None stands for what cannot be known.
 
     Attributes:
         system_gain_dn_per_e: system gain K, DN/e⁻.

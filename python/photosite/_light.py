@@ -139,8 +139,8 @@ class Light:
             time_s: exposure time, s.
             gain_db: analogue gain, dB.
             seed: seed of the sensor's temporal noise; the fixed pattern belongs to ``sensor.serial``. The same seed draws
-                the same random numbers for a pixel at every time and gain. Exposures whose noise shall be independent
-                get seeds of their own.
+                the same random numbers for a pixel at every time and gain. Exposures whose noise should be independent
+                need seeds of their own.
             frames: so many exposures, one after the other, each with temporal noise of its own.
             set: values for other keys of ``sensor``, ``exposure``, ``develop`` and ``output``, as in
                 ``{"sensor.noise.read_noise_e": 3}``. A sensor with other filters or quantum efficiency needs light that
@@ -156,7 +156,7 @@ class Light:
         changes = exposure_changes(self._capture, time_s=time_s, gain_db=gain_db, seed=seed, set=set)
         differ = self._capture._compiled.series()[2]
         if differ is not None:
-            warn_all([f"{differ} has no part in exposures to traced light; render_into makes the whole series"])
+            warn_all([f"{differ} has no effect on exposures to traced light; render_into makes the whole series"])
         shots = self._compiled.expose(changes, count("frames", frames), count("threads", threads, None))
         made = [Shot(shot, self._capture) for shot in shots]
         return made[0] if frames is None else made
@@ -259,7 +259,7 @@ def trace(
     memory = None if film_memory_gib is None else number("film_memory_gib", film_memory_gib)
     frames, moves, _ = wanted._compiled.series()
     if moves and frames > 1:
-        warn_all([f"light is traced of the first of {frames} pictures in which things move; render_into makes them all"])
+        warn_all([f"things move, so light is traced for the first of {frames} pictures alone; render_into makes them all"])
     place = None if checkpoint is None else path_of("checkpoint", checkpoint)
     compiled = _photosite.trace(
         wanted._compiled, count("threads", threads, None), listener(progress, "tracing"), memory, place

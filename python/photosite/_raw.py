@@ -466,7 +466,7 @@ def develop(
     settings = assignments(keys, "develop.")
     if is_path(raw):
         if like is not None:
-            raise invalid("like", "a file says itself what its numbers mean", "read it with read_raw, or leave out like")
+            raise invalid("like", "a file itself says what its numbers mean", "read it with read_raw, or leave out like")
         return _photosite.develop(None, path_of("raw", raw), settings, bool(linear))
     if isinstance(raw, Raw):
         image = raw

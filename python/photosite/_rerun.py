@@ -65,7 +65,7 @@ def to_rerun(dataset: Union[Dataset, Path], path: Path, /) -> None:
                 _log(rerun, recording, camera, picture)
                 if camera not in warned and (bent := _bent(picture.camera)):
                     warned.add(camera)
-                    warnings.warn(f"Rerun knows no lenses but pinholes: {bent} of {camera}", PhotositeWarning, stacklevel=2)
+                    warnings.warn(f"Rerun knows only pinholes: {bent} of {camera}", PhotositeWarning, stacklevel=2)
         recording.flush()
         recording.disconnect()
         # Temporary files are private.
@@ -94,7 +94,7 @@ def _frames(dataset: Union[Dataset, Path]) -> "tuple[FilePath, Iterator[Frame]]"
     folder = FilePath(path_of("dataset", dataset))
     if not (folder / "manifest.jsonl").is_file():
         reason = "holds no manifest.jsonl"
-        help = "give the folder that photosite dataset has filled, or a photosite.Dataset"
+        help = "give the folder that photosite dataset has made, or a photosite.Dataset"
         raise InputError(f"{folder}: {reason}", file=folder, reason=reason, help=help)
     pictures: "dict[int, list[str]]" = {}
     for line in _manifest(folder):

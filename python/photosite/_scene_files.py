@@ -62,9 +62,9 @@ class SceneFiles:
         if isinstance(value, (bool, int, float, str)):
             return value
         if value is None:
-            raise invalid(path, "None is no value of a capture", "leave the key out")
+            raise invalid(path, "a capture cannot hold None", "leave the key out")
         help = "give a bool, a number, a string, a path, an array, or a list or dictionary of these"
-        raise invalid(path, f"a value of type {type(value).__name__} is none that a capture can hold", help)
+        raise invalid(path, f"a capture cannot hold a value of type {type(value).__name__}", help)
 
     def _array(self, value: "npt.NDArray[Any]", path: str, key: str) -> Any:
         if key in _TABLES:

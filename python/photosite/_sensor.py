@@ -153,7 +153,7 @@ class Sensor:
                 - ``"full-well"``: the same as parts of the full well;
                 - ``"irradiance"``: W·m⁻² at the single ``wavelength_nm``, (H, W).
 
-                Numbers below 0 count as 0, with a warning. float32, or what becomes it.
+                Numbers below 0 count as 0, with a warning. float32, or what converts to it.
             time_s: exposure time, s; automatic unless said, where the light is a rate.
             wavelengths_nm: (B,), increasing: centres of the bands, which reach half way to their neighbours.
             unit: what the numbers are.
@@ -163,7 +163,7 @@ class Sensor:
             illuminant: the light that white balance makes neutral; D65 unless said, with a warning.
             gain_db: analogue gain, dB.
             seed: seed of temporal noise. The same seed draws the same random numbers for a pixel, whatever the light and
-                however long. Exposures whose noise shall be independent get seeds of their own.
+                however long. Exposures whose noise should be independent need seeds of their own.
             frames: so many exposures, each with temporal noise of its own.
             set: values for keys of ``sensor``, ``exposure``, ``develop`` and ``output``.
             threads: threads to use.
@@ -172,14 +172,14 @@ class Sensor:
             A shot, or with ``frames`` a list of them.
 
         Raises:
-            InputError: an array that is none of these, that holds NaN or infinity, or that the sensor has no use for.
+            InputError: an array of another form, one that holds NaN or infinity, or that the sensor has no use for.
         """
         changes = [*assignments({"sensor.preset": self._name}), *self._changes]
         changes += exposure_changes(None, time_s=time_s, gain_db=gain_db, seed=seed, set=set)
         times, threads, white = count("frames", frames), count("threads", threads, None), _spectrum(illuminant)
         if wavelengths_nm is not None:
             if unit is not None:
-                raise invalid("unit", "goes with numbers that are no spectral irradiance", "leave unit or wavelengths_nm out")
+                raise invalid("unit", "goes with numbers that are not spectral irradiance", "leave unit or wavelengths_nm out")
             cube, centres = _bands(light, wavelengths_nm)
             compiled = _photosite.expose_irradiance(cube, centres, white, changes, times, threads)
         elif unit is None:

@@ -123,12 +123,12 @@ class Shot:
         """Variance of :attr:`electrons` that light transport has left, (e⁻)²: (H, W, C) float32.
 
         Raises:
-            InputError: light whose variance nobody knows: that of :class:`photosite.Sensor`, and of a sensor for which
+            InputError: light whose variance is not known: that of :class:`photosite.Sensor`, and of a sensor for which
                 light was not traced.
         """
         variance = self._electrons[1]
         if variance is None:
-            raise invalid("variance", "is not known of this light", "trace light for this sensor to have it")
+            raise invalid("variance", "is not known for this light", "trace light for this sensor to have it")
         return variance
 
     @cached_property
@@ -146,8 +146,8 @@ class Shot:
         ``depth`` along the axis and ``distance`` in m, (H, W); ``position`` in m, ``normal``, ``shading-normal`` of the
         world and ``albedo``, (H, W, 3); ``object-position`` in m and ``nocs`` in the frame of the object, (H, W, 3);
         ``uv``, (H, W, 2); numbers of ``instance`` and ``material``, (H, W); ``flow`` in px and whether its end is
-        visible, (H, W, 3); ``disparity`` likewise where the capture has a partner. Nothing is inf in depths, NaN in
-        positions, 0 else.
+        visible, (H, W, 3); ``disparity`` likewise where the capture has a partner. Where nothing is seen, depths are
+        inf, positions NaN, and all else 0.
         """
         return truth_layers(self._compiled)
 
@@ -156,11 +156,11 @@ class Shot:
         """Pose and intrinsics.
 
         Raises:
-            InputError: light that comes from no scene.
+            InputError: light that does not come from a scene.
         """
         camera = self.report.get("camera")
         if camera is None:
-            raise invalid("camera", "is not known of light that comes from no scene")
+            raise invalid("camera", "is not known for light that does not come from a scene")
         return Camera.of_report(camera)
 
     # How it was exposed

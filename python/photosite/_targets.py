@@ -44,7 +44,7 @@ class Targets:
         **keys: its sizes, as the table ``[[targets]]`` of capture files has them: ``squares=[10, 7], square_mm=25``.
 
     Raises:
-        InputError: a kind or a key that there is not, sizes that are impossible.
+        InputError: a kind or a key that does not exist, sizes that are impossible.
     """
 
     def __init__(self, kind: str, /, **keys: Any) -> None:
@@ -137,7 +137,7 @@ def project(capture: CaptureLike, points: "npt.ArrayLike", *, camera_space: bool
         the middle of the exposure of its row.
 
     Raises:
-        InputError: points that are none, a camera without a lens.
+        InputError: points that are not rows of three numbers, a camera without a lens.
     """
     numbers = _rows("points", points, 3)
     found = _photosite.project(loaded(capture)._compiled, numbers.reshape(-1, 3), bool(camera_space))
@@ -156,7 +156,7 @@ def unproject(capture: CaptureLike, pixels: "npt.ArrayLike", *, camera_space: bo
         (N, 3) or (3,) float64, unit vectors; NaN for pixels that see nothing.
 
     Raises:
-        InputError: pixels that are none, a camera without a lens.
+        InputError: pixels that are not rows of two numbers, a camera without a lens.
     """
     numbers = _rows("pixels", pixels, 2)
     found = _photosite.unproject(loaded(capture)._compiled, numbers.reshape(-1, 2), bool(camera_space))

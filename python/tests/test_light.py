@@ -151,7 +151,7 @@ def test_another_sensor_sees_the_irradiance(room: Path, tmp_path: Path, command:
         shot = light.expose(set={"sensor.preset": "sony-imx249-mono"})
     assert shot.channels == ("Y",)
     assert np.array_equal(np.asarray(shot.raw), mono)
-    with pytest.raises(ps.InputError, match="not known of this light"):
+    with pytest.raises(ps.InputError, match="not known for this light"):
         shot.variance
     with pytest.warns(ps.PhotositeWarning):
         assert np.array_equal(np.asarray(ps.expose(tmp_path / "light", set=other).raw), mono)

@@ -114,9 +114,9 @@ def test_shots_of_arrays_can_be_saved(tmp_path: Path) -> None:
     assert report["exposure"]["frame"] == 2
     assert np.array_equal(np.asarray(ps.read_raw(tmp_path / "out" / "raw.dng")), np.asarray(shots[2].raw))
     assert shots[0].noise["prnu_gain"].shape == (24, 32)
-    with pytest.raises(ps.InputError, match="no scene"):
+    with pytest.raises(ps.InputError, match="does not come from a scene"):
         shots[0].truth["depth"]
-    with pytest.raises(ps.InputError, match="no scene"):
+    with pytest.raises(ps.InputError, match="does not come from a scene"):
         shots[0].camera
 
 

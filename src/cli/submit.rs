@@ -300,7 +300,7 @@ impl CommonArgs {
     fn finish(&self, plan: &Plan, scheduler: &str, text: &str, jobs: &[String], is_sent: bool) -> Result<()> {
         let Plan { forecast, tasks, .. } = plan;
         if !forecast.failed.is_empty() && !self.quiet {
-            warning!("frames that cannot be made are left out: {}", forecast.failed.len());
+            warning!("frames that cannot be made are skipped: {}", forecast.failed.len());
         }
         if !self.json {
             return Ok(());

@@ -62,7 +62,7 @@ impl Source {
                 split.map_err(|invalid| invalid.in_file(Path::new(PYTHON)))
             }
             Self::Stored(_) => {
-                let invalid = Invalid::new("truth", "the light is of no scene, of which there would be ground truth");
+                let invalid = Invalid::new("truth", "is not known for light that does not come from a scene");
                 Err(invalid.in_file(Path::new(PYTHON)))
             }
         })?;

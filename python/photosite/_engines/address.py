@@ -16,7 +16,7 @@ _ANSWER_S = 5.0
 def unreachable(address: str, why: str) -> Error:
     """The error of a cluster that does not answer."""
     reason = f"no cluster answers at {address!r}: {why}"
-    help = "give the address that the cluster told when it was started, and see that this machine can reach it"
+    help = "give the address that the cluster printed when it started, and check that this machine can reach it"
     return Error(f"address: {reason}", file="<python>", key="address", reason=reason, help=help, is_temporary=True)
 
 

@@ -70,7 +70,7 @@ class Driver:
         if slots > 0:
             self._idle_since = time.monotonic()
         elif time.monotonic() - self._idle_since > _PATIENCE_S:
-            self._warn("the cluster has no worker with as many cores as threads= asks for; the run waits for one")
+            self._warn("no worker of the cluster has as many cores as threads= asks for; the run waits for one")
         while len(self._running) < slots:
             task = self._plan.next(slots, time.monotonic())
             if task is None:
@@ -87,7 +87,7 @@ class Driver:
         failed = set(self._plan.failed)
         self._plan.done(task, _checked(task, ended.outcome), now)
         for frame in self._plan.failed.keys() - failed:
-            self._warn(f"frame {frame} is left out: {self._plan.failed[frame]}")
+            self._warn(f"frame {frame} is skipped: {self._plan.failed[frame]}")
         for warning in ended.outcome.warnings:
             self._warn(warning)
 

@@ -111,7 +111,7 @@ class LocalEngine:
         self._stillborn += not worker.is_ready
         if self._stillborn >= _MOST_STILLBORN:
             reason = f"workers do not start: the last one {why}"
-            help = "standard error shows what they say; ask for fewer with workers= where memory ends"
+            help = "see what they say on standard error; if memory runs out, ask for fewer with workers="
             raise ResourceError(reason, reason=reason, help=help)
         return [] if worker.key is None else [Ended(worker.key, None, why)]
 
@@ -136,4 +136,4 @@ def _signal(number: int) -> str:
         name = signal.Signals(number).name
     except ValueError:
         name = f"signal {number}"
-    return f"{name}, as where memory ends" if name == "SIGKILL" else name
+    return f"{name}, as when memory runs out" if name == "SIGKILL" else name

@@ -72,7 +72,7 @@ class DaskEngine:
             return Ended(key, Outcome.of_values(future.result()))
         error = future.exception() if future.status == "error" else None
         if error is None or isinstance(error, self._dask.scheduler.KilledWorker):
-            return Ended(key, None, "was lost again and again" if error else f"was {future.status}")
+            return Ended(key, None, "was lost repeatedly" if error else f"was {future.status}")
         return Ended(key, Outcome("Dask", fault=repr(error)))
 
     def close(self) -> None:

@@ -102,13 +102,13 @@ def _check(request: Request) -> None:
         if name not in ("webdataset", "parquet", "mcap"):
             raise invalid("layouts", f"expected 'webdataset', 'parquet' or 'mcap', got {name!r}")
     if request.layouts and "://" in request.output:
-        raise invalid("layouts", "shards are written of pictures in a folder, and this is a store", "give a folder")
+        raise invalid("layouts", "shards are written from pictures in a folder, and this is a store", "give a folder")
     if request.split not in ("frames", "samples"):
         raise invalid("split", f"expected 'frames' or 'samples', got {request.split!r}")
     if request.engine not in ("local", "ray", "dask"):
         raise invalid("engine", f"expected 'local', 'ray' or 'dask', got {request.engine!r}")
     if request.engine == "local" and request.address is not None:
-        raise invalid("address", "the local engine has none", "leave it out, or say which engine it is the address of")
+        raise invalid("address", "the local engine does not take one", "leave it out, or name the engine that it belongs to")
     if request.engine == "ray":
         needed("ray", "ray", "engine", "ray")
     if request.engine == "dask":
@@ -119,7 +119,7 @@ def _plan(dataset: "_photosite.Dataset", request: Request, output: Output, missi
     if request.split == "frames":
         return FramePlan(missing, request.retries)
     if not isinstance(output, Folder):
-        reason = "parts of pictures need a folder that all machines see, and no store"
+        reason = "parts of pictures need a folder that all machines see, not a store"
         raise invalid("split", reason, "give a folder, or split='frames'")
     present = output.parts(dataset, missing)
     return SamplePlan(missing, dataset.samples(), present, output.sample_ranges(), request.retries)
@@ -158,5 +158,5 @@ def _failed(output: str, failed: "dict[int, str]") -> Error:
     more = f"\n  and {len(frames) - 5} more" if len(frames) > 5 else ""
     one = "a frame" if len(frames) == 1 else f"{len(frames)} frames"
     reason = f"{one} could not be made:{shown}{more}"
-    help = "the others are there; give keep_going=True for a result that tells of all"
+    help = "the others exist; give keep_going=True for a result that lists them all"
     return Error(f"{output}: {reason}", file=output, reason=reason, help=help)

@@ -36,7 +36,7 @@ class Store:
         self.url = url.rstrip("/")
         protocol = url.split("://", 1)[0]
         if protocol == "memory":
-            reason = "what is in the memory of one process no other one sees"
+            reason = "no other process can see what is in the memory of this one"
             help = "give a folder, or a store such as s3://bucket/set"
             raise InputError(f"output: {reason}", file="<python>", key="output", reason=reason, help=help)
         fsspec = needed("fsspec", "fsspec", "output", url)
@@ -45,7 +45,7 @@ class Store:
             options = {"auto_mkdir": True} if protocol in ("file", "local") else {}
             self._files, self._root = fsspec.url_to_fs(self.url, **options)
         except (ImportError, ValueError) as refused:
-            reason = f"{url!r} is no store that fsspec knows here: {refused}"
+            reason = f"{url!r} is not a store that fsspec can open here: {refused}"
             help = "install the package that it names, on all machines"
             raise InputError(f"output: {reason}", file="<python>", key="output", reason=reason, help=help) from None
 
@@ -122,7 +122,7 @@ class Store:
     def _check(self, fingerprint: str, job: Job) -> None:
         """Refuses pictures of other files than the driver's. In a folder `dataset.json` says which these are."""
         if fingerprint != job.fingerprint:
-            reason = f"{job.path}, or a file that it names, is another one here than where the run was started"
+            reason = f"{job.path}, or a file that it names, is not the same here as where the run was started"
             raise InputError(reason, file=job.path, reason=reason, help="give all machines the same files")
 
     def _upload_pictures(self, folder: Path, pictures: "list[str]") -> None:
@@ -171,7 +171,7 @@ class Store:
         except Exception as refused:  # noqa: BLE001 - each store has its own
             is_final = isinstance(refused, (PermissionError, ImportError))
             reason = f"cannot {what} the store: {refused or type(refused).__name__}"
-            help = "see that the bucket is there, and that all machines may read from and write to it"
+            help = "check that the bucket exists, and that all machines may read from and write to it"
             raise Error(f"{self.url}: {reason}", file=self.url, reason=reason, help=help, is_temporary=not is_final) from None
 
 
