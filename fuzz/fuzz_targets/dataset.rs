@@ -3,13 +3,16 @@
 
 use libfuzzer_sys::fuzz_target;
 use photosite::Sandbox;
+use photosite::capture::DatasetFile;
 use photosite::dataset::DataSet;
 use photosite::pipeline::{FilmMemory, Silent};
 use photosite_fuzz::written;
 
 fuzz_target!(|data: &[u8]| {
     let path = written("dataset.toml", data);
-    if let Ok(set) = DataSet::read(&Sandbox::default(), &path, &[], FilmMemory::default()) {
+    let set =
+        DatasetFile::read(&path).and_then(|file| DataSet::new(&Sandbox::default(), file, &[], FilmMemory::default()));
+    if let Ok(set) = set {
         let _ = set.frames(0..2, false, &Silent);
     }
 });

@@ -1,8 +1,7 @@
 //! Overrides, `key=value`: values of the caller in place of those of the file.
 
 use photosite_core::Remedy;
-use photosite_core::key_path::{has_outside_quotes, split_change};
-use toml::de::DeValue;
+use photosite_core::key_path::{has_outside_quotes, split_change, toml_value};
 
 use super::source::{CaptureSource, shown};
 use crate::{Error, Result};
@@ -118,8 +117,7 @@ fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &st
     if key.is_empty() || key.contains(['\n', '\r']) || has_outside_quotes(key, &['=', '#', '[', ']']) {
         return Err(wrong(format!("{key:?} is not a key")));
     }
-    let is_toml = DeValue::parse(value).is_ok() && !value.contains(['\n', '\r']);
-    let toml = if is_toml {
+    let toml = if toml_value(value).is_some() {
         format!("{prefix}{key} = {value}")
     } else if is_bare_word(value) {
         format!("{prefix}{key} = {value:?}")

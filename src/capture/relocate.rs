@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf, absolute};
 
-use photosite_core::key_path::split_change;
+use photosite_core::key_path::{split_change, toml_value};
 use serde_json::{Value, json};
 
 use super::sensor::close_sensor;
@@ -24,9 +24,7 @@ pub(super) fn relocate(value: &mut Value, from: &Path, to: Option<&Path>) {
 /// so that they lead there from `folder`, that of the capture, from which all others count.
 pub fn typed_change(change: &str, folder: &Path) -> String {
     let parsed = split_change(change).and_then(|(key, value)| {
-        let word = || toml::Value::from(value);
-        let value = toml::from_str(&format!("value = {value}"))
-            .map_or_else(|_| word(), |mut table: toml::Table| table.remove("value").unwrap_or_else(word));
+        let value = toml_value(value).unwrap_or_else(|| value.into());
         let last = key.rsplit('.').next().unwrap_or_default();
         Some((key, last, serde_json::to_value(value).ok()?))
     });

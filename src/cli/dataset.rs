@@ -89,8 +89,9 @@ pub(super) struct DatasetArgs {
 
 pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
     let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
-    let overrides = args.scene.after(&args.overrides, &DatasetFile::read(&args.input)?.capture());
-    let set = DataSet::read(sandbox, &args.input, &overrides, args.film_memory)?;
+    let file = DatasetFile::read(&args.input)?;
+    let overrides = args.scene.after(&args.overrides, &file.capture());
+    let set = DataSet::new(sandbox, file, &overrides, args.film_memory)?;
     if let Some(samples) = &args.samples {
         set.check_samples(samples)?;
     }

@@ -8,7 +8,7 @@ use clap::Args;
 use super::dataset::SetReport;
 use super::monitor::TerminalMonitor;
 use super::render::{finish, finish_again};
-use crate::capture::{Capture, relative_path};
+use crate::capture::{Capture, DatasetFile, relative_path};
 use crate::dataset::{DataSet, MakeOptions, PartFolder};
 use crate::pipeline::{FilmMemory, LightSource, Parts, Place, Request, render_into};
 use crate::report::Timings;
@@ -99,7 +99,7 @@ fn merge_sets(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
     }
     let parts = args.parts.iter().map(|path| PartFolder::read(path)).collect::<Result<Vec<_>>>()?;
     let input = args.input(&parts[0].input(), &args.parts[0], sandbox)?;
-    let set = DataSet::read(sandbox, &input, &parts[0].arguments(), args.film_memory)?;
+    let set = DataSet::new(sandbox, DatasetFile::read(&input)?, &parts[0].arguments(), args.film_memory)?;
     let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
     let frames = set.frames(0..set.frame_count(), false, &monitor)?;
     let listening = report.listening(&monitor);

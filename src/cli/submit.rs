@@ -225,8 +225,9 @@ impl CommonArgs {
         }
         let monitor = TerminalMonitor::new(self.quiet, self.json);
         let film_memory = self.film_memory.map_or_else(|| Ok(FilmMemory::default()), FilmMemory::gib)?;
-        let overrides = self.scene.after(&self.overrides, &DatasetFile::read(&self.input)?.capture());
-        let set = DataSet::read(sandbox, &self.input, &overrides, film_memory)?;
+        let file = DatasetFile::read(&self.input)?;
+        let overrides = self.scene.after(&self.overrides, &file.capture());
+        let set = DataSet::new(sandbox, file, &overrides, film_memory)?;
         let default = PathBuf::from(&*self.input.file_stem().unwrap_or_default().to_string_lossy());
         let output = self.output.as_deref().unwrap_or(&default);
         set.check_folder(output)?;

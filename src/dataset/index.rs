@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use photosite_core::counted;
-use photosite_core::key_path::split_change;
+use photosite_core::key_path::{split_change, toml_value};
 use serde_json::{Value, json};
 
 use super::calibration::write_calibration;
@@ -132,9 +132,7 @@ fn varied(plan: &Plan, overrides: &[String]) -> Value {
         let of_key =
             |change: &String| split_change(change).filter(|(other, _)| *other == key).map(|(_, v)| v.to_owned());
         let text = overrides.iter().rev().find_map(of_key)?;
-        let read = format!("value = {text}").parse::<toml::Table>().ok();
-        let value = read.and_then(|mut table| table.remove("value")).and_then(|value| serde_json::to_value(value).ok());
-        // Words need no quotes on the command line.
+        let value = toml_value(&text).and_then(|value| serde_json::to_value(value).ok());
         Some((key.to_owned(), value.unwrap_or(Value::from(text))))
     };
     plan.varied_keys().into_iter().filter_map(value).collect()

@@ -91,9 +91,8 @@ pub struct DataSet {
 }
 
 impl DataSet {
-    /// Reads a data set file with the captures of its cameras; `arguments` change their keys, after those of the file.
-    pub fn read(sandbox: &Sandbox, input: &Path, arguments: &[String], film_memory: FilmMemory) -> Result<Self> {
-        let file = DatasetFile::read(input)?;
+    /// The data set of a file with the captures of its cameras; `arguments` change their keys, after those of the file.
+    pub fn new(sandbox: &Sandbox, file: DatasetFile, arguments: &[String], film_memory: FilmMemory) -> Result<Self> {
         let capture_path = file.capture();
         sandbox.check(&capture_path).map_err(|invalid| file.error(invalid.within("capture")))?;
         let (plan, captures, found) = plan(&file, sandbox, &capture_path, arguments)?;

@@ -8,7 +8,7 @@ use crate::capture::{Capture, CaptureSource, ExposureSettings, ExposureTime, Out
 use crate::develop::camera_colour::{CameraColour, neutral};
 use crate::develop::merge::Merged;
 use crate::develop::{DevelopSettings, EncodedPicture, Resampling, SensorCalibration, develop, develop_merged};
-use crate::image::{Channel, Estimate, Planes};
+use crate::image::{Estimate, Planes};
 use crate::integrator::WavelengthChoice;
 use crate::io::developed::PictureFormat;
 use crate::raw::RawImage;
@@ -109,22 +109,6 @@ pub(super) fn scene_light(capture: &Capture, scene: &Scene) -> Result<Spectrum> 
     Ok(if brightest > 0.0 { light.scale(1.0 / brightest) } else { light.clone() })
 }
 
-/// So many times as much light. What nothing else needs is changed in place.
-pub(super) fn at_level(light: Arc<Estimate>, factor: f64) -> Arc<Estimate> {
-    let times = |planes: &Planes, factor: f64| {
-        let channel = |Channel { name, data }: &Channel| Channel {
-            name: name.clone(),
-            data: data.par_iter().map(|value| (f64::from(*value) * factor) as f32).collect(),
-        };
-        let channels = planes.channels().iter().map(channel).collect();
-        Planes::new(planes.width(), planes.height(), channels).expect("channels keep their size")
-    };
-    Arc::new(match Arc::try_unwrap(light) {
-        Ok(own) => own.scaled(factor),
-        Err(light) => Estimate { mean: times(&light.mean, factor), variance: times(&light.variance, factor * factor) },
-    })
-}
-
 impl SensorColours {
     /// The white balance is that of `light` through the lens. Where a channel does not see that light, as in the dark,
     /// it is that of daylight, with a warning. `stored` is what an earlier run has found of its sensor.
@@ -218,7 +202,12 @@ impl<'a> Chain<'a> {
         // The time of an automatic exposure is known only now.
         let exposure = exposure.and_then(|exposure| exposure.validate(self.settings.sensor).map(|()| exposure));
         let exposure = exposure.map_err(|invalid| self.in_exposure(invalid))?;
-        let electrons = if exposure.time == collected { light } else { at_level(light, exposure.time.0 / collected.0) };
+        let electrons = if exposure.time == collected {
+            light
+        } else {
+            // What nothing else needs is changed in place.
+            Arc::new(Arc::unwrap_or_clone(light).scaled(exposure.time.0 / collected.0))
+        };
         let warning = warning.or_else(|| self.saturation_warning(&electrons.mean, &exposure));
         Ok(Exposed { exposure, electrons, warning })
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::camera::{camera_of, pixels};
-use super::chain::{Optics, SensorColours, Settings, at_level};
+use super::chain::{Optics, SensorColours, Settings};
 use super::checkpoint::{self, Checkpoints};
 use super::completed_rows::CompletedRows;
 use super::ideal;
@@ -305,7 +305,7 @@ impl Light {
         let Self { samples, sensor, exposure, .. } = self;
         Self {
             rows: Arc::new(self.rows.at_level(factor as f32)),
-            rates: at_level(Arc::clone(&self.rates), factor),
+            rates: Arc::new(Estimate::clone(&self.rates).scaled(factor)),
             samples: samples.clone(),
             sensor: sensor.clone(),
             exposure: exposure.clone(),

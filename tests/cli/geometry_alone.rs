@@ -3,10 +3,10 @@
 
 use glam::{DVec2, DVec3};
 use rstest::rstest;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::folder::Folder;
-use crate::gltf::triangle;
+use crate::gltf::{Document, triangle};
 use crate::report::project;
 
 const TO_THE_SKY: &str = "--set camera.position_m=[0,1,9] --set camera.look_at_m=[0,9,9.5]";
@@ -33,6 +33,23 @@ fn folder() -> Folder {
         ("sail.gltf", triangle().text()),
         ("sail.glb", triangle().binary()),
     ])
+}
+
+/// The triangle, a camera, and nodes beside the triangle's.
+fn with_camera(nodes: &[Value]) -> Document {
+    let nodes: Vec<Value> = [json!({ "mesh": 0 })].iter().chain(nodes).cloned().collect();
+    triangle()
+        .with("/cameras", json!([{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }]))
+        .with("/scenes/0/nodes", (0..nodes.len()).collect())
+        .with("/nodes", nodes.into())
+}
+
+/// The triangle in front of a camera, with a lamp.
+fn with_camera_and_lamp() -> Document {
+    let lamp = json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } }, "translation": [1, 2, 3] });
+    with_camera(&[json!({ "camera": 0, "translation": [0, 0.5, 6] }), lamp])
+        .with("/extensions", json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 500 }] } }))
+        .with("/extensionsUsed", json!(["KHR_lights_punctual"]))
 }
 
 #[rstest]
@@ -99,20 +116,7 @@ fn even_light_is_one_word() {
 
 #[test]
 fn a_scene_with_a_camera_and_lights_keeps_them() {
-    let document = triangle()
-        .with("/cameras", json!([{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }]))
-        .with("/extensions", json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 500 }] } }))
-        .with("/extensionsUsed", json!(["KHR_lights_punctual"]))
-        .with(
-            "/nodes",
-            json!([
-                { "mesh": 0 },
-                { "camera": 0, "translation": [0, 0.5, 6] },
-                { "extensions": { "KHR_lights_punctual": { "light": 0 } }, "translation": [1, 2, 3] }
-            ]),
-        )
-        .with("/scenes/0/nodes", json!([0, 1, 2]));
-    let folder = Folder::new([("a.gltf", document.text())]);
+    let folder = Folder::new([("a.gltf", with_camera_and_lamp().text())]);
     folder.succeed(&format!("render a.gltf -o out {SMALL}"));
     let report = folder.report("out");
     assert_eq!(report["camera"]["position_m"], json!([0.0, 0.5, 6.0]));
@@ -124,7 +128,7 @@ fn a_scene_with_a_camera_and_lights_keeps_them() {
 }
 
 /// Where the sun stands that lights a scene, seen from the camera: the angle to the left of the view, degrees.
-fn sun_left_of_view(report: &serde_json::Value) -> f64 {
+fn sun_left_of_view(report: &Value) -> f64 {
     let azimuth = report["capture"]["scene"]["environment"]["sky"]["sun_azimuth_deg"].as_f64().expect("an azimuth");
     // The third row of world → camera is the axis, from the camera on; north is −Z, east +X.
     let axis: [f64; 3] = serde_json::from_value(report["camera"]["rotation"][2].clone()).expect("three numbers");
@@ -134,14 +138,8 @@ fn sun_left_of_view(report: &serde_json::Value) -> f64 {
 
 #[test]
 fn a_scene_without_lights_gets_a_clear_day_from_the_left_of_its_camera_and_a_ground() {
-    let backwards = triangle()
-        .with("/cameras", json!([{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }]))
-        .with(
-            "/nodes",
-            // Turned by 180° about y: it looks along +Z.
-            json!([{ "mesh": 0 }, { "camera": 0, "translation": [0, 0.5, -6], "rotation": [0, 1, 0, 0] }]),
-        )
-        .with("/scenes/0/nodes", json!([0, 1]));
+    // Turned by 180° about y: it looks along +Z.
+    let backwards = with_camera(&[json!({ "camera": 0, "translation": [0, 0.5, -6], "rotation": [0, 1, 0, 0] })]);
     let folder = folder();
     folder.add("back.gltf", backwards.text());
     for name in ["sail.obj", "back.gltf"] {
@@ -185,27 +183,10 @@ fn a_scene_without_lights_gets_a_clear_day_from_the_left_of_its_camera_and_a_gro
 
 #[test]
 fn what_init_writes_gives_the_same_pictures() {
-    let camera = json!([{ "type": "perspective", "perspective": { "yfov": 0.5, "znear": 0.1 } }]);
-    let with_camera = triangle()
-        .with("/cameras", camera.clone())
-        .with("/nodes", json!([{ "mesh": 0 }, { "camera": 0, "name": "a \"b\"", "translation": [0.1, 0.5, 6] }]))
-        .with("/scenes/0/nodes", json!([0, 1]));
-    let with_both = triangle()
-        .with("/cameras", camera)
-        .with("/extensions", json!({ "KHR_lights_punctual": { "lights": [{ "type": "point", "intensity": 500 }] } }))
-        .with("/extensionsUsed", json!(["KHR_lights_punctual"]))
-        .with(
-            "/nodes",
-            json!([
-                { "mesh": 0 },
-                { "camera": 0, "translation": [0, 0.5, 6] },
-                { "extensions": { "KHR_lights_punctual": { "light": 0 } }, "translation": [1, 2, 3] }
-            ]),
-        )
-        .with("/scenes/0/nodes", json!([0, 1, 2]));
     let folder = folder();
-    folder.add("camera.gltf", with_camera.text());
-    folder.add("both.gltf", with_both.text());
+    let named = json!({ "camera": 0, "name": "a \"b\"", "translation": [0.1, 0.5, 6] });
+    folder.add("camera.gltf", with_camera(&[named]).text());
+    folder.add("both.gltf", with_camera_and_lamp().text());
     folder.add("models/far off.obj", "v 1e5 2e4 -3e5\nv 100047.3 2e4 -3e5\nv 1e5 20011.7 -300003.1\nf 1 2 3\n");
     for (model, capture) in [
         ("sail.obj", "sail.toml"),

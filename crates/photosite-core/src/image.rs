@@ -1,5 +1,7 @@
 //! Pictures of a physical quantity: named planes of numbers, and Monte Carlo estimates with their variance.
 
+use rayon::prelude::*;
+
 use crate::Invalid;
 
 /// One named plane of a picture, row by row from the top-left pixel.
@@ -71,9 +73,7 @@ impl Planes {
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Self {
         for channel in &mut self.channels {
-            for value in &mut channel.data {
-                *value = (f64::from(*value) * factor) as f32;
-            }
+            channel.data.par_iter_mut().for_each(|value| *value = (f64::from(*value) * factor) as f32);
         }
         self
     }

@@ -10,6 +10,12 @@ pub fn split_change(change: &str) -> Option<(&str, &str)> {
     Some((change[..equals].trim(), change[equals + 1..].trim()))
 }
 
+/// The value of an override as TOML reads it; `None` for a bare word, which stands for itself.
+pub fn toml_value(text: &str) -> Option<toml::Value> {
+    // A value may not smuggle in lines of its own.
+    text.parse().ok().filter(|_| !text.contains(['\n', '\r']))
+}
+
 /// The keys of a path, without their quotes.
 pub fn keys(path: &str) -> Vec<String> {
     let mut from = 0;
@@ -98,6 +104,17 @@ mod tests {
             assert_eq!(split_change(change), Some((key, value)), "{change}");
         }
         assert_eq!(split_change("lens.f_number"), None);
+    }
+
+    #[test]
+    fn values_are_tomls_and_words_are_not() {
+        for text in ["4", "-1e3", "true", "\"a b\"", "[1, 2]", "{ a = 1 }", "2026-06-21", "inf"] {
+            let table: toml::Table = format!("key = {text}").parse().expect(text);
+            assert_eq!(toml_value(text).as_ref(), table.get("key"), "{text}");
+        }
+        for text in ["", "red", "a b", "4 # four", "4\nother = 5", "[1,\n2]", "lens.toml"] {
+            assert_eq!(toml_value(text), None, "{text}");
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use photosite::capture::DatasetFile;
 use photosite::dataset::{DataSet, Made, MakeOptions, PartFolder, ShardFormat, ShardSize, Shards};
 use photosite::io::exr::read_exr_file;
 use photosite::io::picture_file::read_picture_file;
@@ -27,7 +28,10 @@ impl Dataset {
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
         let everywhere = Sandbox::default();
-        work(py, How::default(), |_| DataSet::read(&everywhere, &path, &overrides, FilmMemory::default())).map(Self)
+        work(py, How::default(), |_| {
+            DataSet::new(&everywhere, DatasetFile::read(&path)?, &overrides, FilmMemory::default())
+        })
+        .map(Self)
     }
 
     /// How many frames there are.
