@@ -1,13 +1,15 @@
 //! `photosite completions`: what a shell needs to complete commands and options.
 
-use clap::{Args, Command};
+use std::fmt::Write;
+
+use clap::{Arg, Args, Command};
 use clap_complete::{Shell, generate};
 
 use super::print::print_out;
 
 const EXAMPLES: &str = "\
 Examples:
-  photosite completions bash > ~/.local/share/bash-completion/completions/photosite
+  photosite completions bash > /etc/bash_completion.d/photosite
   photosite completions zsh > \"${fpath[1]}/_photosite\"
   photosite completions fish > ~/.config/fish/completions/photosite.fish";
 
@@ -25,5 +27,22 @@ pub(super) struct CompletionsArgs {
 pub(super) fn run(args: &CompletionsArgs, mut command: Command) -> crate::Result<()> {
     let mut script = Vec::new();
     generate(args.shell, &mut command, "photosite", &mut script);
+    if args.shell == Shell::Fish {
+        script.extend(values_for_fish(&command).into_bytes());
+    }
     print_out(&script)
+}
+
+/// What stands in the place of an argument, such as a kind of target: the generator for fish completes options alone.
+fn values_for_fish(command: &Command) -> String {
+    let mut lines = String::new();
+    for command in command.get_subcommands() {
+        for value in command.get_positionals().flat_map(Arg::get_possible_values) {
+            let about = value.get_help().map(ToString::to_string).unwrap_or_default().replace('\'', "\\'");
+            let (command, value) = (command.get_name(), value.get_name());
+            let when = format!("__fish_photosite_using_subcommand {command}");
+            let _ = writeln!(lines, "complete -c photosite -n \"{when}\" -f -a \"{value}\" -d '{about}'");
+        }
+    }
+    lines
 }

@@ -17,7 +17,7 @@ const EXAMPLES: &str = "\
 Example:
   photosite layout set --format colmap -o colmap";
 
-/// Lay out a data set for other tools: COLMAP, BOP, COCO ….
+/// Lay out a data set for other tools: COLMAP, BOP, COCO …
 ///
 /// The data set is not changed; pictures are copied. Cameras have OpenCV's axes, and the world is that of glTF (y
 /// up), except in nerfstudio's layout, which has its own. webdataset, parquet and mcap consist of shards, files of
@@ -55,9 +55,9 @@ enum Format {
     Kalibr,
     /// images/ and sparse/0/ with the corners of targets as points.
     Colmap,
-    /// train/ and models/; needs output.truth = ["depth", "instance"].
+    /// train/ and models/; needs the layers depth and instance of output.truth.
     Bop,
-    /// images/ and annotations/instances.json, with key points of targets; needs output.truth = ["instance"].
+    /// images/ and annotations/instances.json, with key points of targets; needs the layer instance of output.truth.
     Coco,
     /// transforms.json with images/ and depths/, for Nerfstudio, instant-ngp, gsplat and 3DGUT.
     Nerfstudio,
