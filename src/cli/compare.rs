@@ -20,7 +20,7 @@ const EXAMPLES: &str = "\
 Example:
   photosite compare out/electrons.exr mitsuba.exr --picture differences.png";
 
-/// Compare two pictures: is it noise, or do they differ?.
+/// Compare two pictures: is it noise, or do they differ?
 ///
 /// A and B are EXR, PNG, TIFF or raw files (DNG, PGM, NPY); B is the reference. The exit status is 1 if noise does
 /// not explain the differences, a limit is exceeded, or pixels are not finite.

@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use super::arguments::positive;
 use super::log::say;
 use super::print::{print_json, rounded};
-use super::run_args::RunArgs;
+use super::run_args::{OutcomeArgs, RunArgs};
 use crate::capture::FileKind;
 use crate::pipeline::{OutputFolder, PictureScale, StoredRender};
 use crate::report::REPORT;
@@ -35,6 +35,8 @@ Examples:
 pub(super) struct ExposeArgs {
     /// A folder with capture.json, a file electrons.exr or irradiance.exr, or with --unit any picture.
     input: PathBuf,
+    #[command(flatten)]
+    common: RunArgs,
     /// What the numbers of a picture are on the sensor.
     #[arg(long, value_enum)]
     unit: Option<Unit>,
@@ -48,7 +50,7 @@ pub(super) struct ExposeArgs {
     #[arg(long, requires = "unit")]
     linear: bool,
     #[command(flatten)]
-    common: RunArgs,
+    outcome: OutcomeArgs,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -84,7 +86,7 @@ impl ExposeArgs {
 }
 
 pub(super) fn run(args: &ExposeArgs, sandbox: &Sandbox) -> Result<()> {
-    let RunArgs { output, quiet, json, force, .. } = &args.common;
+    let OutcomeArgs { force, quiet, json } = &args.outcome;
     let overrides = args.common.overrides();
     let stored = match args.scale()? {
         None => {
@@ -104,10 +106,10 @@ pub(super) fn run(args: &ExposeArgs, sandbox: &Sandbox) -> Result<()> {
         }
         Some(scale) => StoredRender::of_picture(sandbox, &args.input, &scale, &overrides)?,
     };
-    let folder = output.clone().unwrap_or_else(|| default_folder(&args.input));
+    let folder = args.common.output.clone().unwrap_or_else(|| default_folder(&args.input));
     refuse_own_folder(&folder, &args.input)?;
     let mut folder = OutputFolder::claim(&folder, *force)?;
-    let report = stored.expose_into(&mut folder, &args.common.monitor())?;
+    let report = stored.expose_into(&mut folder, &args.outcome.monitor())?;
     if *json {
         return print_json(&report);
     }

@@ -19,7 +19,7 @@ Examples:
   photosite lens double-gauss
   photosite lens patent.zmx --f-number 4 -o lens.toml -o lens.html";
 
-/// Show what a lens does: focal length, distortion, MTF ….
+/// Show what a lens does: focal length, distortion, MTF …
 ///
 /// Lenses are read from photosite's own .toml and .json files, and from those of OpticStudio (.zmx), CODE V (.seq),
 /// the Optical Bench (.txt), pbrt (.dat), Optiland (.json) and ray-optics (.roa). What a file does not state, and

@@ -9,7 +9,7 @@ use clap::Args;
 use super::arguments::parse_range;
 use super::log::say;
 use super::print::{print_json, rounded};
-use super::run_args::RunArgs;
+use super::run_args::{OutcomeArgs, RunArgs};
 use super::scene_args::SceneArgs;
 use super::shorthands::Shorthands;
 use super::tev::{TevAddress, TevMonitor};
@@ -33,6 +33,12 @@ Examples:
 pub(super) struct RenderArgs {
     /// A capture file (.toml) or a scene (.gltf, .glb, .obj, .ply, .stl).
     input: PathBuf,
+    #[command(flatten)]
+    common: RunArgs,
+    #[command(flatten)]
+    shorthands: Shorthands,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// Trace only these samples of every pixel: from A up to, but not including, B. `photosite merge` makes the picture of
     /// all parts.
     #[arg(long, value_name = "A..B", value_parser = parse_range)]
@@ -44,22 +50,18 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "HOST:PORT", value_parser = TevAddress::parse)]
     tev: Option<TevAddress>,
     #[command(flatten)]
-    scene: SceneArgs,
-    #[command(flatten)]
-    shorthands: Shorthands,
-    #[command(flatten)]
-    common: RunArgs,
+    outcome: OutcomeArgs,
 }
 
 pub(super) fn run(args: &RenderArgs, sandbox: &Sandbox) -> Result<()> {
-    let RunArgs { output, quiet, json, force, .. } = &args.common;
+    let OutcomeArgs { force, quiet, json } = &args.outcome;
     let start = Instant::now();
     let overrides = args.shorthands.around(args.scene.after(&args.common.overrides(), &args.input), &args.input)?;
     let capture = Capture::load_within(sandbox, &args.input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
-    let path = output.clone().unwrap_or_else(|| default_folder(&args.input));
+    let path = args.common.output.clone().unwrap_or_else(|| default_folder(&args.input));
     let light = args.samples.clone().map_or(LightSource::Traced, LightSource::Part);
-    let terminal = &args.common.monitor();
+    let terminal = &args.outcome.monitor();
     let mut folder = match Place::claim(&path, *force, &capture, &light, terminal)? {
         Place::Free(folder) => folder,
         Place::Done(rendered) => return finish_again(&rendered, &path, *quiet, *json),

@@ -6,29 +6,35 @@ use clap::Args;
 
 use super::monitor::TerminalMonitor;
 
+/// Where results go, and what is other than in the capture file.
 #[derive(Args)]
 pub(super) struct RunArgs {
     /// Folder for the results, created where missing [default: the input's name, in the current folder].
     #[arg(short, long, value_name = "DIR")]
     pub(super) output: Option<PathBuf>,
+    /// Change a key of the capture file, for example --set exposure.time_s=0.02.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
     /// Seed of light transport and sensor noise.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<u64>,
     /// Pictures to take of the same light, each with new temporal noise and the same fixed patterns.
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     frames: Option<u32>,
-    /// Change a key of the capture file, for example --set exposure.time_s=0.02.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<String>,
+}
+
+/// What is said of the results. They come last in the help.
+#[derive(Args)]
+pub(super) struct OutcomeArgs {
+    /// Overwrite earlier results.
+    #[arg(long)]
+    pub(super) force: bool,
     /// Print nothing but errors.
     #[arg(short, long)]
     pub(super) quiet: bool,
     /// Print the contents of capture.json on standard output.
     #[arg(long)]
     pub(super) json: bool,
-    /// Overwrite earlier results.
-    #[arg(long)]
-    pub(super) force: bool,
 }
 
 impl RunArgs {
@@ -38,7 +44,9 @@ impl RunArgs {
         let frames = self.frames.map(|frames| format!("exposure.frames={frames}"));
         self.overrides.iter().cloned().chain(seed).chain(frames).collect()
     }
+}
 
+impl OutcomeArgs {
     /// Hears of the work, and stops it on a signal.
     pub(super) fn monitor(&self) -> TerminalMonitor {
         TerminalMonitor::new(self.quiet, self.json)

@@ -10,14 +10,15 @@ use crate::{Error, Result};
 /// Illuminance of an environment picture that nobody has calibrated, lux: an overcast day.
 const ILLUMINANCE_LUX: f64 = 10_000.0;
 
+/// The first two are what people change most, and come first in the help.
 #[derive(Args)]
 pub(super) struct Shorthands {
     /// Samples per pixel: render.samples_per_pixel.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", display_order = 0, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
     /// Pixels of the picture, of the same view: sensor.scaled_to_px. Fewer pixels are larger ones, which have less noise;
     /// for part of the sensor with its own pixels, set sensor.resolution_px.
-    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    #[arg(long, value_name = "WxH", display_order = 0, value_parser = parse_size)]
     size: Option<[u32; 2]>,
     /// A picture of the surroundings (Radiance HDR, OpenEXR) that lights the scene, with 10 000 lux on the ground unless
     /// --set scene.environment.illuminance_lux says otherwise: scene.environment.

@@ -41,12 +41,6 @@ pub(super) struct ViewArgs {
     /// it with.
     #[arg(required = true, num_args = 1..=2, value_name = "INPUT")]
     inputs: Vec<PathBuf>,
-    /// The port of the page [default: any that is free].
-    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
-    port: u16,
-    /// The address to listen at; others than 127.0.0.1 let other machines see the page, if they have its address.
-    #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
-    host: IpAddr,
     /// Open the page in the browser.
     #[arg(long)]
     open: bool,
@@ -56,6 +50,12 @@ pub(super) struct ViewArgs {
     /// Change a key of the capture file, for example --set exposure.time_s=0.02.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
+    /// The port of the page [default: any that is free].
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    port: u16,
+    /// The address to listen at; others than 127.0.0.1 let other machines see the page, if they have its address.
+    #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
+    host: IpAddr,
     /// Maximum memory for the film, GiB.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
