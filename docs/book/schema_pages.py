@@ -1,4 +1,4 @@
-"""Pages of the reference that are made of JSON Schemas: every key with its type, unit, default, an example and its meaning."""
+"""Pages of the reference that are made of JSON Schemas: every key with its type, range, unit, default, an example and its meaning."""
 
 from __future__ import annotations
 
@@ -24,6 +24,12 @@ def unit(key: str) -> str:
     return words[0] + "".join(f"/{word}" for word in words[1:])
 
 
+# What a description says of a key that is left out, to the end of the sentence: a point within a number does not end it.
+LEFT_OUT = re.compile(r" ?Left out((?:, [^:]*)?): (.+?)\.(?= [A-Z(]|$)")
+# Longer texts stay where they are.
+LONGEST_DEFAULT = 70
+
+
 def one_line(text: str) -> str:
     return " ".join(text.split()).replace("|", "\\|")
 
@@ -33,6 +39,23 @@ def value(default: object) -> str:
     if default is None or isinstance(default, dict):
         return ""
     return f"`{json.dumps(default, ensure_ascii=False)}`"
+
+
+def span(at: dict) -> str:
+    """The range of a number in words. That whole numbers are not negative goes without saying."""
+    low, above, high, below = (at.get(key) for key in ("minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum"))
+    if low == 0 and high is below is None and at.get("type") != "number":
+        low = None
+    begin = f"from {figure(low)}" if low is not None else f"above {figure(above)}" if above is not None else ""
+    end = f"to {figure(high)}" if high is not None else f"below {figure(below)}" if below is not None else ""
+    words = " ".join(word for word in (begin, end) if word)
+    return f" {words}" if words else ""
+
+
+def figure(number: float) -> str:
+    """A bound as people write it: 1e18, 40000, 0.01, −273.15."""
+    text = f"{abs(number):.12g}".replace("e+", "e").replace("e-0", "e-")
+    return f"−{text}" if number < 0 else text
 
 
 class Page:
@@ -114,19 +137,33 @@ class Page:
         for key, at in properties.items():
             text = one_line(at.get("description", ""))
             default = value(at.get("default"))
-            left_out = re.search(r" ?Left out: ([^.;:(]+|\d+\.\d+)\.(?= |$)", text)
-            if left_out:
-                default = default or left_out[1]
-                text = text.replace(left_out[0], "", 1).strip()
-            if key in required:
-                default = "*needed*"
             whole = f"{path}.{key}" if path else key
+            left_out = LEFT_OUT.search(text)
+            if left_out and len(left_out[2]) > LONGEST_DEFAULT:
+                default = "*as described*"
+            elif left_out:
+                # What a schema has as a value stands in its description as words, too.
+                default = default or left_out[2]
+                text = text.replace(left_out[0], "", 1).strip() if not left_out[1] else text
+            elif key in required:
+                default = "*needed*"
+            elif self.kind == "capture" and whole.startswith("sensor."):
+                default = "*that of the preset*"
+            else:
+                default = default or "none"
             what = self.type_of(at, whole)
             if self.examples is not None:
-                found = one_line(self.examples.find(self.kind, whole, what))
+                found = one_line(self.examples.find(self.kind, whole, what) or self.header(at, whole))
                 text = (f"`{found}` | " if found else " | ") + text
             self.lines.append(f"| `{key}` | {what} | {unit(key)} | {default} | {text} |")
         self.lines.append("")
+
+    def header(self, at: "dict | bool", path: str) -> str:
+        """How a table begins in a file, which is the shortest example of it; nothing for other values."""
+        what = self.type_of(at, path)
+        if "table" not in what:
+            return ""
+        return f"[[{path}]]" if what.startswith("list") else f"[{path}]"
 
     def type_of(self, at: "dict | bool", path: str) -> str:
         if isinstance(at, bool):
@@ -154,12 +191,7 @@ class Page:
         if kind == "object" and isinstance(at.get("additionalProperties"), dict):
             return f"table of {self.type_of(at['additionalProperties'], f'{path}.NAME')}"
         name = {"string": "text", "number": "number", "integer": "whole number", "boolean": "true or false", "object": "table"}.get(kind, kind)
-        low, high = at.get("minimum"), at.get("maximum")
-        if low is not None and high is not None:
-            return f"{name}, {low} to {high}"
-        if low not in (None, 0):
-            return f"{name} from {low}"
-        return name
+        return name + span(at)
 
     def reference(self, name: str, path: str) -> str:
         """The type of a definition; one that has keys gets a section of its own."""
@@ -182,9 +214,17 @@ class Page:
         return "".join(f" or {name}" for name in names) if any("properties" in a or "$ref" in a for a in alternatives) else ""
 
 
+def legend(kind: str) -> str:
+    """How the column of defaults is read."""
+    text = "The default is what holds where a key is left out: *needed* means that it must not be, and none that nothing holds, or what another key says in its place."
+    return text + (" A key of the sensor that is left out is *that of the preset*." if kind == "capture" else "")
+
+
 def page(title: str, beginning: str, kind: str, schema_text: str, examples: "Examples | None") -> str:
     """The page of a schema; without `examples` for files that only photosite writes."""
     schema = json.loads(schema_text)
+    if examples is not None:
+        beginning += f"\n\n{legend(kind)}"
     text = f"# {title}\n\n{beginning}\n\n{Page(schema, kind, examples).of(schema)}\n"
     # Of links into the documentation of the crates, the words stay.
     text = re.sub(r"\[([^\[\]]+)\]\(\w+::[\w:#]+\)", r"\1", text)

@@ -70,6 +70,7 @@ pub(super) fn describe_lens(
         }
     }
     let hole_distance_mm = table.image_distance_mm.filter(|_| kind == LensKind::Hole);
+    let hole_distance_mm = hole_distance_mm.map(|mm| positive_number("image_distance_mm", mm, "16.5")).transpose()?;
     if hole_distance_mm.is_some() && table.focal_length_mm.is_some() {
         let message = "cannot be combined with focal_length_mm, which is the same of a hole";
         return Err(Invalid::new("image_distance_mm", message).help("keep one of them"));
@@ -238,6 +239,8 @@ fn whole_sphere([width, height]: [f64; 2]) -> Intrinsics {
 /// From OpenCV's convention, where the centre of the first pixel is 0, to ours, where it is 0.5.
 fn intrinsics(table: IntrinsicsTable) -> Result<Intrinsics, Invalid> {
     let IntrinsicsTable { fx, fy, cx, cy, skew } = table;
+    positive_number("intrinsics.fx", fx, "1200.0")?;
+    positive_number("intrinsics.fy", fy, "1200.0")?;
     for (key, value) in [("cx", cx), ("cy", cy), ("skew", skew)] {
         if !value.is_finite() {
             return Err(Invalid::new(format!("intrinsics.{key}"), format!("must be finite, got {value}")));

@@ -186,6 +186,10 @@ pub(super) fn index(
     if abbe_number.is_some() && !matches!(index, Some(IndexSource::Number(_))) {
         return Err(Invalid::new("abbe_number", "only applies with an index that is a number").help("remove it"));
     }
+    if let Some(abbe) = abbe_number.filter(|abbe| abbe.is_nan() || *abbe <= 0.0) {
+        let message = format!("must be above 0, got {abbe}");
+        return Err(Invalid::new("abbe_number", message).help("glasses have Abbe numbers of 20 to 90"));
+    }
     match (glass, index) {
         (Some(_), Some(_)) => Err(Invalid::new("index", "cannot be combined with glass").help("keep one of them")),
         (None, None) => {

@@ -24,8 +24,8 @@ const AGAINST_AREA: [&[&str]; 3] = [
 pub(super) fn scale_to(source: &CaptureSource, sensor: &mut Node, wanted: &Node) -> Result<Vec<String>> {
     let invalid = |message: &str, help: &str| source.error(Invalid::new(KEY, message).help(help));
     let size: [u32; 2] = source.read_node(KEY, wanted)?;
-    if size.contains(&0) {
-        return Err(invalid("must be at least one pixel each way", "for example scaled_to_px = [400, 300]"));
+    if size.iter().any(|side| !(1..=65_535).contains(side)) {
+        return Err(invalid("must be 1 to 65535 pixels each way", "for example scaled_to_px = [400, 300]"));
     }
     // A place in the picture would be another one; "centre" stays what it is.
     let in_pixels = ["lens.intrinsics", "exposure.region_px", "lens.autofocus_px"];

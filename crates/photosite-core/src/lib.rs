@@ -23,6 +23,7 @@ pub mod output;
 pub mod projection;
 pub mod references;
 pub mod sandbox;
+pub mod schema_range;
 pub mod spectrum;
 pub mod suggest;
 pub mod units;

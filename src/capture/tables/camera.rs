@@ -6,14 +6,16 @@ use serde::Deserialize;
 use super::CameraMotionTable;
 use super::lens_elements::{AutofocusSearchTable, LensmakerTable, SupplementaryTable};
 use crate::sensor::SpectrumSource;
+use photosite_core::schema_range::{above, within};
 
 /// Where the camera stands and looks: position_m and look_at_m, or gltf_camera.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CameraTable {
-    /// Where the centre of the lens is, m.
+    /// Where the centre of the lens is, m. Left out, as is gltf_camera: where the first camera of the geometry's files is,
+    /// or where all of the geometry is in the picture.
     pub(crate) position_m: Option<[f64; 3]>,
-    /// A point on the axis, m.
+    /// A point on the axis, m; needed with position_m.
     pub(crate) look_at_m: Option<[f64; 3]>,
     /// What is up in the picture. Left out: [0, 1, 0].
     pub(crate) up: Option<[f64; 3]>,
@@ -42,6 +44,7 @@ pub(crate) struct LensTable {
     pub(crate) focal_length_mm: Option<f64>,
     /// In place of focal_length_mm: the angle between what the left and the right edge of the picture see, degrees,
     /// distortion included, with the lens focused at the distance that it states (else at infinity).
+    #[schemars(transform = above(0.0..=360.0))]
     pub(crate) horizontal_fov_deg: Option<f64>,
     /// In place of focal_length_mm: the glass of a lens in one piece. Each wavelength has a focus of its own, and
     /// distances are those at 587.6 nm.
@@ -52,11 +55,13 @@ pub(crate) struct LensTable {
     pub(crate) supplementary: Vec<SupplementaryTable>,
     /// Focal length over the diameter of the aperture, or of the circle through the corners of one with blades. Left
     /// out: 8; of a prescription, that of the open lens; of a hole, as is its diameter, what makes it sharpest at 550 nm, √(distance/2.44·λ).
+    #[schemars(transform = above(0.0..))]
     pub(crate) f_number: Option<f64>,
     /// In place of f_number: diameter of the aperture, or of a hole, mm.
+    #[schemars(transform = above(0.0..))]
     pub(crate) diameter_mm: Option<f64>,
     /// Distance from the lens to what is sharp, along the axis, m; "infinity"; or "scene", that of the middle of the
-    /// geometry (of the picture where that cannot be focused on). Nothing to a pinhole.
+    /// geometry (of the picture where that cannot be focused on). Nothing to a pinhole. Left out: what autofocus finds.
     pub(crate) focus_distance_m: Option<FocusDistance>,
     /// Focuses on what is seen at a pixel: column and row from the top-left corner, or "centre". Left out, as is the
     /// distance: "centre". Nothing to a pinhole.
@@ -64,15 +69,18 @@ pub(crate) struct LensTable {
     /// How autofocus finds the distance. Left out: exactly.
     pub(crate) autofocus: Option<AutofocusSearchTable>,
     /// In place of a focus: distance from the lens, or the hole, to the sensor, mm.
+    #[schemars(transform = above(0.0..))]
     pub(crate) image_distance_mm: Option<f64>,
     /// The nearest distance that the lens can be focused on, m, without lenses before it. Left out: no limit.
+    #[schemars(transform = above(0.0..))]
     pub(crate) min_focus_distance_m: Option<f64>,
     /// The circle of confusion that counts as sharp, µm on the sensor, which depth of field is stated for. Left out: the
     /// diagonal of the sensor over 1440, 30 µm of 36 × 24 mm.
+    #[schemars(transform = above(0.0..))]
     pub(crate) circle_of_confusion_um: Option<f64>,
     /// Aperture blades; 0 is a round aperture. Left out: 0, or those of the prescription.
     pub(crate) blades: Option<u32>,
-    /// Turns the blades, degrees.
+    /// Turns the blades, degrees. Left out: 0.
     pub(crate) blade_rotation_deg: Option<f64>,
     /// Whether it gets darker towards the corners. Left out: "cos4".
     pub(crate) falloff: Option<FalloffName>,
@@ -82,12 +90,14 @@ pub(crate) struct LensTable {
     /// How directions become places in the picture. Left out: "fisheye" with distortion of kannala-brandt,
     /// "omnidirectional" with xi, else "perspective".
     pub(crate) projection: Option<ProjectionName>,
-    /// Mirror parameter ξ of an omnidirectional lens: 0 for a pinhole, 1 for a parabolic mirror.
+    /// Mirror parameter ξ of an omnidirectional lens, which needs it: 0 for a pinhole, 1 for a parabolic mirror.
+    #[schemars(transform = within(0.0..))]
     pub(crate) xi: Option<f64>,
     /// Distortion. Left out: none.
     pub(crate) distortion: Option<DistortionTable>,
     /// Angle from the axis beyond which the lens sees nothing: the rim of its image circle. Left out: all that its
     /// projection can show.
+    #[schemars(transform = above(0.0..))]
     pub(crate) max_angle_deg: Option<f64>,
     /// The picture of a point. Left out: a point.
     pub(crate) psf: Option<PointSpreadTable>,
@@ -122,7 +132,7 @@ pub(crate) enum LensType {
 #[serde(untagged, expecting = "expected a distance in metres, \"infinity\" or \"scene\"")]
 pub(crate) enum FocusDistance {
     /// m.
-    Metres(f64),
+    Metres(#[schemars(transform = above(0.0..))] f64),
     /// "infinity" or "scene".
     Name(#[schemars(extend("enum" = ["infinity", "scene"]))] String),
 }
@@ -132,7 +142,7 @@ pub(crate) enum FocusDistance {
 #[serde(untagged, expecting = "expected a pixel such as [400, 300], or \"centre\"")]
 pub(crate) enum AutofocusTable {
     /// Column and row.
-    Pixel([f64; 2]),
+    Pixel(#[schemars(transform = within(0.0..))] [f64; 2]),
     /// "centre".
     Name(#[schemars(extend("const" = "centre"))] String),
 }
@@ -209,6 +219,7 @@ pub(crate) enum PointSpreadTable {
     /// The same at all wavelengths.
     Gaussian {
         /// Standard deviation along each axis, µm on the sensor.
+        #[schemars(transform = above(0.0..))]
         sigma_um: f64,
     },
     /// Diffraction at a round aperture, for each wavelength.
@@ -216,6 +227,7 @@ pub(crate) enum PointSpreadTable {
     /// As measured.
     Kernel {
         /// Distance between the values of the files, µm on the sensor.
+        #[schemars(transform = above(0.0..))]
         pitch_um: f64,
         /// At least one; the nearest counts.
         kernels: Vec<KernelTable>,
@@ -254,6 +266,7 @@ pub(crate) struct LateralColourTable {
     /// nm, rising.
     pub(crate) wavelength_nm: Vec<f64>,
     /// Magnification about the principal point at each, for example 1.001; linear between them.
+    #[schemars(transform = above(0.0..))]
     pub(crate) magnification: Vec<f64>,
 }
 
@@ -264,6 +277,7 @@ pub(crate) struct StopTable {
     /// Distance before the lens, mm; below 0 behind it.
     pub(crate) distance_mm: f64,
     /// Radius, mm.
+    #[schemars(transform = above(0.0..))]
     pub(crate) radius_mm: f64,
 }
 
@@ -272,8 +286,10 @@ pub(crate) struct StopTable {
 #[serde(deny_unknown_fields)]
 pub(crate) struct IntrinsicsTable {
     /// Focal length in pixel widths.
+    #[schemars(transform = above(0.0..))]
     pub(crate) fx: f64,
     /// Focal length in pixel heights.
+    #[schemars(transform = above(0.0..))]
     pub(crate) fy: f64,
     /// Column of the principal point.
     pub(crate) cx: f64,

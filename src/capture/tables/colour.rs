@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::sensor::{CurveFile, SpectrumSource};
+use photosite_core::schema_range::within;
 
 /// What part of the light a surface reflects: a number 0–1, an sRGB triple as displayed such as [0.8, 0.2, 0.1], the
 /// name of a reflectance that ships with photosite such as "colour-checker/15-red", { file = "red.csv" },
@@ -15,9 +16,9 @@ use crate::sensor::{CurveFile, SpectrumSource};
 )]
 pub(crate) enum ReflectanceSource {
     /// The same at every wavelength.
-    Number(f64),
+    Number(#[schemars(transform = within(0.0..=1.0))] f64),
     /// sRGB as displayed.
-    Rgb([f64; 3]),
+    Rgb(#[schemars(transform = within(0.0..=1.0))] [f64; 3]),
     /// A reflectance that ships with photosite.
     Name(String),
     /// A CSV file of wavelengths in nm and reflectances.
@@ -33,6 +34,7 @@ pub(crate) enum ReflectanceSource {
 #[serde(deny_unknown_fields)]
 pub(crate) struct LinearRgb {
     /// Red, green, blue, 0–1 each.
+    #[schemars(transform = within(0.0..=1.0))]
     pub(crate) linear_rgb: [f64; 3],
 }
 

@@ -8,6 +8,7 @@ use super::super::tree::Node;
 use super::LightColour;
 use crate::Result;
 use crate::sensor::SpectrumSource;
+use photosite_core::schema_range::{above, within};
 
 /// Declares the tables of all lights, by their names in `type`.
 macro_rules! light_types {
@@ -72,7 +73,7 @@ light_types! {
 
 /// Declares a light's table: the keys that all have, and its own.
 macro_rules! light_table {
-    ($(#[$attribute:meta])* $name:ident { $($(#[doc = $doc:literal])* $key:ident: $kind:ty,)* }) => {
+    ($(#[$attribute:meta])* $name:ident { $($(#[$of_key:meta])* $key:ident: $kind:ty,)* }) => {
         $(#[$attribute])*
         #[derive(Debug, Deserialize, JsonSchema)]
         #[serde(deny_unknown_fields)]
@@ -81,7 +82,7 @@ macro_rules! light_table {
             pub(crate) name: Option<String>,
             /// Whether it shines. Left out: true.
             pub(crate) on: Option<bool>,
-            $($(#[doc = $doc])* pub(crate) $key: $kind,)*
+            $($(#[$of_key])* pub(crate) $key: $kind,)*
             /// Name of an illuminant: "D65", "A", "F11", "LED-B3", "3000K" (a blackbody) … Left out, as are the other
             /// colours: "D65".
             pub(crate) illuminant: Option<String>,
@@ -89,8 +90,10 @@ macro_rules! light_table {
             /// energy.
             pub(crate) spectrum: Option<SpectrumSource>,
             /// sRGB as displayed, 0–1 each.
+            #[schemars(transform = within(0.0..=1.0))]
             pub(crate) rgb: Option<[f64; 3]>,
             /// Linear sRGB.
+            #[schemars(transform = within(0.0..))]
             pub(crate) linear_rgb: Option<[f64; 3]>,
         }
 
@@ -114,6 +117,7 @@ light_table! {
         /// Where it is, m.
         position_m: [f64; 3],
         /// Luminous intensity, cd.
+        #[schemars(transform = within(0.0..))]
         intensity_cd: f64,
     }
 }
@@ -128,10 +132,13 @@ light_table! {
         /// The direction that it shines in, of any length; or give look_at_m.
         direction: Option<[f64; 3]>,
         /// Luminous intensity on its axis, cd.
+        #[schemars(transform = within(0.0..))]
         intensity_cd: f64,
         /// Angle from the axis up to which the intensity is full, degrees. Left out: 0.
+        #[schemars(transform = within(0.0..90.0))]
         inner_angle_deg: Option<f64>,
         /// Angle from the axis beyond which there is no light, degrees, at most 90.
+        #[schemars(transform = above(0.0..=90.0))]
         outer_angle_deg: f64,
     }
 }
@@ -142,6 +149,7 @@ light_table! {
         /// The direction that it shines in, of any length: [0, -1, 0] is from above.
         direction: [f64; 3],
         /// Illuminance on a plane across the direction, lux.
+        #[schemars(transform = within(0.0..))]
         illuminance_lux: f64,
     }
 }
@@ -160,9 +168,10 @@ light_table! {
         /// The direction that it shines in, of any length; or give look_at_m. Left out, as is look_at_m: down, or that
         /// of gltf_light.
         direction: Option<[f64; 3]>,
-        /// Turns it about that direction, degrees, clockwise seen from behind the lamp.
+        /// Turns it about that direction, degrees, clockwise seen from behind the lamp. Left out: 0.
         rotation_deg: Option<f64>,
         /// Luminous flux, lm, in place of that of the file.
+        #[schemars(transform = within(0.0..))]
         flux_lm: Option<f64>,
     }
 }
@@ -181,16 +190,21 @@ light_table! {
         /// Name of a camera of the geometry in whose place it stands, with its field of view.
         gltf_camera: Option<String>,
         /// Angle over the width of the picture, degrees; or give focal_length_px.
+        #[schemars(transform = above(0.0..180.0))]
         horizontal_fov_deg: Option<f64>,
         /// fx and fy of the pinhole matrix in pixels of the slide.
+        #[schemars(transform = above(0.0..))]
         focal_length_px: Option<[f64; 2]>,
         /// cx and cy from the top-left corner of the slide. Left out: its middle.
         principal_point_px: Option<[f64; 2]>,
         /// Diameter of the opening, mm. Left out: 0, sharp everywhere.
+        #[schemars(transform = within(0.0..))]
         aperture_mm: Option<f64>,
         /// Distance of what is sharp, m; needed with aperture_mm.
+        #[schemars(transform = above(0.0..))]
         focus_distance_m: Option<f64>,
         /// Luminous flux with a white slide, lm.
+        #[schemars(transform = within(0.0..))]
         flux_lm: f64,
     }
 }
@@ -205,15 +219,19 @@ light_table! {
         /// The direction that it shines in, of any length; or give look_at_m.
         direction: Option<[f64; 3]>,
         /// Turns it about that direction, degrees, clockwise seen along the beam. At 0 its second axis is as far up as
-        /// it can be.
+        /// it can be. Left out: 0.
         rotation_deg: Option<f64>,
         /// Radii where it begins along its two axes, to 1/e² of the irradiance in the middle, mm.
+        #[schemars(transform = within(0.0..))]
         waist_radius_mm: [f64; 2],
         /// Half the angle by which it widens along its two axes, to 1/e² too, degrees, below 90. Left out: [0, 0].
+        #[schemars(transform = within(0.0..90.0))]
         divergence_deg: Option<[f64; 2]>,
         /// Luminous flux, lm; or give power_w.
+        #[schemars(transform = within(0.0..))]
         flux_lm: Option<f64>,
         /// Radiant flux, W, for instance of an infrared beam; or give flux_lm.
+        #[schemars(transform = within(0.0..))]
         power_w: Option<f64>,
     }
 }

@@ -10,6 +10,7 @@ use super::{LightColour, ReflectanceSource, TextureFile};
 use crate::scene::description::MaterialModel;
 use crate::sensor::{CurveFile, SpectrumSource};
 use crate::{Invalid, Result};
+use photosite_core::schema_range::{above, within};
 
 /// How a surface scatters light, in place of what the geometry's file says. Without a type, its own stays and only the
 /// keys that are there change.
@@ -146,15 +147,17 @@ macro_rules! surface_table {
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct KeptTable {
-    /// Its colour, in place of that or of the texture that the geometry's file gives it.
+    /// Its colour, in place of that or of the texture that the geometry's file gives it. Left out: that of the file.
     pub(crate) base_colour: Option<ReflectanceSource>,
-    /// Its roughness, 0–1, likewise.
+    /// Its roughness, 0–1, likewise. Left out: that of the file.
+    #[schemars(transform = within(0.0..=1.0))]
     pub(crate) roughness: Option<f64>,
-    /// Whether it is metal, 0–1, likewise.
+    /// Whether it is metal, 0–1, likewise. Left out: as in the file.
+    #[schemars(transform = within(0.0..=1.0))]
     pub(crate) metallic: Option<f64>,
-    /// Light that the surface gives.
+    /// Light that the surface gives. Left out: that of the file.
     pub(crate) emission: Option<EmissionTable>,
-    /// Whether the back scatters and shines like the front.
+    /// Whether the back scatters and shines like the front. Left out: as in the file.
     pub(crate) double_sided: Option<bool>,
 }
 
@@ -172,8 +175,10 @@ surface_table! {
         /// Which metal: "Au", "Ag", "Cu", "Al", { file = "n-k.csv" } with columns n and k, or { eta = …, k = … }.
         metal: MetalSource,
         /// 0 is polished, 1 is matt; microfacets have α = roughness². Left out: 0.
+        #[schemars(transform = within(0.0..=1.0))]
         roughness: Option<f64>,
         /// −1 to 1: roughness along the tangent (positive) or across it. Left out: 0.
+        #[schemars(transform = within(-1.0..=1.0))]
         anisotropy: Option<f64>,
     }
 }
@@ -209,8 +214,10 @@ pub(crate) struct DielectricTable {
     /// Refractive index of the side that normals point away from, relative to the other.
     pub(crate) index: Option<IndexSource>,
     /// Abbe number, with an index that is a number: how little the index depends on wavelength. Left out: not at all.
+    #[schemars(transform = above(0.0..))]
     pub(crate) abbe_number: Option<f64>,
     /// 0 is polished, 1 is ground; microfacets have α = roughness². Left out: 0.
+    #[schemars(transform = within(0.0..=1.0))]
     pub(crate) roughness: Option<f64>,
 }
 
@@ -229,7 +236,7 @@ impl CommonKeys for DielectricTable {
 )]
 pub(crate) enum IndexSource {
     /// At the d line, 587.6 nm.
-    Number(f64),
+    Number(#[schemars(transform = above(0.0..))] f64),
     /// n² = 1 + Σ Bᵢλ²/(λ² − Cᵢ), λ in µm.
     Sellmeier(SellmeierTable),
     /// n = A + B/λ² + C/λ⁴, λ in µm.
@@ -267,8 +274,10 @@ surface_table! {
         /// Colour: of the diffuse reflection where it is no metal, of the mirroring where it is.
         base_colour: ReflectanceSource,
         /// 0 is no metal, 1 is metal. Left out: 0.
+        #[schemars(transform = within(0.0..=1.0))]
         metallic: Option<f64>,
         /// 0 is polished, 1 is matt; microfacets have α = roughness².
+        #[schemars(transform = within(0.0..=1.0))]
         roughness: f64,
         /// A picture whose green scales the roughness and whose blue scales the metalness.
         metallic_roughness_map: Option<TextureFile>,
@@ -281,6 +290,7 @@ surface_table! {
         /// The part of the light that it reflects.
         reflectance: ReflectanceSource,
         /// 0 is smooth (Lambert's law), 1 as rough as it gets.
+        #[schemars(transform = within(0.0..=1.0))]
         roughness: f64,
     }
 }
@@ -295,6 +305,7 @@ surface_table! {
         /// Refractive index. Left out, as the glass: 1.5.
         index: Option<IndexSource>,
         /// 0 is polished, 1 is matt; microfacets have α = roughness². Left out: 0.
+        #[schemars(transform = within(0.0..=1.0))]
         roughness: Option<f64>,
     }
 }
@@ -308,6 +319,7 @@ pub(crate) struct ThinDielectricTable {
     /// Refractive index.
     pub(crate) index: Option<IndexSource>,
     /// Abbe number, with an index that is a number. Left out: the index is the same at all wavelengths.
+    #[schemars(transform = above(0.0..))]
     pub(crate) abbe_number: Option<f64>,
     /// Internal transmittance along the normal, without what the surfaces reflect: a number, a name or a CSV file.
     /// Left out: 1.
@@ -338,6 +350,7 @@ surface_table! {
         /// The part of the light that goes into the lobe. With the other at most 1 at any wavelength.
         specular: ReflectanceSource,
         /// n, 0 to 100 000.
+        #[schemars(transform = within(0.0..=1e5))]
         exponent: f64,
     }
 }
@@ -353,8 +366,10 @@ surface_table! {
         reflectance: ReflectanceSource,
         /// How wide the lobe is about the direction back: microfacets have α = roughness², and luminance has fallen to
         /// half at an observation angle of 1.29·α rad. Left out: 0.1, which is 0.74°.
+        #[schemars(transform = within(0.0..=1.0))]
         roughness: Option<f64>,
         /// Refractive index of the sheeting, at least 1. Left out: that of polycarbonate, 1.586.
+        #[schemars(transform = within(1.0..=4.0))]
         index: Option<f64>,
     }
 }
@@ -376,6 +391,7 @@ surface_table! {
     /// What a mix says of both its materials.
     MixRest {
         /// The part of the surface that the second covers, 0–1.
+        #[schemars(transform = within(0.0..=1.0))]
         weight: f64,
     }
 }
@@ -391,11 +407,14 @@ pub(crate) struct EmissionTable {
     /// number for equal energy.
     pub(crate) spectrum: Option<SpectrumSource>,
     /// sRGB as displayed, 0–1 each.
+    #[schemars(transform = within(0.0..=1.0))]
     pub(crate) rgb: Option<[f64; 3]>,
     /// Linear sRGB.
+    #[schemars(transform = within(0.0..))]
     pub(crate) linear_rgb: Option<[f64; 3]>,
     /// Luminance, nit. May be left out for a blackbody, and for a spectrum from a file: then that is the radiance in
     /// W·m⁻²·sr⁻¹·nm⁻¹.
+    #[schemars(transform = within(0.0..))]
     pub(crate) luminance_nit: Option<f64>,
     /// A picture that scales it.
     pub(crate) texture: Option<TextureFile>,

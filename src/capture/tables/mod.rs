@@ -21,6 +21,7 @@ use schemars::JsonSchema;
 
 use crate::develop::DevelopSettings;
 use crate::sensor::SensorDescription;
+use photosite_core::schema_range::within;
 
 pub(super) use camera::{
     AutofocusTable, CameraTable, DistortionTable, FocusDistance, IntrinsicsTable, LensTable, LensType,
@@ -117,6 +118,7 @@ struct SensorTable {
     /// another size. The sensor keeps its size (with another shape of the picture, it grows at two sides); pixels get
     /// larger or smaller, full well and conversion gain with their area, so that the same exposure gives as bright a
     /// picture. Left out: its own pixels.
+    #[schemars(transform = within(1.0..=65_535.0))]
     scaled_to_px: Option<[u32; 2]>,
     #[schemars(flatten)]
     changes: SensorDescription,

@@ -78,7 +78,7 @@ pub(crate) struct ObjectPoseTable {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TurntableTable {
-    /// A point of the axis, m.
+    /// A point of the axis, m. Left out: the origin of an object, or the point that a camera looks at.
     pub(crate) centre_m: Option<[f64; 3]>,
     /// Direction of the axis, of any length. Left out: [0, 1, 0].
     pub(crate) axis: Option<[f64; 3]>,

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::ObjectMotionTable;
+use photosite_core::schema_range::above;
 
 /// What a file of geometry holds, somewhere in the world. Objects of the same file share its memory.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -21,6 +22,7 @@ pub(crate) struct ObjectTable {
     /// Where the origin of the object is, m. Left out: [0, 0, 0].
     pub(crate) position_m: Option<[f64; 3]>,
     /// Turns about the world's x axis, then y, then z, degrees, counter-clockwise seen against the axis.
+    /// Left out, as are the next two: [0, 0, 0].
     pub(crate) rotation_deg: Option<[f64; 3]>,
     /// The turn as a quaternion w, x, y, z, of any length; instead of rotation_deg.
     pub(crate) quaternion_wxyz: Option<[f64; 4]>,
@@ -32,6 +34,7 @@ pub(crate) struct ObjectTable {
     /// Which axis of the file points up. The object's own axes are those after it was turned to y. Left out: "y".
     pub(crate) up: Option<UpAxis>,
     /// Length of the unit of the file, m. Left out: 1. OBJ, PLY and STL files state none.
+    #[schemars(transform = above(0.0..))]
     pub(crate) meters_per_unit: Option<f64>,
     /// Name of a material of `[materials]` or of the geometry's files, for all of it, or by the names that the file uses:
     /// { paint = "red", "*" = "grey" }.
@@ -68,9 +71,9 @@ pub(crate) enum NormalsName {
 #[serde(untagged, expecting = "expected a factor, or one for each axis such as [1, 2, 1]")]
 pub(crate) enum ScaleSource {
     /// Of all axes.
-    All(f64),
+    All(#[schemars(transform = above(0.0..))] f64),
     /// Of x, y and z.
-    Each([f64; 3]),
+    Each(#[schemars(transform = above(0.0..))] [f64; 3]),
 }
 
 /// An axis.

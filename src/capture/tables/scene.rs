@@ -7,6 +7,7 @@ use crate::sensor::SpectrumSource;
 
 use super::surroundings::{BackdropTable, GroundSource};
 use super::{LightColour, NormalsName, ObjectTable};
+use photosite_core::schema_range::{above, within};
 
 /// What is there: geometry and surroundings.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
@@ -28,6 +29,7 @@ pub(crate) struct SceneTable {
     pub(crate) time_s: Option<f64>,
     /// Length of the unit of OBJ, PLY and STL files, which state none, m. Left out: 1. (glTF is in metres.)
     /// Without it a scene of such files that is longer than 20 units is told of, as most of these are in millimetres.
+    #[schemars(transform = above(0.0..))]
     pub(crate) meters_per_unit: Option<f64>,
     /// What faces without normals get in OBJ, PLY and STL files, outside the smoothing groups of OBJ. Left out: "flat".
     pub(crate) generate_normals: Option<NormalsName>,
@@ -81,6 +83,7 @@ pub(crate) struct SphereTable {
     /// Its centre, m.
     pub(crate) position_m: [f64; 3],
     /// m.
+    #[schemars(transform = within(1e-15..))]
     pub(crate) radius_m: f64,
 }
 
@@ -97,6 +100,7 @@ pub(crate) struct DiskTable {
     /// Direction that its front faces, of any length.
     pub(crate) normal: [f64; 3],
     /// m.
+    #[schemars(transform = within(1e-15..))]
     pub(crate) radius_m: f64,
 }
 
@@ -113,8 +117,10 @@ pub(crate) struct CylinderTable {
     /// Direction of its axis, of any length.
     pub(crate) axis: [f64; 3],
     /// m.
+    #[schemars(transform = within(1e-15..))]
     pub(crate) radius_m: f64,
     /// Distance between both ends, m.
+    #[schemars(transform = within(1e-15..))]
     pub(crate) length_m: f64,
 }
 
@@ -162,20 +168,25 @@ pub(crate) struct EnvironmentTable {
     /// A spectrum: the name of one that ships with photosite, { file = "lamp.csv" }, or a number for equal energy.
     pub(crate) spectrum: Option<SpectrumSource>,
     /// sRGB as displayed, 0–1 each.
+    #[schemars(transform = within(0.0..=1.0))]
     pub(crate) rgb: Option<[f64; 3]>,
     /// Linear sRGB.
+    #[schemars(transform = within(0.0..))]
     pub(crate) linear_rgb: Option<[f64; 3]>,
     /// The sky of a clear or hazy day with the sun, in absolute units.
     pub(crate) sky: Option<SkyTable>,
     /// An equirectangular picture, Radiance HDR or OpenEXR, relative to this file.
     pub(crate) image: Option<String>,
-    /// Turns the picture about the vertical axis, counter-clockwise seen from above, degrees.
+    /// Turns the picture about the vertical axis, counter-clockwise seen from above, degrees. Left out: 0.
     pub(crate) rotation_deg: Option<f64>,
     /// Illuminance on a horizontal plane facing up, lux.
+    #[schemars(transform = within(0.0..))]
     pub(crate) illuminance_lux: Option<f64>,
     /// Luminance, nit; instead of illuminance_lux. Not for pictures.
+    #[schemars(transform = within(0.0..))]
     pub(crate) luminance_nit: Option<f64>,
     /// Luminance of a white pixel of value 1, nit; instead of illuminance_lux. For pictures.
+    #[schemars(transform = above(0.0..))]
     pub(crate) nit_per_unit: Option<f64>,
 }
 
@@ -184,18 +195,23 @@ pub(crate) struct EnvironmentTable {
 #[serde(deny_unknown_fields)]
 pub(crate) struct SkyTable {
     /// Height of the sun above the horizon, degrees, 0–90; or give date_time.
+    #[schemars(transform = within(0.0..=90.0))]
     pub(crate) sun_elevation_deg: Option<f64>,
     /// Where the sun stands, degrees from north over east. Left out, as is date_time: 0.
     pub(crate) sun_azimuth_deg: Option<f64>,
     /// When it is, with the offset from Universal Time: 2026-06-21T12:00:00+02:00. Years 1950 to 2050.
     pub(crate) date_time: Option<String>,
     /// Where it is, with date_time: degrees north of the equator.
+    #[schemars(transform = within(-90.0..=90.0))]
     pub(crate) latitude_deg: Option<f64>,
     /// The same: degrees east of Greenwich.
+    #[schemars(transform = within(-180.0..=180.0))]
     pub(crate) longitude_deg: Option<f64>,
     /// Haze: 2 is very clear, 3 clear, 6 warm and moist, 10 hazy; 1–10. Left out: 3.
+    #[schemars(transform = within(1.0..=10.0))]
     pub(crate) turbidity: Option<f64>,
     /// Reflectance of the ground, which the sky sees, 0–1. Left out: 0.2.
+    #[schemars(transform = within(0.0..=1.0))]
     pub(crate) ground_albedo: Option<f64>,
     /// Whether the sun's disk is there. Left out: true.
     pub(crate) sun: Option<bool>,

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::ReflectanceSource;
+use photosite_core::schema_range::within;
 
 /// A level ground, or whether there is one.
 #[derive(Debug, JsonSchema)]
@@ -47,6 +48,7 @@ impl<'de> Deserialize<'de> for GroundSource {
 pub(crate) struct GroundTable {
     /// How high it lies, m. Left out: a little below the lowest point of the geometry, by less than 1/5000 of the radius
     /// of all of it, so that it lies in no face of the geometry.
+    #[schemars(transform = within(-1e18..=1e18))]
     pub(crate) height_m: Option<f64>,
     /// What part of the light it reflects, as of `type = "diffuse"`. Left out, as is material: the ground_albedo of the
     /// sky, or 0.2.
@@ -57,6 +59,7 @@ pub(crate) struct GroundTable {
     /// Length of its sides, m, about the middle of the geometry. Left out: two million times the radius of the
     /// geometry, so that from a height of ten times that radius the strip between its rim and the horizon is seen under
     /// an angle of 10 µrad, far less than a pixel.
+    #[schemars(transform = within(1e-15..=1e18))]
     pub(crate) size_m: Option<f64>,
 }
 
@@ -67,6 +70,7 @@ pub(crate) struct GroundTable {
 #[serde(deny_unknown_fields)]
 pub(crate) struct BackdropTable {
     /// How high the floor lies, m. Left out: a little below the lowest point of the geometry, as that of a ground.
+    #[schemars(transform = within(-1e18..=1e18))]
     pub(crate) height_m: Option<f64>,
     /// What part of the light it reflects, as of `type = "diffuse"`. Left out, as is material: 0.5.
     pub(crate) reflectance: Option<ReflectanceSource>,
@@ -77,11 +81,15 @@ pub(crate) struct BackdropTable {
     /// Left out: 0, with the wall in the direction of −Z, behind models that face +Z.
     pub(crate) rotation_deg: Option<f64>,
     /// Distance of the wall from the middle of the geometry, m. Left out: 4 radii.
+    #[schemars(transform = within(1e-15..=1e18))]
     pub(crate) distance_m: Option<f64>,
     /// Radius of the curve between floor and wall, m, at most that distance. Left out: half of it.
+    #[schemars(transform = within(1e-15..=1e18))]
     pub(crate) curve_radius_m: Option<f64>,
     /// How wide it is, m; the floor reaches five times as far to the front. Left out: 40 radii.
+    #[schemars(transform = within(1e-15..=1e18))]
     pub(crate) width_m: Option<f64>,
     /// How high the wall is above the floor, m, at least the radius of the curve. Left out: 10 radii.
+    #[schemars(transform = within(1e-15..=1e18))]
     pub(crate) wall_height_m: Option<f64>,
 }

@@ -3,6 +3,7 @@
 mod errors;
 mod objects;
 mod prescription;
+mod ranges;
 mod values;
 
 use std::fs;

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::PlaceDescription;
+use photosite_core::schema_range::{above, within};
 use photosite_transport::geometry::Interpolation;
 
 /// A data set: a capture, and what differs from frame to frame.
@@ -14,6 +15,7 @@ pub struct DatasetDescription {
     /// The capture file that all frames are made from, relative to this file.
     pub capture: String,
     /// How many frames. Left out: as many as the poses ask for, else 1.
+    #[schemars(transform = within(1.0..))]
     pub frames: Option<u32>,
     /// Seed of everything that is random. Left out: 0. The seed of each picture is made from it, the number of the
     /// frame, the camera and `render.seed` of the capture, which gives other noise in the same frames.
@@ -115,6 +117,7 @@ pub struct GridPoses {
     #[serde(default = "straight")]
     pub elevation_deg: Vec<f64>,
     /// Distances, m.
+    #[schemars(transform = above(0.0..))]
     pub distance_m: Vec<f64>,
 }
 
@@ -132,12 +135,16 @@ pub struct RandomPoses {
     /// In place of a target: a point that does so, m.
     pub look_at_m: Option<[f64; 3]>,
     /// Least and largest distance, m.
+    #[schemars(transform = above(0.0..))]
     pub distance_m: [f64; 2],
     /// Least and largest angle from the target's front, or from the point's +z, degrees. Left out: [0, 45].
+    #[schemars(transform = within(0.0..=89.0))]
     pub tilt_deg: Option<[f64; 2]>,
     /// Least and largest angle about the way of looking, degrees. Left out: [-10, 10].
+    #[schemars(transform = within(-360.0..=360.0))]
     pub roll_deg: Option<[f64; 2]>,
     /// How far from the border of the picture all points stay, px. Left out: 5.
+    #[schemars(transform = within(0.0..))]
     pub margin_px: Option<f64>,
 }
 
@@ -146,6 +153,7 @@ pub struct RandomPoses {
 #[serde(deny_unknown_fields)]
 pub struct TrajectoryPoses {
     /// Frames a second.
+    #[schemars(transform = above(0.0..))]
     pub frame_rate_hz: f64,
     /// The poses, in the order of their times.
     pub poses: Vec<TimedPoseDescription>,
@@ -189,6 +197,7 @@ pub struct TimedPoseDescription {
     pub up: Option<[f64; 3]>,
     /// Zoom: the focal length of all cameras at that time, mm, linear from one pose to the next. It stays for a frame as
     /// it is when the frame begins. Left out, of all poses: that of the capture.
+    #[schemars(transform = above(0.0..))]
     pub focal_length_mm: Option<f64>,
 }
 
@@ -203,6 +212,7 @@ pub struct VariationDescription {
     /// Numbers drawn evenly between two.
     pub uniform: Option<[f64; 2]>,
     /// Numbers whose logarithm is drawn evenly between those of two.
+    #[schemars(transform = above(0.0..))]
     pub log_uniform: Option<[f64; 2]>,
     /// Numbers drawn from a normal distribution of this mean and standard deviation.
     pub normal: Option<[f64; 2]>,
@@ -216,6 +226,7 @@ pub struct VariationDescription {
     /// "scene.environment.image".
     pub files: Option<String>,
     /// How likely each of choice, choices or files is, in their order, as numbers of any sum. Left out: all alike.
+    #[schemars(transform = within(0.0..))]
     pub weights: Option<Vec<f64>>,
     /// Numbers from the first to the last, evenly over the frames: focus and zoom sweeps.
     pub sweep: Option<[f64; 2]>,
@@ -245,10 +256,12 @@ pub struct SphereDescription {
     /// Its middle, m. Left out: [0, 0, 0].
     pub center_m: Option<[f64; 3]>,
     /// Least and largest radius, m; between two that differ, points are drawn evenly over the volume. Left out: [1, 1].
+    #[schemars(transform = within(0.0..=1e18))]
     pub radius_m: Option<[f64; 2]>,
     /// The direction that angles are measured from. Left out: [0, 1, 0].
     pub up: Option<[f64; 3]>,
     /// Least and largest angle from `up`, degrees, 0–180: [0, 90] is the upper half. Left out: [0, 180].
+    #[schemars(transform = within(0.0..=180.0))]
     pub angle_deg: Option<[f64; 2]>,
 }
 
@@ -259,6 +272,7 @@ pub struct RotationDescription {
     /// The axis of all of them. Left out: any.
     pub axis: Option<[f64; 3]>,
     /// Least and largest angle about the axis, degrees. Left out: [0, 360].
+    #[schemars(transform = within(-360.0..=360.0))]
     pub angle_deg: Option<[f64; 2]>,
 }
 
@@ -267,10 +281,13 @@ pub struct RotationDescription {
 #[serde(deny_unknown_fields)]
 pub struct HsvDescription {
     /// Least and largest hue, degrees: 0 is red, 120 green, 240 blue; [330, 390] is red on both sides. Left out: [0, 360].
+    #[schemars(transform = within(-360.0..=720.0))]
     pub hue_deg: Option<[f64; 2]>,
     /// Least and largest saturation, 0–1. Left out: [0, 1].
+    #[schemars(transform = within(0.0..=1.0))]
     pub saturation: Option<[f64; 2]>,
     /// Least and largest value, the largest of R, G and B, 0–1. Left out: [0, 1].
+    #[schemars(transform = within(0.0..=1.0))]
     pub value: Option<[f64; 2]>,
 }
 

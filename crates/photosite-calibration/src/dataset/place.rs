@@ -1,5 +1,6 @@
 //! `[[place]]` of a data set file.
 
+use photosite_core::schema_range::{above, within};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -29,8 +30,10 @@ pub struct PlaceDescription {
     /// How they are turned in a box or on a surface. Left out: any way round in a box, about the vertical on a surface.
     pub rotation: Option<PlaceRotation>,
     /// Makes them larger by factors drawn evenly between these two. Left out: [1, 1].
+    #[schemars(transform = above(0.0..))]
     pub scale: Option<[f64; 2]>,
     /// How far they are from each other and from all that they do not stand on, m; not of objects that fall. Left out: 0.
+    #[schemars(transform = within(0.0..))]
     pub min_distance_m: Option<f64>,
     /// Names of materials of the capture's `[materials]` or of geometry files: one is drawn for each object.
     /// Left out: those of the files.
@@ -40,12 +43,16 @@ pub struct PlaceDescription {
     #[serde(default)]
     pub z_up: bool,
     /// Length of the unit of the files, m. Left out: 1.
+    #[schemars(transform = above(0.0..))]
     pub meters_per_unit: Option<f64>,
     /// Coulomb's coefficient of friction between objects that fall and all else. Left out: 0.5.
+    #[schemars(transform = within(0.0..))]
     pub friction: Option<f64>,
     /// The part of their speed with which objects that fall bounce, 0–1. Left out: 0.1.
+    #[schemars(transform = within(0.0..=1.0))]
     pub restitution: Option<f64>,
     /// How many frames in a row have the same places: all of the set, seen from a camera that moves, or 10. Left out: 1.
+    #[schemars(transform = within(1.0..))]
     pub frames: Option<u32>,
 }
 
@@ -103,10 +110,12 @@ pub struct RegionDescription {
 #[serde(deny_unknown_fields)]
 pub struct BinDescription {
     /// Its inner width, height and depth, m.
+    #[schemars(transform = above(0.0..))]
     pub size_m: [f64; 3],
     /// The middle of its floor, m. Left out: [0, 0, 0].
     pub position_m: Option<[f64; 3]>,
     /// How thick its walls are, m. Left out: 0.01.
+    #[schemars(transform = above(0.0..))]
     pub wall_m: Option<f64>,
 }
 

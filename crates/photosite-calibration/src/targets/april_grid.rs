@@ -8,6 +8,7 @@ use super::limits::{counts, length, margin};
 use super::markers::{Dictionary, MarkerStyle};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 
 /// Kalibr's aprilgrid: tags of the family 36h11 with a border of two bits and black squares where their corners meet.
 /// As Kalibr has it, tags are numbered row by row from the bottom left, and the tags stand as AprilTag has them.
@@ -17,13 +18,17 @@ use photosite_core::Invalid;
 #[serde(default, deny_unknown_fields)]
 pub struct AprilGrid {
     /// Tags across and down (tagCols, tagRows). Left out: [6, 6].
+    #[schemars(transform = within(1.0..))]
     pub tags: [u32; 2],
     /// Side of a tag with its border (tagSize), mm. Left out: 24.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub tag_mm: f64,
     /// Space between tags over their side (tagSpacing). Left out: 0.3.
+    #[schemars(transform = within(0.05..=2.0))]
     pub spacing: f64,
     /// White around the squares, mm. Left out: as wide as the space between tags.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.0..=100_000.0))]
     pub margin_mm: Option<f64>,
 }
 

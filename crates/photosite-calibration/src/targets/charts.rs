@@ -7,21 +7,27 @@ use serde::{Deserialize, Serialize};
 use super::limits::{counts, length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::schema_range::{above, within};
 
 /// Grey steps of even distances in optical density, from light to dark. The origin is the middle.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct GreyWedge {
     /// Number of steps. Left out: 20.
+    #[schemars(transform = within(2.0..))]
     pub steps: u32,
     /// Density D = −lg ρ from step to step. Left out: 0.1.
+    #[schemars(transform = above(0.0..=6.0))]
     pub density_step: f64,
     /// Density of the lightest. Left out: 0.05.
+    #[schemars(transform = within(0.0..=6.0))]
     pub first_density: f64,
     /// Width and height of a step, mm. Left out: [12, 40].
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub step_mm: [f64; 2],
     /// Board of the middle density around them, mm. Left out: 10.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.0..=100_000.0))]
     pub margin_mm: Option<f64>,
 }
 
@@ -30,8 +36,10 @@ pub struct GreyWedge {
 #[serde(default, deny_unknown_fields)]
 pub struct Flat {
     /// Width and height, mm. Left out: [200, 200].
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub size_mm: [f64; 2],
     /// At all wavelengths, 0–1. Left out: 0.9.
+    #[schemars(transform = within(0.0..=1.0))]
     pub reflectance: f64,
 }
 

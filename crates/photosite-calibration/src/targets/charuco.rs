@@ -8,21 +8,26 @@ use super::limits::{counts, fits, length, margin};
 use super::markers::{Dictionary, MarkerStyle};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 
 /// A ChArUco board, as OpenCV's CharucoBoard draws it since version 4.6. The origin is its top-left corner.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Charuco {
     /// Squares across and down. Left out: [8, 6].
+    #[schemars(transform = within(2.0..))]
     pub squares: [u32; 2],
     /// Side of a square, mm. Left out: 30.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub square_mm: f64,
     /// Side of a marker with its border, mm. Left out: 22.
+    #[schemars(transform = within(0.01..100_000.0))]
     pub marker_mm: f64,
     /// OpenCV's name of the dictionary. Left out: "DICT_5X5_100".
     pub dictionary: String,
     /// White around it, mm. Left out: half as wide as a square.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.0..=100_000.0))]
     pub margin_mm: Option<f64>,
 }
 

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::limits::{counts, length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 
 /// A chessboard. The origin is its first inner corner.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -14,11 +15,14 @@ use photosite_core::Invalid;
 pub struct Chessboard {
     /// Squares across and down. OpenCV counts the inner corners, one fewer each. With one number even and the other
     /// odd, there is only one way up. Left out: [10, 7].
+    #[schemars(transform = within(2.0..))]
     pub squares: [u32; 2],
     /// Side of a square, mm. Left out: 25.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub square_mm: f64,
     /// White around it, mm. Left out: as wide as a square.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.0..=100_000.0))]
     pub margin_mm: Option<f64>,
 }
 

@@ -7,19 +7,24 @@ use serde::{Deserialize, Serialize};
 use super::limits::{counts, fits, length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 
 /// Circles in rows and columns. The origin is the first.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CircleGrid {
     /// Circles across and down. Left out: [9, 7].
+    #[schemars(transform = within(2.0..))]
     pub circles: [u32; 2],
     /// From middle to middle, mm. Left out: 20.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub spacing_mm: f64,
     /// Diameter of a circle, mm. Left out: 12.
+    #[schemars(transform = within(0.01..100_000.0))]
     pub diameter_mm: f64,
     /// White from the outer middles to the edge of the sheet, mm. Left out: as much as the spacing.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub margin_mm: Option<f64>,
 }
 
@@ -28,13 +33,17 @@ pub struct CircleGrid {
 #[serde(default, deny_unknown_fields)]
 pub struct AsymmetricCircleGrid {
     /// Circles in a row, and rows. Left out: [4, 11].
+    #[schemars(transform = within(2.0..))]
     pub circles: [u32; 2],
     /// From row to row, mm; within a row, circles are twice as far apart. Left out: 20.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub spacing_mm: f64,
     /// Diameter of a circle, mm. Left out: 15.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub diameter_mm: f64,
     /// White from the outer middles to the edge of the sheet, mm. Left out: twice the spacing.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub margin_mm: Option<f64>,
 }
 
@@ -43,13 +52,17 @@ pub struct AsymmetricCircleGrid {
 #[serde(default, deny_unknown_fields)]
 pub struct DotChart {
     /// Dots across and down, odd numbers. Left out: [25, 17].
+    #[schemars(transform = within(3.0..))]
     pub dots: [u32; 2],
     /// From middle to middle, mm. Left out: 10.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub spacing_mm: f64,
     /// Diameter of a dot, mm. Left out: 5.
+    #[schemars(transform = within(0.01..100_000.0))]
     pub diameter_mm: f64,
     /// White from the outer middles to the edge of the sheet, mm. Left out: as much as the spacing.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub margin_mm: Option<f64>,
 }
 

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::limits::{length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 use photosite_core::spectrum::library;
 
 /// 24 patches in four rows of six on a dark board. The origin is the middle.
@@ -14,11 +15,14 @@ use photosite_core::spectrum::library;
 #[serde(default, deny_unknown_fields)]
 pub struct ColourChecker {
     /// Side of a patch, mm. Left out: 40.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub patch_mm: f64,
     /// Between patches, mm. Left out: 6.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub gap_mm: f64,
     /// Board around the patches, mm. Left out: 14.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.0..=100_000.0))]
     pub margin_mm: Option<f64>,
 }
 

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::limits::{counts, length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 
 /// Reflectances of the light and the dark side of an edge: the contrast of 4:1 that [ISO
 /// 12233](photosite_core::references#iso12233) asks of its slanted edges, at a level assumed here.
@@ -18,11 +19,14 @@ const DARK: f64 = 0.18;
 #[serde(default, deny_unknown_fields)]
 pub struct SlantedEdge {
     /// Side of the square, mm. Left out: 100.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub square_mm: f64,
     /// How far it is turned, degrees, clockwise. Left out: 5.
+    #[schemars(transform = within(-44.5..=44.5))]
     pub angle_deg: f64,
     /// Light around it, mm. Left out: half as wide as the square.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.0..=100_000.0))]
     pub margin_mm: Option<f64>,
 }
 
@@ -32,14 +36,19 @@ pub struct SlantedEdge {
 #[serde(default, deny_unknown_fields)]
 pub struct EsfrChart {
     /// Squares across and down. Left out: [5, 3].
+    #[schemars(transform = within(1.0..))]
     pub squares: [u32; 2],
     /// Side of a square, mm. Left out: 30.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub square_mm: f64,
     /// From middle to middle, mm. Left out: 60.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub spacing_mm: f64,
     /// How far they are turned, degrees, clockwise. Left out: 5.
+    #[schemars(transform = within(-44.5..=44.5))]
     pub angle_deg: f64,
     /// Grey steps in both rows together. Left out: 20.
+    #[schemars(transform = within(2.0..))]
     pub grey_steps: u32,
 }
 

@@ -8,25 +8,31 @@ use super::limits::{counts, length, margin};
 use super::markers::{Dictionary, MarkerStyle};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 
 /// Markers in rows and columns, as OpenCV's GridBoard. The origin is the top-left corner of the first.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MarkerGrid {
     /// Markers across and down. Left out: [5, 7].
+    #[schemars(transform = within(1.0..))]
     pub markers: [u32; 2],
     /// Side of a marker with its border, mm. Left out: 30.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub marker_mm: f64,
     /// White between markers, mm. Left out: 6.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub separation_mm: f64,
     /// OpenCV's name of the dictionary; those of AprilTags begin with DICT_APRILTAG. Left out: "DICT_5X5_100".
     pub dictionary: String,
     /// Number of the first marker; the others follow row by row. Left out: 0.
     pub first_id: u32,
     /// Width of the black border around the bits of a marker, in bits. Left out: 1.
+    #[schemars(transform = within(1.0..=8.0))]
     pub border_bits: u32,
     /// White around the grid, mm. Left out: half as wide as a marker.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.0..=100_000.0))]
     pub margin_mm: Option<f64>,
 }
 

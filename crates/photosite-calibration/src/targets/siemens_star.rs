@@ -9,17 +9,21 @@ use serde::{Deserialize, Serialize};
 use super::limits::{counts, length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 
 /// A Siemens star: black sectors that meet in a point. The origin is there.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SiemensStar {
     /// Pairs of black and white sectors. Left out: 36.
+    #[schemars(transform = within(4.0..))]
     pub cycles: u32,
     /// mm. Left out: 180.
+    #[schemars(transform = within(0.01..=100_000.0))]
     pub diameter_mm: f64,
     /// White around it, mm. Left out: a tenth of the diameter.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.0..=100_000.0))]
     pub margin_mm: Option<f64>,
 }
 

@@ -7,25 +7,29 @@ use serde::{Deserialize, Serialize};
 
 use crate::raw::{BlackLevel, Cfa, ColourCalibration, LightSource, RawImage};
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 
 /// What holds of a raw file whatever it says itself: TIFF, PGM and NPY files say nothing of this. What is left out is
 /// what the file says, or of such files that of a monochrome or RGB picture that goes from 0 to the largest number.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RawDescription {
-    /// Colour filter array, as sensor.cfa has it: "RGGB", "x-trans".
+    /// Colour filter array, as sensor.cfa has it: "RGGB", "x-trans". Left out: that of the
+    /// file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cfa: Option<String>,
-    /// Number of no light.
+    /// Number of no light. Left out: that of the file.
     #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.0..65_535.0))]
     pub black_level_dn: Option<f32>,
-    /// Smallest number at which a pixel counts as saturated.
+    /// Smallest number at which a pixel counts as saturated. Left out: that of the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub white_level_dn: Option<u16>,
-    /// The camera's response to the scene's white, a number for each channel (DNG AsShotNeutral).
+    /// The camera's response to the scene's white, a number for each channel (DNG AsShotNeutral). Left
+    /// out: that of the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub as_shot_neutral: Option<Vec<f64>>,
-    /// XYZ → camera under D65, a row for each channel (DNG ColorMatrix).
+    /// XYZ → camera under D65, a row for each channel (DNG ColorMatrix). Left out: that of the file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub colour_matrix_d65: Option<Vec<[f64; 3]>>,
 }

@@ -10,6 +10,7 @@ use super::description::RawDescription;
 use super::encode::Encoding;
 use crate::raw::RawMetadata;
 use photosite_core::colour::{ColourSpace, Transfer};
+use photosite_core::schema_range::within;
 
 /// How raw pictures are developed, step by step in this order.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -28,9 +29,11 @@ pub struct DevelopSettings {
     /// What counts as white. Left out: "as-shot".
     pub white_balance: WhiteBalance,
     /// Colour temperature of white_balance = "temperature", K.
+    #[schemars(transform = within(1000.0..=40_000.0))]
     pub temperature_k: Option<f64>,
     /// Tint of white_balance = "temperature": 3000 times the distance from the blackbodies in CIE 1960 (u, v), positive
     /// for a greenish light. Left out: 0.
+    #[schemars(transform = within(-150.0..=150.0))]
     pub tint: Option<f64>,
     /// The grey patch of white_balance = "patch": column and row of its first pixel, columns and rows.
     pub patch_px: Option<[usize; 4]>,
@@ -42,23 +45,28 @@ pub struct DevelopSettings {
     pub noise_filter: NoiseFilter,
     /// Radius of the noise filter's window, pixels. Left out: 1 for mean and median, 2 for gaussian, 3 for bilateral, 5
     /// for non-local-means.
+    #[schemars(transform = within(1.0..=50.0))]
     pub noise_radius_px: Option<usize>,
     /// How much noise bilateral and non-local-means take for noise, in standard deviations of what the raw file states
     /// or, where it says nothing, the picture shows. Left out: 1.
+    #[schemars(transform = within(0.01..=100.0))]
     pub noise_strength: Option<f64>,
     /// Standard deviation of the weights by distance of gaussian and bilateral, pixels: with noise_radius_px = 2, 1.0
     /// makes gaussian the kernel of cv2.GaussianBlur(picture, (5, 5), 1), mirrored at the edges as there. Left out: a
     /// third of the radius, and ½ more for bilateral.
+    #[schemars(transform = within(0.01..=100.0))]
     pub noise_sigma_px: Option<f64>,
     /// Standard deviation of the weights by difference of bilateral, where saturation is 1, in place of noise_strength.
     /// The filter is then cv2.bilateralFilter(picture, 2·noise_radius_px + 1, noise_sigma_range, noise_sigma_px): its
     /// window is a disk, differences of channels are added up, and edges mirrored. Left out: 3·noise_strength standard
     /// deviations of noise, in a square window that the edges cut off.
+    #[schemars(transform = within(1e-6..=1e6))]
     pub noise_sigma_range: Option<f64>,
     /// Numbers that the pixels around each pixel are weighted with, rows from the top, of odd sides:
     /// [[0, -1, 0], [-1, 5, -1], [0, -1, 0]]. Correlation, as cv2.filter2D: the first number weighs the pixel above to
     /// the left; turn the kernel by 180° for a convolution. Edges are mirrored. Kernels of rank 1 are applied along
     /// rows and then along columns. Left out: none.
+    #[schemars(transform = within(-1e6..=1e6))]
     pub kernel: Option<Vec<Vec<f64>>>,
     /// Divides the numbers of kernel by their sum. Left out: false.
     pub kernel_normalised: Option<bool>,
@@ -72,9 +80,11 @@ pub struct DevelopSettings {
     pub square_pixels: bool,
     /// Enlarges the middle of the picture to all of its pixels: 2 shows the middle half of columns and rows. Left out:
     /// 1.
+    #[schemars(transform = within(1.0..=1000.0))]
     pub digital_zoom: f64,
     /// Columns and rows that the picture is resized to. Pixel centres stay in proportion as cv2.resize has it, edges
     /// are repeated, and pixels count as having kept their shape. Left out: as many as there are.
+    #[schemars(transform = within(1.0..=65_535.0))]
     pub resize_px: Option<[usize; 2]>,
     /// How pixels between pixels are found by digital_zoom and resize_px. Left out: "cubic".
     pub resize_filter: Option<ResizeFilter>,
@@ -89,41 +99,54 @@ pub struct DevelopSettings {
     /// floats. Left out: "rgb".
     pub colour_model: ColourModel,
     /// Brightening by 2^exposure_ev. Left out: 0.
+    #[schemars(transform = within(-20.0..=20.0))]
     pub exposure_ev: f64,
     /// From linear light to the codes of the picture; EXR and NPY files stay linear, but for filmic, reinhard, log and
     /// local, whose light they hold. Left out: "srgb".
     pub tone_curve: ToneCurve,
     /// What tone_curve = "reinhard" makes of the logarithmic mean of luminance: 0.09 is dark, 0.36 bright. Left out:
     /// 0.18.
+    #[schemars(transform = within(1e-3..=100.0))]
     pub tone_key: Option<f64>,
     /// Smallest L that tone_curve = "reinhard" makes white; inf compresses all to below white. Left out: that of the
     /// brightest pixel.
+    #[schemars(transform = within(1e-6..))]
     pub tone_white: Option<f64>,
     /// Bias of tone_curve = "log". Left out: 0.85.
+    #[schemars(transform = within(0.1..=1.0))]
     pub tone_bias: Option<f64>,
     /// Ratio of the brightest to the darkest place of the base that tone_curve = "local" leaves. Left out: 50.
+    #[schemars(transform = within(1.1..=1e6))]
     pub tone_contrast: Option<f64>,
     /// Standard deviation by distance of the bilateral filter of tone_curve = "local", pixels. Left out: 2 % of the
     /// longer side.
+    #[schemars(transform = within(0.1..=10_000.0))]
     pub tone_sigma_px: Option<f64>,
     /// Standard deviation by difference of that filter, powers of ten. Left out: 0.4.
+    #[schemars(transform = within(0.01..=10.0))]
     pub tone_sigma_range: Option<f64>,
     /// Exponent of tone_curve = "gamma". Left out: 2.2.
+    #[schemars(transform = within(0.1..=10.0))]
     pub gamma: Option<f64>,
     /// Makes a binary picture of the light that is shown, with colour_model = "rgb" or "grey". Left out: "none".
     pub threshold: Thresholding,
     /// Level of threshold = "level", linear light with white at 1; what is equal becomes black. Left out: 0.5.
+    #[schemars(transform = within(0.0..=1e6))]
     pub threshold_level: Option<f64>,
     /// How much of the difference to a smoothed picture is added to sharpen it (unsharp mask). Left out: 0.
+    #[schemars(transform = within(0.0..=10.0))]
     pub sharpening: f64,
     /// Standard deviation of that smoothing, pixels. Left out: 1.
+    #[schemars(transform = within(0.2..=20.0))]
     pub sharpening_radius_px: Option<f64>,
     /// Bits of the picture's codes, 8 or 16; JPEG has 8, EXR and NPY 32-bit floats. Left out: 8.
+    #[schemars(extend("enum" = [8, 16]), transform = within(8.0..=16.0))]
     pub bits: u8,
     /// Adds noise of one code before rounding, so that flat gradients have no steps and means stay exact. Left out:
     /// false.
     pub dither: bool,
     /// Quality of JPEG files, 1–100. Left out: 95.
+    #[schemars(transform = within(1.0..=100.0))]
     pub jpeg_quality: u8,
 }
 

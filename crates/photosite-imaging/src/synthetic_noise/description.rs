@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::{above, within};
 
 /// Noise to add to a picture. What is left out is not there.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
@@ -17,6 +18,7 @@ pub struct SyntheticNoise {
     pub channels: Channels,
     /// Value of white: what levels are parts of where they are of full scale, and what salt is. Left out: the largest
     /// number that the file can hold; floating-point numbers have no such.
+    #[schemars(transform = above(0.0..))]
     pub full_scale: Option<f64>,
     /// Speckle of coherent light, multiplicative.
     pub speckle: Speckle,
@@ -61,6 +63,7 @@ pub enum Channels {
 #[serde(deny_unknown_fields, default)]
 pub struct SymmetricNoise {
     /// Standard deviation σ; of multiplicative noise a part of the value, 0.1 for 10 %.
+    #[schemars(transform = within(0.0..))]
     pub sigma: f64,
     /// Whether it is g = f·(1 + σ·n), not g = f + σ·n.
     pub multiplicative: bool,
@@ -72,6 +75,7 @@ pub struct SymmetricNoise {
 #[serde(deny_unknown_fields, default)]
 pub struct Speckle {
     /// Contrast C, σ over mean, from 0 to 1: 1 is fully developed speckle, 1/√L the mean of L independent ones.
+    #[schemars(transform = within(0.0..=1.0))]
     pub contrast: f64,
 }
 
@@ -81,10 +85,13 @@ pub struct Speckle {
 #[serde(deny_unknown_fields, default)]
 pub struct FilmGrain {
     /// Factor c: the standard deviation at a value of 1 in the unit of the levels.
+    #[schemars(transform = within(0.0..))]
     pub factor: f64,
     /// Exponent γ, from 0 to 4; 1/3 to 1/2 is usual.
+    #[schemars(transform = within(0.0..=4.0))]
     pub exponent: f64,
     /// Correlation length ℓ, from 0 (none) to 100 pixels.
+    #[schemars(transform = within(0.0..=100.0))]
     pub correlation_px: f64,
 }
 
@@ -108,8 +115,10 @@ pub struct SigmaMapFile {
 #[serde(deny_unknown_fields, default)]
 pub struct SaltAndPepper {
     /// Part of the pixels that do, from 0 to 1.
+    #[schemars(transform = within(0.0..=1.0))]
     pub part: f64,
     /// Part of these that become white, from 0 to 1.
+    #[schemars(transform = within(0.0..=1.0))]
     pub salt: f64,
 }
 

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::{above, within};
 use photosite_core::units::Seconds;
 
 use super::checks::{fraction_below_one, margin, not_negative, positive};
@@ -15,23 +16,32 @@ pub struct CcdDescription {
     /// Where charge goes when the exposure ends.
     pub architecture: CcdArchitecture,
     /// Charge-transfer inefficiency along a column: the part of a packet that stays behind at each shift.
+    #[schemars(transform = within(0.0..1.0))]
     pub vertical_cti: f64,
     /// Charge-transfer inefficiency along the read-out register.
+    #[schemars(transform = within(0.0..1.0))]
     pub horizontal_cti: f64,
     /// Interline: light that leaks into the vertical registers, dB, as data sheets state it (a tenth of the rows lit,
     /// read in the time of the exposure). No smear where left out.
+    #[schemars(transform = within(..=0.0))]
     pub smear_db: Option<f64>,
     /// Interline: time to read one line, µs; smear grows with it.
+    #[schemars(transform = above(0.0..))]
     pub line_time_us: Option<f64>,
     /// Frame transfer: time to shift the picture by one row towards its storage, µs; smear grows with it.
+    #[schemars(transform = within(0.0..))]
     pub row_shift_time_us: Option<f64>,
     /// Multiple of the saturating light up to which a drain keeps a pixel from blooming. Left out: 1, no drain.
+    #[schemars(transform = within(1.0..))]
     pub anti_blooming_factor: Option<f64>,
     /// Wells of the read-out register before the first column; they come first in every row.
+    #[schemars(transform = within(0.0..=4096.0))]
     pub prescan_columns: u32,
     /// Shifts beyond the last column.
+    #[schemars(transform = within(0.0..=4096.0))]
     pub overscan_columns: u32,
     /// Shifts beyond the last row.
+    #[schemars(transform = within(0.0..=4096.0))]
     pub overscan_rows: u32,
 }
 

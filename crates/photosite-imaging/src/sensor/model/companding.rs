@@ -5,6 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 
 use super::checks::positive;
 
@@ -14,11 +15,14 @@ use super::checks::positive;
 #[serde(deny_unknown_fields)]
 pub struct CompandingDescription {
     /// Bits of the numbers that leave the sensor, 1 to those of the converter.
+    #[schemars(transform = within(1.0..=16.0))]
     pub bits: u32,
     /// Straight lines: both ends and the knees in between, each as [number of the converter, number that leaves the
     /// sensor], such as [[0, 0], [1024, 1024], [65535, 4095]].
+    #[schemars(transform = within(0.0..=65_535.0))]
     pub knee_points_dn: Option<Vec<[u32; 2]>>,
     /// In their place: numbers are x^(1/gamma), 1 to 5.
+    #[schemars(transform = within(1.0..=5.0))]
     pub gamma: Option<f64>,
 }
 

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::{above, within};
 use photosite_core::units::{Decibels, Electrons};
 
 use super::checks::{finite, not_negative, positive};
@@ -18,10 +19,13 @@ pub struct AdcDescription {
     /// than 8 bits by that of the largest numbers, (2^new − 1)/(2^old − 1), so that the few levels span the range. What
     /// the capture states too stays: conversion gain, black level, offsets of columns, inl_dn and knee points (but not dnl_dn,
     /// which is of a single step, nor the numbers of single-photon detectors, which are counts).
+    #[schemars(transform = within(1.0..=16.0))]
     pub bits: u32,
     /// System gain K at 0 dB, DN per electron.
+    #[schemars(transform = above(0.0..))]
     pub conversion_gain_dn_per_e: f64,
     /// Digital number of no charge.
+    #[schemars(transform = within(0.0..65_535.0))]
     pub black_level_dn: u32,
     /// Smallest and largest gain that an exposure may ask for, dB. Left out: 0 dB alone.
     #[serde(default)]
@@ -37,15 +41,18 @@ pub struct AdcDescription {
     /// Differential nonlinearity of the converter: standard deviation of the width of its steps, DN, up to 0.4. Steps
     /// stay as they are from picture to picture.
     #[serde(default)]
+    #[schemars(transform = within(0.0..=0.4))]
     pub dnl_dn: f64,
     /// Whether one converter serves all pixels or every column has its own. Left out: "per-column".
     #[serde(default)]
     pub converters: Converters,
     /// Spatial standard deviation of the gains of the columns' amplifiers, percent of their mean.
     #[serde(default)]
+    #[schemars(transform = within(0.0..))]
     pub column_gain_percent: f64,
     /// Spatial standard deviation of the offsets of the columns' converters, DN.
     #[serde(default)]
+    #[schemars(transform = within(0.0..))]
     pub column_offset_dn: f64,
     /// Numbers of fewer bits leave the sensor, along a curve. Left out: those of the converter.
     pub companding: Option<CompandingDescription>,
@@ -69,15 +76,20 @@ pub enum Converters {
 #[serde(deny_unknown_fields)]
 pub struct DualGainDescription {
     /// Bits of each of the two converters, 1–16. What a preset states in their numbers follows as with adc.bits.
+    #[schemars(transform = within(1.0..=16.0))]
     pub bits: u32,
     /// Number of no charge at each of the two.
+    #[schemars(transform = within(0.0..65_535.0))]
     pub black_level_dn: u32,
     /// System gain of the one that takes small signals, DN per electron. Its noise is `noise.read_noise_e`.
+    #[schemars(transform = above(0.0..))]
     pub high_gain_dn_per_e: f64,
     /// System gain of the one that takes large signals, DN per electron.
+    #[schemars(transform = above(0.0..))]
     pub low_gain_dn_per_e: f64,
     /// Temporal dark noise of the latter, standard deviation in e⁻. Left out: none.
     #[serde(default)]
+    #[schemars(transform = within(0.0..))]
     pub low_gain_read_noise_e: f64,
 }
 
@@ -171,7 +183,8 @@ impl Converter {
                 .help("write the smaller gain first"));
         }
         let gain_range = [Decibels(low), Decibels(high)];
-        let dual_gain = d.dual_gain.as_ref().map(|dual| DualGain::new(dual, d, gain_range));
+        let dual_gain = d.dual_gain.as_ref().map(|dual| DualGain::new(dual, d, gain_range)).transpose();
+        let dual_gain = dual_gain.map_err(|e| e.within("dual_gain"))?;
         let of_one_converter =
             [("column_gain_percent", d.column_gain_percent), ("column_offset_dn", d.column_offset_dn)];
         if let (Some(_), Some((key, _))) = (&dual_gain, of_one_converter.iter().find(|(_, value)| *value != 0.0)) {
@@ -216,7 +229,7 @@ impl Converter {
                 .as_ref()
                 .map(|companding| Companding::new(companding, d.bits).map_err(|e| e.within("companding")))
                 .transpose()?,
-            dual_gain: dual_gain.transpose().map_err(|e| e.within("dual_gain"))?.map(Box::new),
+            dual_gain: dual_gain.map(Box::new),
         })
     }
 }

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 
 use super::checks::{in_a_million, not_negative};
 
@@ -13,13 +14,17 @@ use super::checks::{in_a_million, not_negative};
 #[serde(deny_unknown_fields, default)]
 pub struct DefectsDescription {
     /// Pixels of a million with more dark current than others.
+    #[schemars(transform = within(0.0..=1e6))]
     pub hot_per_million: f64,
     /// The mean of what hot pixels have more at the reference temperature, e⁻/s; they follow an exponential
     /// distribution.
+    #[schemars(transform = within(0.0..))]
     pub hot_dark_current_e_per_s: f64,
     /// Pixels of a million that do not see light.
+    #[schemars(transform = within(0.0..=1e6))]
     pub dead_per_million: f64,
     /// Pixels of a million that always read the same number, any number of the converter.
+    #[schemars(transform = within(0.0..=1e6))]
     pub stuck_per_million: f64,
 }
 

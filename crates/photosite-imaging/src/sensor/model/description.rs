@@ -18,6 +18,7 @@ use super::shutter::ShutterDescription;
 use super::spad::SpadDescription;
 use super::spectrum_source::SpectrumSource;
 use super::video::VideoDescription;
+use photosite_core::schema_range::{above, within};
 
 /// An image sensor: pixels, colour filters, noise, charge capacity and converter.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
@@ -47,15 +48,19 @@ pub struct SensorDescription {
     #[serde(default)]
     pub shutter: ShutterDescription,
     /// Columns and rows of pixels; of a scanning line camera, its pixels and the lines of a picture.
+    #[schemars(transform = within(1.0..=65_535.0))]
     pub resolution_px: [u32; 2],
     /// Columns of pixels to the left and to the right of these that are covered and see no light.
     #[serde(default)]
+    #[schemars(transform = within(0.0..=4096.0))]
     pub masked_columns: [u32; 2],
     /// Covered rows of pixels above and below.
     #[serde(default)]
+    #[schemars(transform = within(0.0..=4096.0))]
     pub masked_rows: [u32; 2],
     /// Distance between pixel centres along x and y, µm; they may differ. Of hexagonal cells, along rows and from row to
     /// row.
+    #[schemars(transform = above(0.0..))]
     pub pixel_pitch_um: Option<[f64; 2]>,
     /// Size of the whole sensor by the name of its format, in place of pixel_pitch_um, which is that size over the
     /// resolution: "1/3.2", "1/2", "2/3", "1" and other inches, "four-thirds", "aps-c", "full-frame",
@@ -66,10 +71,12 @@ pub struct SensorDescription {
     pub cells: CellShapeName,
     /// Diameter of the circle about the middle of the sensor that light reaches, mm, where it does not reach all of it:
     /// pixels whose centres lie beyond see none. Left out: all of them see light.
+    #[schemars(transform = above(0.0..))]
     pub image_circle_mm: Option<f64>,
     /// Part of a pixel's area that is sensitive to light, above 0 up to 1. Leave it at 1 where the quantum efficiency
     /// was measured for whole pixels, as EMVA 1288 does.
     #[serde(default = "one")]
+    #[schemars(transform = above(0.0..=1.0))]
     pub fill_factor: f64,
     /// Colour filter array: "mono"; a tile, row by row from the top-left pixel ("RGGB", or "RGRG/GBGB" with its rows
     /// apart); "quad-bayer", "nona-bayer", "x-trans", "rgbw", "rgb-ir", "rccb", "rccc", "ryyb" or "cygm"; or "full:RGB"
@@ -82,6 +89,7 @@ pub struct SensorDescription {
     pub channels: BTreeMap<String, ChannelDescription>,
     /// Where electrons that belong to a pixel are collected: parts of a whole, in rows around that pixel, such as
     /// [[0, 0.01, 0], [0.01, 0.96, 0.01], [0, 0.01, 0]]. Left out: each pixel keeps its own.
+    #[schemars(transform = within(0.0..=1.0))]
     pub crosstalk: Option<Vec<Vec<f64>>>,
     /// Noise sources. Left out: none.
     #[serde(default)]
@@ -126,7 +134,9 @@ pub struct ChannelDescription {
     pub quantum_efficiency: Option<SpectrumSource>,
     /// In its place: the depths of silicon, µm, between which photons are absorbed into this channel, the upper one
     /// first, as in the layers of a stacked pixel. What is reflected before the silicon belongs to the filter.
+    #[schemars(transform = within(0.0..))]
     pub depth_um: Option<[f64; 2]>,
     /// Crosstalk of the electrons behind this filter, where it differs from that of the others.
+    #[schemars(transform = within(0.0..=1.0))]
     pub crosstalk: Option<Vec<Vec<f64>>>,
 }

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::{above, within};
 use photosite_core::units::Electrons;
 
 use super::checks::electrons;
@@ -14,8 +15,10 @@ use super::checks::electrons;
 pub struct FlickerDescription {
     /// Its standard deviation, e⁻: all frequencies together, from once a picture to every second sample;
     /// pictures of a series have none of it in common.
+    #[schemars(transform = within(0.0..))]
     pub noise_e: f64,
     /// Exponent of the frequency, above 0 up to 2. Left out: 1.
+    #[schemars(transform = above(0.0..=2.0))]
     pub exponent: f64,
     /// Which samples follow each other in one amplifier. Left out: "column-parallel".
     pub order: FlickerOrder,

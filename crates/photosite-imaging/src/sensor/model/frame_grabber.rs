@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
 use photosite_core::cells::CellLayout;
+use photosite_core::schema_range::within;
 
 use crate::raw::Cfa;
 
@@ -18,6 +19,7 @@ use super::shutter::Shutter;
 pub struct FrameGrabberDescription {
     /// Columns and rows of the raw picture, which shows what the sensor's resolution_px do. Covered pixels do not reach
     /// it.
+    #[schemars(transform = within(1.0..=65_535.0))]
     pub size_px: [u32; 2],
     /// What it takes in between pixels. Left out: "linear".
     #[serde(default)]

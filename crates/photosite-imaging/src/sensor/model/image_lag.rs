@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 use photosite_core::units::Electrons;
 
 use super::checks::not_negative;
@@ -15,11 +16,14 @@ use super::shutter::Shutter;
 #[serde(deny_unknown_fields, default)]
 pub struct ImageLagDescription {
     /// Residual signal of the first dark frame after steady light, % of the signal, as data sheets state it.
+    #[schemars(transform = within(0.0..100.0))]
     pub percent: f64,
     /// Residual signal of that frame besides, whatever the signal, e⁻.
+    #[schemars(transform = within(0.0..))]
     pub electrons: f64,
     /// Residual signal of each dark frame over that of the one before it. Left out: percent/100, as where a part of the
     /// charge is not transferred.
+    #[schemars(transform = within(0.0..1.0))]
     pub decay: Option<f64>,
 }
 

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::{above, within};
 use photosite_core::units::{Celsius, Electrons, Seconds};
 
 use super::checks::{electrons, finite, in_a_million, not_negative, positive};
@@ -17,42 +18,58 @@ use super::telegraph::{TelegraphDescription, TelegraphSignal};
 #[serde(deny_unknown_fields, default)]
 pub struct NoiseDescription {
     /// Temporal dark noise of the read-out, standard deviation in e⁻.
+    #[schemars(transform = within(0.0..))]
     pub read_noise_e: f64,
     /// Gives read noise the heavy tails of Student's t distribution with so many degrees of freedom, above 2 (few:
     /// heavy); its standard deviation stays. Left out: a normal distribution.
+    #[schemars(transform = above(2.0..))]
     pub read_noise_degrees_of_freedom: Option<f64>,
     /// Read noise of each pixel's own: spatial standard deviation of the pixels' standard deviations in percent of
     /// their mean. Pixels follow a log-normal distribution, by the serial number; read_noise_e is the root mean square
     /// over all of them.
+    #[schemars(transform = within(0.0..=1000.0))]
     pub read_noise_spread_percent: f64,
     /// Dark current at the reference temperature, mean of all pixels without the hot ones, e⁻/s per pixel.
+    #[schemars(transform = within(0.0..))]
     pub dark_current_e_per_s: f64,
     /// Temperature at which the dark current is as stated, that of hot pixels too, °C; needed where there is any.
+    #[schemars(transform = above(-273.15..))]
     pub dark_current_reference_c: Option<f64>,
     /// How the dark current rises with temperature. Left out: "doubling".
     pub dark_current_law: DarkCurrentLawName,
     /// Rise of temperature that doubles the dark current, K; needed where that is the law and there is any.
+    #[schemars(transform = above(0.0..))]
     pub dark_current_doubling_k: Option<f64>,
     /// Band gap for the law "arrhenius", eV. Left out: that of silicon, which shrinks with temperature.
+    #[schemars(transform = above(0.0..))]
     pub dark_current_band_gap_ev: Option<f64>,
     /// Dark current non-uniformity: spatial standard deviation of the dark current in percent of its mean. Pixels
     /// follow a log-normal distribution.
+    #[schemars(transform = within(0.0..))]
     pub dark_current_nonuniformity_percent: f64,
     /// Photo response non-uniformity: spatial standard deviation of the response in percent of its mean.
+    #[schemars(transform = within(0.0..))]
     pub prnu_percent: f64,
     /// The part of it that the pixels of a row share, %; it comes on top.
+    #[schemars(transform = within(0.0..))]
     pub prnu_row_percent: f64,
     /// The part of it that the pixels of a column share, %; it comes on top.
+    #[schemars(transform = within(0.0..))]
     pub prnu_column_percent: f64,
     /// Dark signal non-uniformity: spatial standard deviation of the dark signal, e⁻.
+    #[schemars(transform = within(0.0..))]
     pub dsnu_e: f64,
     /// The part of it that the pixels of a row share, e⁻; it comes on top.
+    #[schemars(transform = within(0.0..))]
     pub dsnu_row_e: f64,
     /// The part of it that the pixels of a column share, e⁻; it comes on top.
+    #[schemars(transform = within(0.0..))]
     pub dsnu_column_e: f64,
     /// Temporal noise that the pixels of a row share, standard deviation in e⁻.
+    #[schemars(transform = within(0.0..))]
     pub row_noise_e: f64,
     /// Temporal noise that the pixels of a column share, standard deviation in e⁻.
+    #[schemars(transform = within(0.0..))]
     pub column_noise_e: f64,
     /// Noise of resetting the sense node (kTC).
     pub reset: ResetDescription,
@@ -61,6 +78,7 @@ pub struct NoiseDescription {
     /// Pixels that jump between two levels (random telegraph signal).
     pub telegraph: TelegraphDescription,
     /// Pixels of a million that arrive as 0 or the largest number, new ones in every picture (salt and pepper).
+    #[schemars(transform = within(0.0..=1e6))]
     pub transmission_errors_per_million: f64,
 }
 

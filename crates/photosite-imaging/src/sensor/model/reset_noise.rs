@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 use photosite_core::units::Electrons;
 
 use super::checks::{electrons, not_negative};
@@ -13,8 +14,10 @@ use super::checks::{electrons, not_negative};
 #[serde(deny_unknown_fields, default)]
 pub struct ResetDescription {
     /// Its standard deviation, e⁻.
+    #[schemars(transform = within(0.0..))]
     pub noise_e: Option<f64>,
     /// Capacitance of the sense node, fF, in place of noise_e: the noise follows the temperature.
+    #[schemars(transform = within(0.0..))]
     pub capacitance_ff: Option<f64>,
     /// Whether the level after the reset is subtracted, which takes all of this noise away. Left out: false.
     pub correlated_double_sampling: bool,

@@ -11,6 +11,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::above;
 use photosite_core::units::Seconds;
 
 use super::checks::positive;
@@ -23,6 +24,7 @@ pub struct ShutterDescription {
     #[serde(default)]
     pub kind: ShutterKind,
     /// Time from the start of one row's exposure to that of the next, µs; needed unless the shutter is global.
+    #[schemars(transform = above(0.0..))]
     pub row_time_us: Option<f64>,
     /// Where a rolling shutter begins. Left out: "from-top".
     #[serde(default)]

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::within;
 use photosite_core::units::Seconds;
 
 use super::checks::{fraction_below_one, not_negative};
@@ -15,11 +16,14 @@ pub struct SpadDescription {
     /// What is counted during an exposure.
     pub counting: CountingMode,
     /// One-bit frames whose sum is one picture; `counting = "one-bit"` needs it.
+    #[schemars(transform = within(1.0..=65_535.0))]
     pub one_bit_frames: Option<u32>,
     /// Time after each count in which further photons are missed, ns; `counting = "free-running"` needs it.
+    #[schemars(transform = within(0.0..))]
     pub dead_time_ns: Option<f64>,
     /// Counts that are followed by another one without light, %.
     #[serde(default)]
+    #[schemars(transform = within(0.0..100.0))]
     pub afterpulsing_percent: f64,
 }
 

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::{above, within};
 use photosite_core::units::{Electrons, Seconds};
 
 use super::checks::{electrons, in_a_million, positive};
@@ -13,12 +14,16 @@ use super::checks::{electrons, in_a_million, positive};
 #[serde(deny_unknown_fields, default)]
 pub struct TelegraphDescription {
     /// Pixels of a million that do.
+    #[schemars(transform = within(0.0..=1e6))]
     pub pixels_per_million: f64,
     /// Mean distance of the two levels, e⁻; pixels follow an exponential distribution.
+    #[schemars(transform = within(0.0..))]
     pub amplitude_e: f64,
     /// Mean time on the high level, s.
+    #[schemars(transform = above(0.0..))]
     pub high_s: f64,
     /// Mean time on the low level, s.
+    #[schemars(transform = above(0.0..))]
     pub low_s: f64,
 }
 

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use photosite_core::Invalid;
+use photosite_core::schema_range::{above, within};
 
 use super::checks::positive;
 use super::converter::Converter;
@@ -18,12 +19,15 @@ pub struct VideoDescription {
     /// Curve of the amplifier: a signal becomes its power γ, both as parts of the converter's range, 0.4 to 5. Noise of
     /// the pixels and the gain come before it. Raw files in the DNG format tell how to make numbers linear again. Left
     /// out: 1, a straight line.
+    #[schemars(transform = within(0.4..=5.0))]
     pub gamma: Option<f64>,
     /// Frequency at which the line passes 1/√2 of an amplitude (−3 dB), MHz: it is a low pass of the first order, as a
     /// resistor and a capacitor make it, so that neighbours along a row go together. It needs pixel_clock_mhz. Left out:
     /// no limit.
+    #[schemars(transform = above(0.0..))]
     pub bandwidth_mhz: Option<f64>,
     /// Pixels of a row that follow each other in a microsecond, MHz.
+    #[schemars(transform = above(0.0..))]
     pub pixel_clock_mhz: Option<f64>,
 }
 
