@@ -55,9 +55,9 @@ pub fn render_coarse(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) 
     // Each of these pixels stands alone: it neither shares paths with its neighbours nor gets light from them.
     let settings = RenderSettings { reuse: 1, light_paths: 0.0, ..job.settings.clone() };
     let job = RenderJob { settings: &settings, ..*job };
-    let only_stops = |told: Step<'_>| match told {
-        Step::Band { .. } => step(Step::Band { paths: 0 }),
-        told => step(told),
+    // What is not kept is no progress.
+    let only_stops = |told: Step<'_>| {
+        if matches!(told, Step::Band { .. }) { step(Step::Band { paths: 0 }) } else { step(told) }
     };
     let tracer = Tracer::new(&job, settings.seed, &only_stops);
     let is_hero_alone = tracer.has_single_wavelengths || tracer.lands_wavelengths();
