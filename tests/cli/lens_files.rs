@@ -8,6 +8,14 @@ use crate::folder::Folder;
 const SEQ: &str =
     "RDM Y\nDIM M\nTITLE 'singlet'\nEPD 10\nYAN 0 5\nSO 0 1e13\nS 50 4 NBK7_SCHOTT\n  STO\nS 0 90\nSI 0 0\nGO\n";
 
+/// The beginning of a lens as DeepLens writes it.
+const DEEPLENS: &str = r#"{
+  "info": "a lens", "foclen": 50.0, "fnum": 1.8, "r_sensor": 21.6, "d_sensor": 74.0,
+  "surfaces": [
+    { "idx": 0, "type": "Spheric", "r": 20.0, "(c)": 0.02, "roc": 50.0, "d": 0.0, "mat2": "1.6727/32.1", "d_next": 5.0 }
+  ]
+}"#;
+
 #[test]
 fn a_lens_that_ships_is_shown_as_its_reference_has_it() {
     let folder = Folder::new([]);
@@ -59,10 +67,19 @@ fn what_cannot_be_shown_is_said() {
         ("no-rdm.seq", SEQ.replace("RDM Y\n", "").into()),
         ("glass.seq", SEQ.replace("NBK7_SCHOTT", "NBK77_SCHOTT").into()),
         ("lens.doc", "words".into()),
+        ("deeplens.json", DEEPLENS.into()),
+        ("other.json", "{\"lens\": 3}".into()),
+        ("list.json", "[1, 2]".into()),
     ]);
     folder.fail("lens no-rdm.seq", 1, &["no-rdm.seq", "RDM Y", "RDM N"]);
     folder.fail("lens glass.seq", 1, &["glass.seq:7", "surface 1", "NBK77", "schott/N-BK7"]);
     folder.fail("lens lens.doc", 1, &["lens.doc", ".zmx"]);
+    let read = ["photosite's own", "`surface_group`", "`optical_model`"];
+    let with = |words: &[&'static str]| [words, &read[..]].concat();
+    let found = ["deeplens.json", "`d_next`", "no `thickness`", "this looks like DeepLens, which is not read"];
+    folder.fail("lens deeplens.json", 1, &with(&found));
+    folder.fail("lens other.json", 1, &with(&["other.json", "the keys `lens`, and none of `surfaces`"]));
+    folder.fail("lens list.json", 1, &with(&["list.json", "no keys"]));
     folder.fail("lens missing.seq", 1, &["missing.seq"]);
     folder.fail("lens double-gaus", 2, &["double-gauss"]);
     folder.fail("lens canon-ef5", 2, &["did you mean `canon-ef50`?"]);

@@ -56,7 +56,7 @@ impl Format {
             _ => {
                 let message = format!("a file that ends in {ending:?} is not a lens file");
                 Err(Invalid::new("", message).help(
-                    "lenses are read from .toml and .json (photosite's own, Optiland's), .zmx, .seq, .txt (Optical Bench, \
+                    "lenses are read from .toml and .json (photosite's own, Optiland's, ray-optics'), .zmx, .seq, .txt (Optical Bench, \
                      with a section [lens data]), .dat (pbrt) and .roa",
                 ))
             }

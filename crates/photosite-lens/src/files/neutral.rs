@@ -12,10 +12,12 @@ use photosite_core::spectrum::{Dispersion, Spectrum, library};
 use photosite_core::suggest;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use serde_json::Value;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::draft::{Draft, Fault, Medium, Numbers, Opening, Read, Row, Setting};
+use super::json_value;
 use crate::glass;
 use crate::prescription::{Blades, Coating, Glass, Layer, LayerIndex};
 
@@ -148,6 +150,9 @@ pub(super) fn read_toml(text: &str) -> Read<Draft> {
 /// Reads a JSON file.
 pub(super) fn read_json(text: &str) -> Read<Draft> {
     let file: LensFile = serde_json::from_str(text).map_err(|error| {
+    if let Ok(value) = json_value::parsed(text) {
+        check_is_own(&value)?;
+    }
         let whole = error.to_string();
         // Its place is said by the line.
         let message = whole.split(" at line ").next().unwrap_or(&whole).to_owned();
@@ -157,6 +162,41 @@ pub(super) fn read_json(text: &str) -> Read<Draft> {
 }
 
 /// The bytes of the value at a path of a TOML text, or of the innermost one around it.
+/// Refuses JSON of other programs by what it is and is not, before any of its keys is called unknown.
+fn check_is_own(value: &Value) -> Read<()> {
+    let surface = value.get("surfaces").and_then(|surfaces| surfaces.get(0));
+    if surface.is_some_and(|surface| surface.get("thickness").is_some()) {
+        return Ok(());
+    }
+    let keys = |value: &Value| match value.as_object().filter(|keys| !keys.is_empty()) {
+        Some(keys) => {
+            let more = keys.len().saturating_sub(MOST_KEYS_TOLD);
+            let told: Vec<String> = keys.keys().take(MOST_KEYS_TOLD).map(|key| format!("`{key}`")).collect();
+            let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+            format!("the keys {}{more}", told.join(", "))
+        }
+        None => "no keys".to_owned(),
+    };
+    let has = match (value.get("surfaces"), surface) {
+        (None, _) => format!("it has {}, and none of `surfaces`, `surface_group`, `optical_model`", keys(value)),
+        (Some(_), None) => format!("it has {}, and `surfaces` is no list with a surface in it", keys(value)),
+        (Some(_), Some(surface)) => {
+            format!("it has {}; its first surface has {}, and no `thickness`", keys(value), keys(surface))
+        }
+    };
+    let is_of = |names: [&str; 3]| {
+        let is_key = |name: &str| value.get(name).is_some() || surface.is_some_and(|s| s.get(name).is_some());
+        names.into_iter().any(is_key)
+    };
+    let other = if is_of(["foclen", "d_next", "mat2"]) { "; this looks like DeepLens, which is not read" } else { "" };
+    let help = "JSON is read as photosite's own (`unit`, and `surfaces` with `radius`, `thickness`, `glass`, \
+                `semi_aperture`, one with `stop`), Optiland's (`surface_group`) and ray-optics' (`optical_model`)";
+    Err(Fault::of_file(format!("not a lens in a form that is read: {has}{other}")).help(help))
+}
+
+/// Keys that a message tells of at most.
+const MOST_KEYS_TOLD: usize = 8;
+
 pub(super) fn toml_span(text: &str, path: &str) -> Option<Range<usize>> {
     let table = DeTable::parse(text).ok()?;
     let mut steps = path.split(['.', '[']).map(|step| step.trim_end_matches(']')).filter(|step| !step.is_empty());
