@@ -6,7 +6,8 @@ use photosite_core::Invalid;
 
 use crate::full_beam;
 use crate::lens::Lens;
-use crate::prescription::{Coating, Layer, LayerIndex, Prescription, Surface};
+use crate::positions::ZoomSetting;
+use crate::prescription::{Coating, Layer, LayerIndex, Position, Prescription, Surface};
 use crate::profile::Profile;
 use crate::trace::{Apertures, Ray, Stopped};
 
@@ -41,6 +42,7 @@ impl Lens {
         for (number, position) in prescription.positions.iter().enumerate().skip(1) {
             check_traced(&lens.in_position(position)).map_err(|e| e.within(&format!("positions[{number}]")))?;
         }
+        check_zoom(&lens, &prescription.positions)?;
         Ok(lens)
     }
 }
@@ -232,8 +234,24 @@ fn check_positions(prescription: &Prescription) -> Result<(), Invalid> {
             let message = format!("what is sharp must be in front of the lens, got a distance of {distance} mm");
             return Err(Invalid::new(key, message));
         }
+        if let Some(focal_length) = position.focal_length_mm
+            && !(focal_length.is_finite() && focal_length > 0.0)
+        {
+            return Err(Invalid::new(key, format!("a focal length must be above 0, got {focal_length} mm")));
+        }
     }
     Ok(())
+}
+
+/// That every position at a distance belongs to a setting of the zoom, of which each has some if one has.
+fn check_zoom(lens: &Lens, positions: &[Position]) -> Result<(), Invalid> {
+    match ZoomSetting::of(lens, positions) {
+        Ok(_) => Ok(()),
+        Err((number, message)) => Err(Invalid::new(format!("positions[{number}]"), message).help(
+            "give each focal length of the zoom a position at infinity and one or more with an object_distance, in which \
+             focal_length repeats that at infinity",
+        )),
+    }
 }
 
 /// What a lens must fulfil as a whole, in one position.

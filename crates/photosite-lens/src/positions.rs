@@ -18,6 +18,75 @@ const COMPENSATION_MM: f64 = 1e-9;
 /// The step by which the effect of a gap on the image is found, mm.
 const STEP_MM: f64 = 1e-4;
 
+/// How far the focal length that a position of focus names may be from that of its setting of the zoom: engravings are
+/// rounded.
+const SAME_SETTING: f64 = 0.02;
+
+/// A setting of a zoom: its position at infinity, and those at nearer distances.
+#[derive(Debug)]
+pub(crate) struct ZoomSetting<'a> {
+    /// Logarithm of its focal length in mm.
+    logarithm: f64,
+    infinity: &'a Position,
+    near: Vec<&'a Position>,
+}
+
+impl<'a> ZoomSetting<'a> {
+    /// The settings of a zoom by rising focal length; at most one where a lens is none.
+    ///
+    /// # Errors
+    ///
+    /// The number of a position that belongs to none of them, and why.
+    pub(crate) fn of(lens: &Lens, positions: &'a [Position]) -> Result<Vec<Self>, (usize, String)> {
+        let efl = |position: &Position| lens.in_position(position).at(lines::D).first_order().efl_mm;
+        let mut settings: Vec<Self> = Vec::new();
+        for infinity in positions.iter().filter(|position| position.object_distance_mm.is_none()) {
+            settings.push(Self { logarithm: efl(infinity).ln(), infinity, near: Vec::new() });
+        }
+        settings.sort_by(|a, b| a.logarithm.total_cmp(&b.logarithm));
+        let is_zoom = settings.windows(2).any(|pair| pair[1].logarithm - pair[0].logarithm > DISTINCT);
+        let near = || positions.iter().enumerate().filter(|(_, position)| position.object_distance_mm.is_some());
+        if !is_zoom {
+            settings.truncate(1);
+            if let Some(only) = settings.first_mut() {
+                only.near.extend(near().map(|(_, position)| position));
+            }
+            return Ok(settings);
+        }
+        if positions.first().is_some_and(|first| first.object_distance_mm.is_some()) {
+            return Err((0, "the first position of a zoom must be at infinity".to_owned()));
+        }
+        for (number, position) in near() {
+            let Some(focal_length_mm) = position.focal_length_mm else {
+                return Err((number, "nothing says which focal length of the zoom it belongs to".to_owned()));
+            };
+            let off = |setting: &Self| (setting.logarithm - focal_length_mm.ln()).abs();
+            let nearest = settings.iter_mut().min_by(|a, b| off(a).total_cmp(&off(b)));
+            match nearest.filter(|setting| off(setting) <= SAME_SETTING) {
+                Some(setting) => setting.near.push(position),
+                None => {
+                    let message = format!("no position at infinity has its focal length of {focal_length_mm} mm");
+                    return Err((number, message));
+                }
+            }
+        }
+        let lacks = settings.iter().find(|setting| setting.near.is_empty());
+        match (near().next(), lacks) {
+            (Some((number, _)), Some(lacking)) => {
+                let without = lacking.logarithm.exp();
+                Err((number, format!("it is at a distance, as no position of the {without:.4} mm of the zoom is")))
+            }
+            _ => Ok(settings),
+        }
+    }
+
+    /// The curves of its focus; `None` where two positions are of one distance.
+    fn curves(&self, lens: &Lens) -> Option<GapCurves> {
+        let near = self.near.iter().map(|position| (position.object_distance_mm.map_or(0.0, f64::recip), *position));
+        GapCurves::new(lens, &std::iter::once((0.0, self.infinity)).chain(near).collect::<Vec<_>>())
+    }
+}
+
 /// Gaps and the stop's radius as functions of one parameter.
 #[derive(Clone, Debug)]
 pub struct GapCurves {
@@ -59,12 +128,57 @@ impl GapCurves {
     }
 
     /// The focus of a lens by the positions of its prescription that say how far what is sharp is: curves over
-    /// 1/distance from the first vertex. `None` where fewer than two do.
+    /// 1/distance from the first vertex. Of a zoom, at the focal length that the lens has. `None` where fewer than two do.
     pub fn of_focus(lens: &Lens, positions: &[Position]) -> Option<Self> {
-        let is_focus = positions.iter().any(|position| position.object_distance_mm.is_some());
-        let parameter = |position: &Position| position.object_distance_mm.map_or(0.0, f64::recip);
-        let all: Vec<_> = positions.iter().map(|position| (parameter(position), position)).collect();
-        if is_focus && all.len() > 1 { Self::new(lens, &all) } else { None }
+        if positions.iter().all(|position| position.object_distance_mm.is_none()) {
+            return None;
+        }
+        match ZoomSetting::of(lens, positions) {
+            Ok(settings) if settings.len() > 1 => Self::between(lens, &settings),
+            Ok(_) | Err(_) => {
+                let parameter = |position: &Position| position.object_distance_mm.map_or(0.0, f64::recip);
+                let all: Vec<_> = positions.iter().map(|position| (parameter(position), position)).collect();
+                if all.len() > 1 { Self::new(lens, &all) } else { None }
+            }
+        }
+    }
+
+    /// The focus of a zoom at the focal length of a lens: of each gap what the focus adds to it, from infinity to the nearest
+    /// distance, goes from setting to setting along monotone cubics in the logarithm of the focal length, and so does that
+    /// distance.
+    fn between(lens: &Lens, settings: &[ZoomSetting<'_>]) -> Option<Self> {
+        let logarithm = lens.at(lines::D).first_order().efl_mm.ln();
+        let curves = settings.iter().map(|setting| setting.curves(lens)).collect::<Option<Vec<_>>>()?;
+        let logarithms: Vec<f64> = settings.iter().map(|setting| setting.logarithm).collect();
+        let at_lens = |of_settings: Vec<f64>| {
+            let range = logarithms[0]..=*logarithms.last()?;
+            let curve = MonotoneCubic::new(logarithms.clone(), of_settings)?;
+            Some(curve.eval(logarithm.clamp(*range.start(), *range.end())))
+        };
+        let end = at_lens(curves.iter().map(Self::end).collect())?;
+        let steps = settings.iter().map(|setting| setting.near.len()).max()?;
+        let parts: Vec<f64> = (0..=steps).map(|i| i as f64 / steps as f64).collect();
+        let mut surfaces: Vec<usize> =
+            curves.iter().flat_map(|curves| curves.gaps.iter().map(|(surface, _)| *surface)).collect();
+        surfaces.sort_unstable();
+        surfaces.dedup();
+        let parameters: Vec<f64> = parts.iter().map(|part| part * end).collect();
+        let curve = |surface: usize| {
+            let added = |part: f64| {
+                let of_setting = |curves: &Self| {
+                    let gap = |parameter: f64| {
+                        let found = curves.gaps.iter().find(|(known, _)| *known == surface);
+                        found.map_or(0.0, |(_, curve)| curve.eval(parameter))
+                    };
+                    gap(part * curves.end()) - gap(0.0)
+                };
+                at_lens(curves.iter().map(of_setting).collect())
+            };
+            let gaps = parts.iter().map(|part| Some(lens.gap_mm(surface) + added(*part)?));
+            MonotoneCubic::new(parameters.clone(), gaps.collect::<Option<_>>()?)
+        };
+        let gaps = surfaces.iter().map(|surface| Some((*surface, curve(*surface)?))).collect::<Option<_>>()?;
+        Some(Self { gaps, stop: None, parameters })
     }
 
     /// The greatest parameter: of a focus, that of the nearest distance.
@@ -81,7 +195,10 @@ impl Lens {
     /// that the focus stays.
     pub fn zoomed(&self, positions: &[Position], focal_length_mm: f64) -> Result<Self, Invalid> {
         let efl = |lens: &Self| lens.at(lines::D).first_order().efl_mm;
-        let set: Vec<_> = positions.iter().map(|position| (efl(&self.in_position(position)), position)).collect();
+        // Focused nearer, a lens has another focal length, which is none of the zoom's.
+        let at_infinity: Vec<&Position> =
+            positions.iter().filter(|position| position.object_distance_mm.is_none()).collect();
+        let set: Vec<_> = at_infinity.iter().map(|&position| (efl(&self.in_position(position)), position)).collect();
         let shortest = set.iter().map(|(efl, _)| *efl).fold(f64::INFINITY, f64::min);
         let longest = set.iter().map(|(efl, _)| *efl).fold(0.0, f64::max);
         let key = "focal_length_mm";

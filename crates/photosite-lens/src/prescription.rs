@@ -138,4 +138,6 @@ pub struct Position {
     pub stop_semi_aperture_mm: Option<f64>,
     /// Distance of what is sharp from the first vertex, mm; `None` is infinity.
     pub object_distance_mm: Option<f64>,
+    /// Of a position at a distance: the focal length at infinity of the setting of a zoom that it belongs to, mm.
+    pub focal_length_mm: Option<f64>,
 }

@@ -141,6 +141,8 @@ pub(super) struct Setting {
     pub(super) half_field_deg: Option<f64>,
     pub(super) stop_semi_aperture_mm: Option<f64>,
     pub(super) object_distance_mm: Option<f64>,
+    /// Of a zoom, the focal length at infinity of its setting.
+    pub(super) focal_length_mm: Option<f64>,
     /// The f-number that the stop opens to here.
     pub(super) f_number: Option<f64>,
 }
@@ -195,6 +197,7 @@ impl Draft {
             setting.gaps.iter_mut().for_each(|(_, gap)| *gap *= mm);
             by(&mut setting.stop_semi_aperture_mm);
             by(&mut setting.object_distance_mm);
+            by(&mut setting.focal_length_mm);
         }
         by(&mut self.claims.focal_length_mm);
         by(&mut self.claims.image_half_diagonal_mm);

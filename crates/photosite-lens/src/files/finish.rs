@@ -11,6 +11,7 @@ use super::format::Format;
 use super::report::glasses_of;
 use super::report::{Reading, Report};
 use super::sanity;
+use super::zoom;
 use crate::glass::{self, Found};
 use crate::prescription::{Glass, Position, Prescription, Surface};
 use crate::{Lens, LensAt};
@@ -49,6 +50,9 @@ pub(super) fn finish(format: Format, mut draft: Draft) -> Read<Reading> {
     open(&mut prescription, &mut draft);
     if draft.derives_apertures {
         derive_apertures(&mut prescription, &mut draft)?;
+    }
+    if let Some(lens) = provisional(&prescription, None) {
+        zoom::assign(&mut prescription, &lens, &mut draft)?;
     }
     let lens = Lens::new(&prescription).map_err(|invalid| of_surface(&draft, invalid))?;
     let warnings = sanity::warnings(&prescription, &lens);
@@ -149,12 +153,23 @@ fn by_numbers(row: &Row, nd: f64, vd: f64, notes: &mut Vec<String>) -> Read<Glas
 }
 
 fn positions(draft: &Draft) -> Vec<Position> {
-    let position = |setting: &super::draft::Setting| Position {
-        label: setting.label.clone(),
-        gaps: setting.gaps.clone(),
-        half_field_deg: setting.half_field_deg,
-        stop_semi_aperture_mm: setting.stop_semi_aperture_mm,
-        object_distance_mm: setting.object_distance_mm,
+    let mut rows: Vec<usize> = draft.settings.iter().flat_map(|s| s.gaps.iter().map(|(row, _)| *row)).collect();
+    rows.sort_unstable();
+    rows.dedup();
+    let position = |setting: &super::draft::Setting| {
+        // What changes at all is said of each, so that one can follow another.
+        let gap = |row: usize| {
+            let own = draft.rows.get(row).map_or(f64::NAN, |row| row.thickness_mm);
+            setting.gaps.iter().rev().find(|(known, _)| *known == row).map_or(own, |(_, gap)| *gap)
+        };
+        Position {
+            label: setting.label.clone(),
+            gaps: rows.iter().map(|&row| (row, gap(row))).collect(),
+            half_field_deg: setting.half_field_deg,
+            stop_semi_aperture_mm: setting.stop_semi_aperture_mm,
+            object_distance_mm: setting.object_distance_mm,
+            focal_length_mm: setting.focal_length_mm.filter(|_| setting.object_distance_mm.is_some()),
+        }
     };
     draft.settings.iter().map(position).collect()
 }

@@ -23,6 +23,7 @@ mod shipped;
 mod text;
 mod write;
 mod zmx;
+mod zoom;
 
 pub use self::format::Format;
 pub use self::read::read;

@@ -136,6 +136,7 @@ struct PositionFile {
     f_number: Option<f64>,
     stop_semi_aperture: Option<f64>,
     object_distance: Option<f64>,
+    focal_length: Option<f64>,
 }
 
 /// Reads a TOML file.
@@ -149,10 +150,10 @@ pub(super) fn read_toml(text: &str) -> Read<Draft> {
 
 /// Reads a JSON file.
 pub(super) fn read_json(text: &str) -> Read<Draft> {
-    let file: LensFile = serde_json::from_str(text).map_err(|error| {
     if let Ok(value) = json_value::parsed(text) {
         check_is_own(&value)?;
     }
+    let file: LensFile = serde_json::from_str(text).map_err(|error| {
         let whole = error.to_string();
         // Its place is said by the line.
         let message = whole.split(" at line ").next().unwrap_or(&whole).to_owned();
@@ -161,7 +162,6 @@ pub(super) fn read_json(text: &str) -> Read<Draft> {
     draft(file)
 }
 
-/// The bytes of the value at a path of a TOML text, or of the innermost one around it.
 /// Refuses JSON of other programs by what it is and is not, before any of its keys is called unknown.
 fn check_is_own(value: &Value) -> Read<()> {
     let surface = value.get("surfaces").and_then(|surfaces| surfaces.get(0));
@@ -197,6 +197,7 @@ fn check_is_own(value: &Value) -> Read<()> {
 /// Keys that a message tells of at most.
 const MOST_KEYS_TOLD: usize = 8;
 
+/// The bytes of the value at a path of a TOML text, or of the innermost one around it.
 pub(super) fn toml_span(text: &str, path: &str) -> Option<Range<usize>> {
     let table = DeTable::parse(text).ok()?;
     let mut steps = path.split(['.', '[']).map(|step| step.trim_end_matches(']')).filter(|step| !step.is_empty());
@@ -422,6 +423,7 @@ fn setting(number: usize, position: PositionFile, rows: usize) -> Read<Setting> 
         half_field_deg: position.half_field_deg,
         stop_semi_aperture_mm: position.stop_semi_aperture,
         object_distance_mm: position.object_distance,
+        focal_length_mm: position.focal_length,
         f_number: position.f_number,
     })
 }

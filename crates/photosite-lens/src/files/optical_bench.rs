@@ -291,9 +291,15 @@ fn settings(draft: &mut Draft, names: &[&str], rows: &[Cells], distances: &BTree
     }
     let column =
         |name: &str, i: usize| figure(distances, name).and_then(|figure| figure.columns.get(i).copied().flatten());
+    let object = |i: usize| column("d0", i).filter(|distance| *distance > 0.0 && *distance < 1e9);
+    // Of a position at a distance it may be that of its setting at infinity, or that at the distance.
+    let is_of_zoom = |focal_length: f64| {
+        let mut at_infinity = (0..count).filter(|i| object(*i).is_none()).filter_map(|i| column("Focal Length", i));
+        at_infinity.any(|known| known == focal_length)
+    };
     for i in 0..count {
         let focal_length = column("Focal Length", i);
-        let object = column("d0", i).filter(|distance| *distance > 0.0 && *distance < 1e9);
+        let object = object(i);
         let label = match (focal_length, object) {
             (Some(f), None) => format!("{f} mm"),
             (Some(f), Some(distance)) => format!("{f} mm, object at {distance} mm"),
@@ -319,6 +325,7 @@ fn settings(draft: &mut Draft, names: &[&str], rows: &[Cells], distances: &BTree
             gaps,
             half_field_deg: column("Angle of View", i).filter(|full| *full > 0.0).map(|full| full / 2.0),
             object_distance_mm: object,
+            focal_length_mm: focal_length.filter(|f| is_of_zoom(*f)),
             f_number: column("F-Number", i).filter(|n| *n > 0.0),
             ..Setting::default()
         });

@@ -50,6 +50,7 @@ pub fn to_toml(prescription: &Prescription) -> String {
             ("half_field_deg", position.half_field_deg),
             ("stop_semi_aperture", position.stop_semi_aperture_mm),
             ("object_distance", position.object_distance_mm),
+            ("focal_length", position.focal_length_mm),
         ] {
             if let Some(value) = value {
                 let _ = writeln!(toml, "{key} = {}", number(value));

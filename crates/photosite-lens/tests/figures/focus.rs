@@ -6,7 +6,7 @@ use photosite_lens::focus::{Distance, FocusBy};
 use photosite_lens::positions::GapCurves;
 use photosite_lens::prescription::Position;
 use photosite_lens::trace::Apertures;
-use photosite_lens::{Lens, Ray};
+use photosite_lens::{Lens, Prescription, Ray};
 use rstest::rstest;
 
 use crate::neutral::{LENSES, close, prescription, read};
@@ -140,4 +140,84 @@ fn a_zoom_goes_through_its_positions_and_keeps_its_focus_between_them() {
     let prime = Lens::new(&crate::neutral::prescription(&read("tessar"))).expect("a lens");
     let error = prime.zoomed(&[], 50.0).expect_err("no zoom");
     assert!(error.message.contains("has one focal length"), "{error}");
+}
+
+/// A zoom whose front group also focuses: of each position at infinity two at a distance. At the positions its gaps are
+/// theirs; between them, in zoom and in focus, they are those of the front group alone, which needs no positions.
+#[test]
+fn a_zoom_with_positions_of_focus_follows_both() {
+    const DISTANCES: [f64; 2] = [6000.0, 3000.0];
+    let file = prescription(&read("zoom-laikin"));
+    let zoom = Lens::new(&file).expect("a lens");
+    let efl = |lens: &Lens| lens.at(lines::D).first_order().efl_mm;
+    // The sensor follows the image at infinity.
+    let surfaces: Vec<usize> = file.positions[0].gaps.iter().map(|(surface, _)| *surface).chain([23]).collect();
+    let of_lens = |lens: &Lens, focal_length: f64, distance: Option<f64>| Position {
+        gaps: surfaces.iter().map(|surface| (*surface, lens.gap_mm(*surface))).collect(),
+        object_distance_mm: distance,
+        focal_length_mm: distance.map(|_| focal_length),
+        ..Position::default()
+    };
+    let by_front = |lens: &Lens, distance: Distance| {
+        lens.focused_paraxially(FocusBy::FrontGroup(4), distance, lines::D).expect("in reach")
+    };
+    let mut positions = Vec::new();
+    for position in &file.positions {
+        let there = zoom.in_position(position);
+        let infinity = there.focused_paraxially(FocusBy::WholeLens, Distance::Infinity, lines::D).expect("in reach");
+        positions.push(of_lens(&infinity, 0.0, None));
+        for distance in DISTANCES {
+            let near = by_front(&infinity, Distance::FromFirstVertex(distance));
+            // As engraved.
+            positions.push(of_lens(&near, (10.0 * efl(&infinity)).round() / 10.0, Some(distance)));
+        }
+    }
+    let prescription = Prescription { positions, ..file.clone() };
+    let lens = Lens::new(&prescription).expect("a lens");
+    let focused = |focal_length: f64, distance: f64| {
+        let zoomed = lens.zoomed(&prescription.positions, focal_length).expect("in range");
+        let curves = GapCurves::of_focus(&zoomed, &prescription.positions).expect("positions of focus");
+        let focused =
+            zoomed.focused_paraxially(FocusBy::Positions(&curves), Distance::FromFirstVertex(distance), lines::D);
+        (zoomed, focused)
+    };
+    for group in prescription.positions.chunks(3) {
+        let focal_length = efl(&lens.in_position(&group[0]));
+        for position in &group[1..] {
+            let (_, there) = focused(focal_length, position.object_distance_mm.expect("a distance"));
+            let there = there.expect("in reach");
+            for (surface, gap) in &position.gaps {
+                close("at a position", there.gap_mm(*surface), *gap, 1e-4);
+            }
+        }
+    }
+    for (focal_length, distance) in [(24.0, 8000.0), (50.0, 4000.0), (100.0, 3100.0)] {
+        let (zoomed, there) = focused(focal_length, distance);
+        let there = there.expect("in reach");
+        let front = by_front(&zoomed, Distance::FromFirstVertex(distance));
+        close("front group", there.gap_mm(4) - zoomed.gap_mm(4), front.gap_mm(4) - zoomed.gap_mm(4), 1e-4);
+        for (surface, _) in prescription.positions[0].gaps.iter().filter(|(surface, _)| *surface != 4) {
+            close("other groups", there.gap_mm(*surface), zoomed.gap_mm(*surface), 1e-6);
+        }
+        close("focal length at infinity", efl(&zoomed) / focal_length, 1.0, 1e-6);
+    }
+    assert!(focused(50.0, 2000.0).1.is_err(), "nearer than its positions");
+
+    // What does not say where it belongs.
+    let refused = |change: &dyn Fn(&mut Vec<Position>)| {
+        let mut positions = prescription.positions.clone();
+        change(&mut positions);
+        Lens::new(&Prescription { positions, ..file.clone() }).expect_err("refused").to_string()
+    };
+    type Change<'a> = (&'a dyn Fn(&mut Vec<Position>), &'a str);
+    let changes: [Change<'_>; 4] = [
+        (&|positions| positions[2].focal_length_mm = None, "positions[2]: nothing says which focal length"),
+        (&|positions| positions[2].focal_length_mm = Some(20.0), "positions[2]: no position at infinity has its"),
+        (&|positions| positions.truncate(4), "no position of the"),
+        (&|positions| positions.swap(0, 1), "positions[0]: the first position of a zoom must be at infinity"),
+    ];
+    for (change, message) in changes {
+        let error = refused(change);
+        assert!(error.contains(message), "{error}");
+    }
 }

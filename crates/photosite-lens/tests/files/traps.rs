@@ -1,7 +1,8 @@
 //! What these formats mislead readers with.
 
 use photosite_core::spectrum::dispersion::lines;
-use photosite_lens::files::Reading;
+use photosite_lens::files::{self, Reading};
+use photosite_lens::prescription::Position;
 
 use super::{error, reading};
 
@@ -191,6 +192,34 @@ fn the_optical_bench_leaves_undefined_what_a_patent_does_not_say() {
     assert_eq!(lens.prescription.claims.focal_length_mm, Some(96.7));
 }
 
+/// Columns of a zoom at infinity and at a distance: those at a distance belong to those at infinity by what the file says, or
+/// in turn; what leaves that open is refused.
+#[test]
+fn the_optical_bench_has_columns_of_zoom_and_of_focus() {
+    let of = |focal_lengths: &str, d0: &str, d2: &str, d4: &str| {
+        format!(
+            "[variable distances]\nFocal Length\t{focal_lengths}\nd0\t{d0}\nd2\t{d2}\nd4\t{d4}\n[lens data]\n\
+             1\t100\t4\t1.5168\t16\t64.2\n2\tInfinity\td2\t\t16\n3\t80\t4\t1.5168\t16\t64.2\n4\tInfinity\td4\t\t16\n\
+             5\tAS\t40\t\t10\n"
+        )
+    };
+    // Two thin lenses of 193.5 and 154.8 mm, so far apart: 86 to 99 mm or so.
+    let (d0, d2, d4) = ("Infinity\tInfinity\t900\t900", "1\t40\t3\t44", "20\t20\t25\t25");
+    let stated = reading("a.txt", &of("86.6\t98.3\t98.3\t86.6", d0, d2, d4)).prescription;
+    let of_near = |positions: &[Position]| positions[2..].iter().map(|p| p.focal_length_mm).collect::<Vec<_>>();
+    assert_eq!(of_near(&stated.positions), [Some(98.3), Some(86.6)]);
+    let lens = reading("a.txt", &of("86.6\t98.3\tundefined\tundefined", d0, d2, d4));
+    let in_turn: Vec<f64> = of_near(&lens.prescription.positions).into_iter().flatten().collect();
+    assert!(in_turn.len() == 2 && in_turn[0] < 90.0 && in_turn[1] > 95.0, "{in_turn:?}");
+    assert!(told(&lens, "by their order: object at 900 mm to 8"), "{:?}", lens.report.assumed);
+    // Our own file says it.
+    let own = reading("a.toml", &files::to_toml(&lens.prescription));
+    assert_eq!(own.prescription.positions, lens.prescription.positions);
+    let odd = of("86.6\t98.3\tundefined", "Infinity\tInfinity\t900", "1\t40\t3", "20\t20\t25");
+    let error = files::read(odd.as_bytes(), "a.txt".as_ref()).expect_err("refused").to_string();
+    assert!(error.contains("2 positions at infinity and 1 at a distance, and nothing says"), "{error}");
+}
+
 #[test]
 fn what_a_file_claims_and_its_lens_does_not_keep_is_warned_of() {
     let claim = "unit = \"mm\"\nfocal_length = 100\nsurfaces = [{ radius = 50, thickness = 4, glass = \"N-BK7\", semi_aperture = 8, stop = true },\
@@ -206,7 +235,7 @@ fn a_wrong_abbe_number_shows_in_the_axial_colour() {
     // The EF 50 mm of DeepLens' file has 25.6 for a glass of 32.1, which leaves 0.27 mm of axial colour.
     let reference = super::reference("canon-ef50");
     assert!(!told(&reference, "foci of F and C"), "{:?}", reference.report.warnings);
-    let toml = photosite_lens::files::to_toml(&reference.prescription);
+    let toml = files::to_toml(&reference.prescription);
     let at = toml.find("[glasses.\"1.6727").expect("the glass");
     let end = at + toml[at..].find("source").expect("its end");
     let wrong = format!("{}[glasses.\"1.6727/32.1\"]\nnd = 1.6727\nvd = 25.6\n{}", &toml[..at], &toml[end..]);
@@ -222,8 +251,8 @@ fn a_shifted_asphere_order_shows_in_the_distortion() {
     for (order, _) in shifted.surfaces.iter_mut().skip(5).flat_map(|surface| &mut surface.asphere) {
         *order += 1;
     }
-    let toml = photosite_lens::files::to_toml(&shifted);
-    let lens = photosite_lens::files::read(toml.as_bytes(), "a.toml".as_ref());
+    let toml = files::to_toml(&shifted);
+    let lens = files::read(toml.as_bytes(), "a.toml".as_ref());
     let told = lens.map_or_else(|error| error.to_string(), |lens| lens.report.warnings.join("; "));
     assert!(told.contains("distortion") || told.contains("folds") || told.contains("runs through"), "{told}");
 }
