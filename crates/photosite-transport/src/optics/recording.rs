@@ -37,6 +37,13 @@ impl Recording {
         self.start_s + before * self.row_time_s + f64::from(u) * self.exposure_s
     }
 
+    /// Whether a row sees light at a time, s.
+    #[inline]
+    pub fn is_exposed(&self, row: f64, time_s: f64) -> bool {
+        let start_s = self.time_s(row, 0.0);
+        (start_s..start_s + self.exposure_s).contains(&time_s)
+    }
+
     /// The time, s, halfway between the start of the first row's exposure and the end of the last one's: the time of
     /// the picture where it has but one. With a global shutter it is the middle of the exposure, with rows one after
     /// the other that of the middle row.
@@ -66,6 +73,8 @@ mod tests {
         let top = Recording { motion, start_s, exposure_s, row_time_s, first_row, duration_s, frame_interval_s };
         assert_eq!([top.time_s(0.0, 0.0), top.time_s(2.0, 0.5)], [1.0, 1.75]);
         assert_eq!(top.later(3).time_s(2.0, 0.5), 7.75);
+        let at_1_6_s = [0.0, 1.0, 2.0, 3.0].map(|row| top.is_exposed(row, 1.6));
+        assert_eq!(at_1_6_s, [false, true, true, false]);
         // Of five rows, that of the middle one.
         assert_eq!([top.middle_s(), top.later(3).middle_s()], [top.time_s(2.0, 0.5), 7.75]);
         assert_eq!([1.0, 1.75, 2.5, 9.0].map(|time_s| top.part(time_s)), [0.0, 0.5, 1.0, 1.0]);

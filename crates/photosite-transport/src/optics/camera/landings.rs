@@ -13,6 +13,9 @@
 //! with the area |R(x)| of the region that directions are drawn from at x, the transmittance T_j of the glass, and v_kj = 1
 //! where wavelength k passes from a point of which a path may start and which is near enough to x_j, else 0. Inside the
 //! picture that is |R|, as if the lens did not disperse.
+//!
+//! Where something moves, the ray belongs to the time t at which its path starts. Rows of a rolling shutter see light at
+//! times of their own, each as long as any other: v_kj is 0, too, where the row of x_k is not exposed at t.
 
 use glam::DVec2;
 
@@ -55,10 +58,10 @@ pub(super) const BLOCKED: LaneRay =
     LaneRay { point: glam::Vec3::ZERO, direction: glam::Vec3::Z, wavelength_nm: 550.0, passed: 0.0 };
 
 impl Camera {
-    /// Whether [`land_each`](Self::land_each) serves this camera: it has the lens of a prescription, stands still, and its
-    /// pixels are rectangles of a picture.
+    /// Whether [`land_each`](Self::land_each) serves this camera: it has the lens of a prescription, and its pixels are
+    /// rectangles of a picture.
     pub fn lands_wavelengths(&self) -> bool {
-        self.prescribed.is_some() && self.recording.is_none() && !self.scans && !self.cells.is_staggered()
+        self.prescribed.is_some() && !self.scans && !self.cells.is_staggered()
     }
 
     /// The rays of samples at their hero's wavelength.
@@ -128,6 +131,15 @@ impl Camera {
                 take(i, None);
                 continue;
             };
+            // Where something moves, the ray is there at the time of its path
+            let of_time = self.recording.as_ref().map(|recording| {
+                let row = self.cells.cell_at(sample.pixel).y;
+                (recording, recording.time_s(row, sample.time))
+            });
+            let is_exposed = |[_, row]: [u32; 2]| {
+                of_time.is_none_or(|(recording, time_s)| recording.is_exposed(f64::from(row), time_s))
+            };
+
             // Where each has landed, the density there of paths that start along this ray, and its transmittance
             let mut cells = [[0; 2]; LANES];
             let mut densities = [0.0; LANES];
@@ -146,7 +158,7 @@ impl Camera {
                     continue;
                 }
                 let Some(cell) = self.lit_cell(pixel) else { continue };
-                if starts(i, cell) {
+                if starts(i, cell) && (lane == 0 || is_exposed(cell)) {
                     cells[lane] = cell;
                     densities[lane] = 1.0 / area;
                 }
