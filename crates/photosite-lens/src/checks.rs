@@ -243,15 +243,28 @@ fn check_positions(prescription: &Prescription) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// That every position at a distance belongs to a setting of the zoom, of which each has some if one has.
+/// That every position at a distance belongs to a setting of the zoom, of which each has some if one has, and that no two
+/// are of the same distance.
 fn check_zoom(lens: &Lens, positions: &[Position]) -> Result<(), Invalid> {
-    match ZoomSetting::of(lens, positions) {
-        Ok(_) => Ok(()),
-        Err((number, message)) => Err(Invalid::new(format!("positions[{number}]"), message).help(
+    let refuse = |number: usize, message: String| {
+        Err(Invalid::new(format!("positions[{number}]"), message).help(
             "give each focal length of the zoom a position at infinity and one or more with an object_distance, in which \
              focal_length repeats that at infinity",
-        )),
+        ))
+    };
+    if let Err((number, message)) = ZoomSetting::of(lens, positions) {
+        return refuse(number, message);
     }
+    for (number, position) in positions.iter().enumerate() {
+        let Some(distance) = position.object_distance_mm else { continue };
+        let is_same = |other: &Position| {
+            other.object_distance_mm == Some(distance) && other.focal_length_mm == position.focal_length_mm
+        };
+        if positions[..number].iter().any(is_same) {
+            return refuse(number, format!("it is at {distance} mm, as another one before it"));
+        }
+    }
+    Ok(())
 }
 
 /// What a lens must fulfil as a whole, in one position.

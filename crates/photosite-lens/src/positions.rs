@@ -47,6 +47,11 @@ impl<'a> ZoomSetting<'a> {
         let is_zoom = settings.windows(2).any(|pair| pair[1].logarithm - pair[0].logarithm > DISTINCT);
         let near = || positions.iter().enumerate().filter(|(_, position)| position.object_distance_mm.is_some());
         if !is_zoom {
+            let second =
+                positions.iter().enumerate().filter(|(_, position)| position.object_distance_mm.is_none()).nth(1);
+            if let (Some((number, _)), Some(_)) = (second, near().next()) {
+                return Err((number, "it is at infinity as another, with the same focal length".to_owned()));
+            }
             settings.truncate(1);
             if let Some(only) = settings.first_mut() {
                 only.near.extend(near().map(|(_, position)| position));

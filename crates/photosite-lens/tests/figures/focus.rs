@@ -210,14 +210,22 @@ fn a_zoom_with_positions_of_focus_follows_both() {
         Lens::new(&Prescription { positions, ..file.clone() }).expect_err("refused").to_string()
     };
     type Change<'a> = (&'a dyn Fn(&mut Vec<Position>), &'a str);
-    let changes: [Change<'_>; 4] = [
+    let changes: [Change<'_>; 5] = [
         (&|positions| positions[2].focal_length_mm = None, "positions[2]: nothing says which focal length"),
         (&|positions| positions[2].focal_length_mm = Some(20.0), "positions[2]: no position at infinity has its"),
         (&|positions| positions.truncate(4), "no position of the"),
+        (
+            &|positions| positions[2].object_distance_mm = Some(DISTANCES[0]),
+            "positions[2]: it is at 6000 mm, as another",
+        ),
         (&|positions| positions.swap(0, 1), "positions[0]: the first position of a zoom must be at infinity"),
     ];
     for (change, message) in changes {
         let error = refused(change);
         assert!(error.contains(message), "{error}");
     }
+    let error = refused(&|positions| {
+        *positions = vec![file.positions[0].clone(), file.positions[0].clone(), positions[1].clone()]
+    });
+    assert!(error.contains("positions[1]: it is at infinity as another"), "{error}");
 }
