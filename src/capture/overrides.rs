@@ -14,10 +14,18 @@ pub(super) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
     if let Some((table, key)) = key.trim().split_once('.') {
         let mut lost = Vec::new();
         for other in alternatives(table, key, value) {
+            if (table, key) == ("lens", "prescription") && goes_with_prescription(source, other) {
+                continue;
+            }
             let Some(node) = source.remove(table, other) else { continue };
             // Poses and focus of a file give way to those of data sets and sweeps all the time, and a time that is
             // given means that none is found.
-            if table == "exposure" && (*other != "auto" || source.is_of_argument(&node)) {
+            let is_told = match table {
+                "exposure" => *other != "auto" || source.is_of_argument(&node),
+                "lens" => key == "prescription" || *other == "prescription",
+                _ => false,
+            };
+            if is_told {
                 lost.push(format!("{table}.{other}"));
             }
         }
@@ -43,14 +51,52 @@ fn alternatives(table: &str, key: &str, value: &str) -> &'static [&'static str] 
             "motion" => &["motion", "position_m", "look_at_m", "up", "gltf_camera"],
             _ => &[],
         },
-        "lens" => match key {
+        "lens" => match key.split('.').next().unwrap_or_default() {
             "focus_distance_m" => &["autofocus_px"],
             "autofocus_px" => &["focus_distance_m"],
-            "horizontal_fov_deg" => &["focal_length_mm", "lensmaker", "intrinsics", "image_distance_mm"],
-            "focal_length_mm" | "lensmaker" | "intrinsics" | "image_distance_mm" => &["horizontal_fov_deg"],
+            "horizontal_fov_deg" => {
+                &["focal_length_mm", "lensmaker", "intrinsics", "image_distance_mm", "prescription"]
+            }
+            "focal_length_mm" | "image_distance_mm" => &["horizontal_fov_deg"],
+            "lensmaker" | "intrinsics" => &["horizontal_fov_deg", "prescription"],
+            "type" => &["prescription"],
+            "prescription" => &OTHER_THAN_GLASS,
             _ => &[],
         },
         _ => &[],
+    }
+}
+
+/// Keys of `[lens]` that describe a lens without its glass. A zoom's focal length and where the sensor stands are those of
+/// the lens before, too.
+const OTHER_THAN_GLASS: [&str; 16] = [
+    "type",
+    "focal_length_mm",
+    "horizontal_fov_deg",
+    "image_distance_mm",
+    "lensmaker",
+    "intrinsics",
+    "distortion",
+    "projection",
+    "xi",
+    "max_angle_deg",
+    "min_focus_distance_m",
+    "falloff",
+    "stops",
+    "lateral_colour",
+    "supplementary",
+    "psf",
+];
+
+/// Whether what stands at one of the keys that a prescription takes the place of is meant for it: diffraction of its own
+/// wave fronts, and what arguments say of a lens of any kind.
+fn goes_with_prescription(source: &CaptureSource, key: &str) -> bool {
+    match key {
+        "psf" => source.read::<String>("lens.psf.kind").is_ok_and(|kind| kind.as_deref() == Some("wave")),
+        "focal_length_mm" | "image_distance_mm" => {
+            source.get(&format!("lens.{key}")).is_some_and(|node| source.is_of_argument(node))
+        }
+        _ => false,
     }
 }
 

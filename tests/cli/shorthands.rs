@@ -123,6 +123,40 @@ fn the_field_of_view_is_that_of_the_width(#[case] lens: &str, #[case] degrees: f
     assert_eq!(folder.report("out")["capture"]["lens"].get("focal_length_mm"), None);
 }
 
+/// A prescription on the command line takes the place of all that describes another lens, and says so; a zoom's focal
+/// length is asked for again.
+#[test]
+fn a_prescription_takes_the_place_of_a_lens_and_gives_it_up() {
+    let folder = room("[render]\nsamples_per_pixel = 1\n");
+    let small = "--set sensor.resolution_px=[24,16] --force";
+    let lens_of = |more: &str| {
+        let told = folder.succeed(&format!("render capture.toml -o out {small} {more}")).text();
+        (folder.report("out")["capture"]["lens"].clone(), folder.report("out")["lens"].clone(), told)
+    };
+    let (capture, lens, told) = lens_of("--set lens.prescription=double-gauss --set lens.f_number=4");
+    assert!(
+        told.contains("lens.prescription=double-gauss replaces lens.focal_length_mm, lens.distortion, which"),
+        "{told}"
+    );
+    assert_eq!(capture, serde_json::json!({ "prescription": "double-gauss", "f_number": 4, "blades": 6 }));
+    assert!((number(&lens["focal_length_mm"]) - 99.5).abs() < 1.0, "{lens}");
+    // What an argument says of a zoom stays, in any order.
+    let sets = ["--set lens.prescription=zoom-laikin", "--set lens.focal_length_mm=50", "--set lens.f_number=8"];
+    for order in [[0, 1, 2], [1, 0, 2]] {
+        let (capture, lens, _) = lens_of(&order.map(|i| sets[i]).join(" "));
+        assert_eq!((number(&lens["focal_length_mm"]), number(&capture["focal_length_mm"])), (50.0, 50.0));
+    }
+    let glass = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    let start = glass.find("focal_length_mm").expect("a key");
+    let end = glass.find("[sensor]").expect("a table");
+    folder.add("capture.toml", [&glass[..start], "prescription = 'double-gauss'\n", &glass[end..]].concat());
+    let (capture, lens, told) = lens_of("--set lens.type=thin --set lens.focal_length_mm=35");
+    assert!(told.contains("lens.type=thin replaces lens.prescription"), "{told}");
+    assert_eq!((number(&lens["focal_length_mm"]), capture.get("prescription")), (35.0, None));
+    let (capture, ..) = lens_of("--set lens.horizontal_fov_deg=30");
+    assert_eq!(capture.get("prescription"), None);
+}
+
 #[rstest]
 #[case::both(
     "focal_length_mm = 8\nhorizontal_fov_deg = 40",
