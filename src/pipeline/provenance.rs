@@ -23,10 +23,11 @@ pub(crate) fn provenance(capture: &Capture) -> Result<Map<String, Value>> {
 /// `hashes`.
 pub(crate) fn keys_and_files(capture: &Capture, hashes: &mut Map<String, Value>) -> Result<Value> {
     let folder = capture.source.path().parent().unwrap_or(Path::new(""));
-    let values = capture.to_json(folder)?;
-    add_files(&values, (folder, &capture.source), hashes)?;
-    // What scenes name in turn, by names that do not depend on where the command was given
+    // Names do not depend on where the command was given: an absolute path becomes relative, too, from the current folder.
     let named_from = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let values = capture.to_json(named_from)?;
+    add_files(&values, (folder, &capture.source), hashes)?;
+    // What scenes name in turn
     capture
         .scene
         .files

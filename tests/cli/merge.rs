@@ -45,6 +45,20 @@ fn parts_make_the_bytes_of_one_render(#[case] exposure: &str, #[case] more: &str
     assert_same(&folder, "whole", "merged");
 }
 
+/// A file that a capture names by an absolute path is the same from wherever the capture is read.
+#[test]
+fn parts_of_a_capture_with_an_absolute_path_are_merged() {
+    let folder = room("[render]\nsamples_per_pixel = 8");
+    let capture = fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    let absolute = folder.path("room.obj");
+    assert!(absolute.is_absolute());
+    folder.add("capture.toml", capture.replace("\"room.obj\"", &format!("'{}'", absolute.display())));
+    folder.succeed("render capture.toml -o whole");
+    render_parts(&folder, "capture.toml");
+    folder.succeed("merge part0 part1 part2 -o merged");
+    assert_same(&folder, "whole", "merged");
+}
+
 #[test]
 fn what_is_chosen_by_the_light_is_chosen_by_all_of_it() {
     let folder = room("[render]\nsamples_per_pixel = 8");
