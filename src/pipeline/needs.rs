@@ -6,12 +6,15 @@
 
 use std::sync::Arc;
 
+use super::camera::pixels;
 use super::chain::Settings;
 use crate::Result;
 use crate::calibration::truth::TruthLayer;
 use crate::capture::{Capture, CaptureSource};
 use crate::develop;
+use crate::integrator::bytes_of_landings;
 use crate::io::light_rows::LightRows;
+use crate::optics::LensKind;
 use crate::scene::description::{MeshDescription, SceneDescription};
 use crate::sensor::NoiseMap;
 use photosite_core::memory::{self, Left};
@@ -32,16 +35,22 @@ pub(super) struct Needs<'a> {
     pixels: u64,
     /// Whether noise is stopped at, which takes a second film.
     has_pilot: bool,
+    /// Bytes of light on its way to the rows that it lands in, behind a lens that parts wavelengths.
+    landings: u64,
 }
 
 impl<'a> Needs<'a> {
     pub(super) fn new(settings: Settings<'a>) -> Self {
         let [width, height] = settings.sensor.resolution.map(|n| n as u64);
-        Self { settings, pixels: width.saturating_mul(height), has_pilot: false }
+        Self { settings, pixels: width.saturating_mul(height), has_pilot: false, landings: 0 }
     }
 
     pub(super) fn of(capture: &'a Capture) -> Self {
-        Self { has_pilot: capture.render.noise_target.is_some(), ..Self::new(capture.into()) }
+        Self {
+            has_pilot: capture.render.noise_target.is_some(),
+            landings: landings(capture),
+            ..Self::new(capture.into())
+        }
     }
 
     fn channels(&self) -> u64 {
@@ -58,7 +67,8 @@ impl<'a> Needs<'a> {
         self.pixels.saturating_mul(LightRows::bytes_per_pixel(channels, self.channels() as usize) as u64)
     }
 
-    /// What tracing takes beside film and rows: pictures of the state so far, and how many samples pixels are to have.
+    /// What tracing takes beside film and rows: pictures of the state so far, how many samples pixels are to have, and light
+    /// that has not landed yet.
     /// Where it `is_watched`, the monitor keeps a picture, and develops another.
     pub(super) fn beside_film(&self, is_watched: bool) -> u64 {
         let shown = self.channels() * FLOAT;
@@ -72,7 +82,7 @@ impl<'a> Needs<'a> {
         };
         let wanted = if self.has_pilot { FLOAT } else { 0 };
         let resized = if preview > 0 { self.resized() } else { 0 };
-        self.pixels.saturating_mul(preview + wanted).saturating_add(resized)
+        self.pixels.saturating_mul(preview + wanted).saturating_add(resized).saturating_add(self.landings)
     }
 
     /// Charge and digital numbers.
@@ -116,6 +126,16 @@ impl<'a> Needs<'a> {
         left.check(bytes, &what, instead)
             .map_err(|invalid| self.settings.source.error(invalid.within("sensor.resolution_px")))
     }
+}
+
+/// What light takes that lands in other rows than its path came from.
+fn landings(capture: &Capture) -> u64 {
+    let Capture { lens, sensor, render, .. } = capture;
+    let lands = lens.kind == LensKind::Prescription && !sensor.shutter.scans() && render.reuse <= 1;
+    // Where there is no end to the samples, as many as fit together are traced at once.
+    let is_open = render.noise_target.is_some() || render.time_limit.is_some();
+    let samples = if is_open { u32::MAX } else { render.samples_per_pixel };
+    if lands { bytes_of_landings(pixels(capture).map(|n| n as usize), samples) } else { 0 }
 }
 
 /// What building a scene takes.

@@ -105,3 +105,16 @@ fn raw_files_and_stored_light_that_do_not_fit_are_refused() {
     }
     folder.fail("expose out -o again --memory 0.015", 1, &["takes", "MiB", "--memory"]);
 }
+
+/// Light that lands in other rows waits for them: that of 16 samples of 320 pixels in 102 rows and in 48 above and below,
+/// of four wavelengths of 20 bytes, is 77 MiB.
+#[test]
+fn light_on_its_way_through_a_prescription_counts() {
+    let folder = room("[render]\nsamples_per_pixel = 16\n[output]\npreview_interval_s = 0\n");
+    let render = "render capture.toml --set sensor.resolution_px=[320,240] --quiet";
+    let glass = "--set lens.prescription=double-gauss --set lens.f_number=4";
+    folder.succeed(&format!("{render} -o thin --memory 0.06"));
+    folder.fail(&format!("{render} {glass} -o glass --memory 0.06"), 1, &["320 × 240", "takes", "MiB", "--memory"]);
+    // So does one sample of them.
+    folder.succeed(&format!("{render} {glass} -o glass --memory 0.06 --spp 1"));
+}

@@ -21,6 +21,6 @@ pub use job::{FilterTile, RenderJob};
 pub use path::PathLimits;
 pub use pilot::Pilot;
 pub use progress::{Listener, Step};
-pub use render::{COARSE_STEP, render, render_coarse, render_on, render_with_pilot};
+pub use render::{COARSE_STEP, bytes_of_landings, render, render_coarse, render_on, render_with_pilot};
 pub use settings::{RenderSettings, WavelengthChoice};
 pub use wavefront::radiance;

@@ -7,6 +7,7 @@ mod tracer;
 
 use std::ops::ControlFlow;
 
+pub use self::landings::bytes_of_landings;
 use self::passes::MAX_PASS_SAMPLES;
 use self::tracer::Tracer;
 use super::RenderSettings;

@@ -29,6 +29,24 @@ const REACH: usize = 48;
 const MAX_STORED_PATHS: usize = 1 << 20;
 const PATHS_OF_ROWS: usize = 1 << 19;
 
+/// Samples of each pixel that are traced together: as many as have no more paths in all rows within reach than are kept.
+fn samples_together(width: usize) -> usize {
+    (MAX_STORED_PATHS / (width * (2 * REACH + 1))).clamp(1, 16)
+}
+
+/// Rows that are completed at once, with so many samples.
+fn rows_together(width: usize, samples: usize) -> usize {
+    (PATHS_OF_ROWS / (width * samples)).max(1)
+}
+
+/// Most memory, bytes, that the light takes which is kept between its path and the rows that it lands in, of a picture of so
+/// many columns and rows and so many samples a pixel.
+pub fn bytes_of_landings([width, height]: [usize; 2], samples_per_pixel: u32) -> u64 {
+    let samples = samples_together(width).min(samples_per_pixel.max(1) as usize);
+    let rows = height.min(rows_together(width, samples) + 2 * REACH);
+    [width, samples, rows, LANES, size_of::<Landed>()].into_iter().fold(1, |bytes, n| bytes.saturating_mul(n as u64))
+}
+
 /// Light of one wavelength that lands in a row.
 struct Landed {
     column: u32,
@@ -75,8 +93,7 @@ impl Tracer<'_> {
         let least = (0..film.counts().len()).map(wanted).fold(beyond, u32::min);
         let pass = Pass { tracer: self, width, rows, wanted, beyond, least };
         let all = hull((0..).zip(film.counts()).map(|(pixel, &done)| done..wanted(pixel)));
-        let within_reach = width * (2 * REACH + 1);
-        let together = (MAX_STORED_PATHS / within_reach).clamp(1, 16);
+        let together = samples_together(width);
         let light_paths = self.light_tracer.as_ref().map_or(together, LightTracer::samples_per_batch);
         let together = together.min(light_paths);
         for start in all.clone().step_by(together) {
@@ -114,7 +131,7 @@ impl Tracer<'_> {
             near.into_iter().any(|row| lacking[row - rows.start])
         };
         let splats = self.splats(film, pass, samples.clone());
-        let step = (PATHS_OF_ROWS / (width * samples.len())).max(1);
+        let step = rows_together(width, samples.len());
         let mut paths: VecDeque<RowOfPaths> = VecDeque::new();
         // Rows of the picture whose paths are kept.
         let mut kept = rows.start.saturating_sub(REACH)..rows.start.saturating_sub(REACH);
