@@ -132,7 +132,13 @@ impl Exposure {
             } else {
                 format!("{} s is shorter than the exposure of {} s", interval.0, self.time.0)
             };
-            return Err(Invalid::new("frame_interval_s", message).help("leave it out for one exposure after another"));
+            // Data sets set it for cameras on a way.
+            let most_hz = (1e3 / sensor.frame_interval(self.time, None).0).floor() / 1e3;
+            let help = format!(
+                "leave it out for one exposure after another; of a data set with a trajectory, lower its frame_rate_hz \
+                 to at most {most_hz}"
+            );
+            return Err(Invalid::new("frame_interval_s", message).help(help));
         }
         if let Shutter::Scanning { line_time } = sensor.shutter
             && self.time.0 > line_time.0
