@@ -14,8 +14,10 @@ use crate::characterisation::report::html::{self, escaped, page};
 pub fn html(reading: &Reading, figures: &LensFigures) -> String {
     let title = if figures.name.is_empty() { "Lens" } else { &figures.name };
     let mut body = format!("<h1>{}</h1>\n", escaped(title));
-    let origin: Vec<String> =
-        [&figures.patent, &figures.source, &figures.licence].into_iter().flatten().map(|text| escaped(text)).collect();
+    let origin: Vec<String> = [("Patent", &figures.patent), ("Source", &figures.source), ("Licence", &figures.licence)]
+        .into_iter()
+        .filter_map(|(what, text)| Some(format!("{what}: {}", escaped(text.as_deref()?))))
+        .collect();
     let _ = writeln!(body, "<p class=\"subtitle\">{}</p>", origin.join(" · "));
     for warning in &figures.warnings {
         let _ = writeln!(body, "<p><strong>Warning:</strong> {}</p>", escaped(warning));

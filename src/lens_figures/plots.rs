@@ -2,9 +2,7 @@
 
 use super::compute::LINES;
 use super::figures::{ChiefFigures, FieldFigures, MtfFigures, PositionFigures};
-use crate::characterisation::report::chart::{
-    Axis, BLUE, Chart, Curve, GREEN, Mark, ORANGE, RGBColor, SeriesLabelPosition,
-};
+use crate::characterisation::report::chart::{Axis, BLUE, Chart, Curve, GREEN, Mark, ORANGE, RGBColor};
 use crate::characterisation::report::plot::Plot;
 
 /// F, d and C as the eye knows them: blue, green, red.
@@ -41,12 +39,7 @@ fn field_curves(position: &PositionFigures) -> Plot {
     Plot {
         title: "Field curves",
         caption: "Where rays close to the chief ray of d cross it, behind the sensor.".to_owned(),
-        chart: Chart {
-            x: angle(position),
-            y: Axis::linear("behind the sensor in mm"),
-            curves,
-            legend: SeriesLabelPosition::LowerLeft,
-        },
+        chart: Chart { x: angle(position), y: Axis::linear("behind the sensor in mm"), curves },
     }
 }
 
@@ -58,7 +51,6 @@ fn distortion(position: &PositionFigures) -> Plot {
             x: angle(position),
             y: Axis::linear("distortion in %"),
             curves: vec![Curve::new("", Mark::Line, BLUE, by_angle(position, |chief| Some(chief.distortion_percent)))],
-            legend: SeriesLabelPosition::LowerLeft,
         },
     }
 }
@@ -76,7 +68,6 @@ fn illumination(position: &PositionFigures) -> Plot {
                 BLUE,
                 by_field(position, |field| Some(field.relative_illumination)),
             )],
-            legend: SeriesLabelPosition::LowerLeft,
         },
     }
 }
@@ -89,12 +80,7 @@ fn lateral_colour(position: &PositionFigures) -> Plot {
     Plot {
         title: "Lateral colour",
         caption: "Chief rays of F and C on the sensor, beyond that of d.".to_owned(),
-        chart: Chart {
-            x: angle(position),
-            y: Axis::linear("beyond d in µm"),
-            curves,
-            legend: SeriesLabelPosition::LowerLeft,
-        },
+        chart: Chart { x: angle(position), y: Axis::linear("beyond d in µm"), curves },
     }
 }
 
@@ -113,9 +99,6 @@ fn modulation_by_frequency(position: &PositionFigures) -> Vec<Plot> {
         let field = &position.fields[i];
         let mut curves = Vec::new();
         let mut methods = Vec::new();
-        // The legend stands where there are no curves.
-        let ends = field.mtf.iter().flatten().flat_map(|mtf| [mtf.tangential.last(), mtf.sagittal.last()]);
-        let is_high = ends.flatten().fold(1.0, |least: f64, end| least.min(*end)) > 0.4;
         for (((line, _), colour), mtf) in LINES.into_iter().zip(COLOURS).zip(&field.mtf) {
             let Some(mtf) = mtf else { continue };
             let points = |values: &[f64]| mtf.frequency_per_mm.iter().copied().zip(values.iter().copied()).collect();
@@ -134,7 +117,6 @@ fn modulation_by_frequency(position: &PositionFigures) -> Vec<Plot> {
                 x: Axis::linear("cycles per mm").within(0.0, 100.0),
                 y: Axis::linear("modulation").within(0.0, 1.0),
                 curves,
-                legend: if is_high { SeriesLabelPosition::LowerLeft } else { SeriesLabelPosition::UpperRight },
             },
         }
     };
@@ -157,11 +139,6 @@ fn modulation_by_field(position: &PositionFigures) -> Plot {
     Plot {
         title: "Modulation transfer over the field",
         caption: "At d, for 10, 20 and 40 cycles per mm, tangential (T) and sagittal (S).".to_owned(),
-        chart: Chart {
-            x: angle(position),
-            y: Axis::linear("modulation").within(0.0, 1.0),
-            curves,
-            legend: SeriesLabelPosition::LowerLeft,
-        },
+        chart: Chart { x: angle(position), y: Axis::linear("modulation").within(0.0, 1.0), curves },
     }
 }

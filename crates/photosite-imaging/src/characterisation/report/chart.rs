@@ -4,13 +4,15 @@ use std::sync::Once;
 
 use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
-pub use plotters::prelude::{RGBColor, SeriesLabelPosition};
+pub use plotters::prelude::RGBColor;
 
 use plotters::prelude::{
     BitMapBackend, ChartBuilder, Circle, DashedLineSeries, DrawingArea, DrawingAreaErrorKind, DrawingBackend,
-    FontStyle, IntoDrawingArea, IntoFont, IntoLogRange, LineSeries, PathElement, Ranged, SVGBackend, ShapeStyle, WHITE,
+    FontStyle, IntoDrawingArea, IntoFont, IntoLogRange, LineSeries, PathElement, Ranged, SVGBackend, ShapeStyle, Text,
+    WHITE,
 };
 use plotters::style::register_font;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 /// Measured points and the first of the lines.
 pub const BLUE: RGBColor = RGBColor(31, 95, 168);
@@ -30,6 +32,12 @@ const SIZE: (u32, u32) = (1440, 960);
 const FONT: &str = "Helvetica, Arial, sans-serif";
 /// The letters of PNG, by which those of SVG are placed, too: DejaVu Sans, reduced to what plots need.
 const FONT_FILE: &[u8] = include_bytes!("../../../assets/fonts/DejaVuSans-plots.ttf");
+/// Of a broken line, its strokes and what lies between them.
+const DASH: u32 = 14;
+const GAP: u32 = 10;
+/// What the labels of the axis upwards take at the left, and what stays free at the right.
+const LEFT: u32 = 150;
+const RIGHT: u32 = 40;
 /// Drawn pixels along each side of a pixel of a PNG, which is their mean: edges are smooth.
 const FINER: usize = 2;
 
@@ -88,6 +96,10 @@ pub struct Curve {
 }
 
 impl Curve {
+    fn style(&self) -> ShapeStyle {
+        ShapeStyle { color: self.colour.into(), filled: self.mark == Mark::Points, stroke_width: 4 }
+    }
+
     /// A series.
     pub fn new(label: impl Into<String>, mark: Mark, colour: RGBColor, points: Vec<(f64, f64)>) -> Self {
         Self { label: label.into(), mark, colour, points }
@@ -101,10 +113,8 @@ pub struct Chart {
     pub x: Axis,
     /// The axis upwards.
     pub y: Axis,
-    /// What is drawn.
+    /// What is drawn. The legend stands above, where no curve can be.
     pub curves: Vec<Curve>,
-    /// Where the legend stands.
-    pub legend: SeriesLabelPosition,
 }
 
 type DrawResult<B> = Result<(), DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
@@ -168,13 +178,14 @@ impl Chart {
         Y::CoordDescType: ValueFormatter<f64> + Ranged<ValueType = f64>,
     {
         area.fill(&WHITE)?;
+        let above = draw_legend(area, curves)?;
         let mut chart = ChartBuilder::on(area)
-            .margin_top(24)
-            .margin_right(40)
+            .margin_top(24 + above)
+            .margin_right(RIGHT)
             .margin_bottom(12)
             .margin_left(12)
             .x_label_area_size(100)
-            .y_label_area_size(150)
+            .y_label_area_size(LEFT)
             .build_cartesian_2d(x, y)?;
         let text = |size: u32| (FONT, size).into_font().color(&INK);
         chart
@@ -192,43 +203,54 @@ impl Chart {
             .y_label_formatter(&tick)
             .draw()?;
         for curve in curves {
-            let style = ShapeStyle { color: curve.colour.into(), filled: curve.mark == Mark::Points, stroke_width: 4 };
+            let style = curve.style();
             let points = curve.points.iter().copied();
-            let drawn = match curve.mark {
+            match curve.mark {
                 Mark::Points => chart.draw_series(points.map(|p| Circle::new(p, 7, style)))?,
                 Mark::Line => chart.draw_series(LineSeries::new(points, style))?,
-                Mark::Dashes => chart.draw_series(DashedLineSeries::new(points, 14, 10, style))?,
+                Mark::Dashes => chart.draw_series(DashedLineSeries::new(points, DASH, GAP, style))?,
             };
-            if curve.label.is_empty() {
-                continue;
-            }
-            let (mark, label) = (curve.mark, curve.label.clone());
-            drawn.label(label).legend(move |(x, y)| {
-                let sample = match mark {
-                    Mark::Points => vec![(x + 20, y - 4), (x + 20, y + 4)],
-                    Mark::Line | Mark::Dashes => vec![(x, y), (x + 40, y)],
-                };
-                let stroke_width = match mark {
-                    Mark::Points => 14,
-                    Mark::Line => 5,
-                    Mark::Dashes => 2,
-                };
-                PathElement::new(sample, ShapeStyle { stroke_width, ..style })
-            });
-        }
-        if curves.iter().any(|curve| !curve.label.is_empty()) {
-            chart
-                .configure_series_labels()
-                .position(self.legend.clone())
-                .margin(20)
-                .legend_area_size(56)
-                .background_style(ShapeStyle { color: WHITE.into(), filled: true, stroke_width: 1 })
-                .border_style(GRID)
-                .label_font(text(30))
-                .draw()?;
         }
         area.present()
     }
+}
+
+/// Draws what the curves are called, side by side from the left, in as many rows as that takes, and returns their height.
+fn draw_legend<'a, B: DrawingBackend + 'a>(
+    area: &DrawingArea<B, Shift>,
+    curves: &[Curve],
+) -> Result<u32, DrawingAreaErrorKind<B::ErrorType>> {
+    const ROW: i32 = 44;
+    const SAMPLE: i32 = (2 * DASH + GAP) as i32;
+    const BEFORE_TEXT: i32 = 14;
+    const BETWEEN: i32 = 44;
+    let (first, end) = (LEFT as i32 + 12, (SIZE.0 - RIGHT) as i32);
+    let text = (FONT, 30).into_font();
+    let (mut x, mut rows) = (first, 0);
+    for curve in curves.iter().filter(|curve| !curve.label.is_empty()) {
+        // Without its letters, those of a usual width stand for it.
+        let letters = curve.label.chars().count() as u32;
+        let width = text.box_size(&curve.label).map_or(18 * letters, |(width, _)| width) as i32;
+        let whole = SAMPLE + BEFORE_TEXT + width;
+        if rows == 0 || x + whole > end {
+            (x, rows) = (first, rows + 1);
+        }
+        let y = 12 + ROW * rows - ROW / 2;
+        let style = curve.style();
+        match curve.mark {
+            Mark::Points => area.draw(&Circle::new((x + SAMPLE / 2, y), 7, style))?,
+            Mark::Line => area.draw(&PathElement::new(vec![(x, y), (x + SAMPLE, y)], style))?,
+            Mark::Dashes => {
+                for from in [x, x + (DASH + GAP) as i32] {
+                    area.draw(&PathElement::new(vec![(from, y), (from + DASH as i32, y)], style))?;
+                }
+            }
+        }
+        let middle = text.color(&INK).pos(Pos::new(HPos::Left, VPos::Center));
+        area.draw(&Text::new(curve.label.clone(), (x + SAMPLE + BEFORE_TEXT, y), middle))?;
+        x += whole + BETWEEN;
+    }
+    Ok((ROW * rows) as u32)
 }
 
 /// Registers the font once.
@@ -335,7 +357,7 @@ mod tests {
                         .map(|mark| Curve::new("curve", mark, BLUE, points.clone()))
                         .to_vec();
                     let (x, y) = (x("time in s"), y("signal in DN"));
-                    let chart = Chart { x, y, curves, legend: SeriesLabelPosition::UpperLeft };
+                    let chart = Chart { x, y, curves };
                     let svg = chart.svg();
                     assert!(svg.starts_with("<svg") && svg.contains("signal in DN"), "{svg}");
                     let decoder = png::Decoder::new(std::io::Cursor::new(chart.png()));

@@ -1,7 +1,5 @@
 //! The curves of EMVA 1288, each from an evaluation.
 
-use plotters::prelude::SeriesLabelPosition;
-
 use super::chart::{Axis, BLUE, Chart, Curve, GREEN, GREY, Mark, ORANGE};
 use super::plot::{Plot, digits};
 use super::points::{SpectralPoint, ThermalPoint};
@@ -39,7 +37,6 @@ pub(super) fn photon_transfer(e: &Evaluation) -> Plot {
             x: Axis::linear("mean signal above dark in DN"),
             y: Axis::linear("temporal variance above dark in DN²").within(0.0, top),
             curves,
-            legend: SeriesLabelPosition::UpperLeft,
         },
     }
 }
@@ -74,7 +71,6 @@ pub(super) fn snr(e: &Evaluation) -> Plot {
             x: Axis::logarithmic("photons per pixel").within(low, high),
             y: Axis::logarithmic("signal-to-noise ratio").within(0.5, top),
             curves,
-            legend: SeriesLabelPosition::UpperLeft,
         },
     }
 }
@@ -99,7 +95,6 @@ pub(super) fn responsivity(e: &Evaluation) -> Plot {
                     vec![(0.0, 0.0), (end, slope * end)],
                 ),
             ],
-            legend: SeriesLabelPosition::UpperLeft,
         },
     }
 }
@@ -121,7 +116,6 @@ pub(super) fn linearity(e: &Evaluation) -> Option<Plot> {
                 Curve::new("", Mark::Points, BLUE, points.clone()),
                 Curve::new("", Mark::Line, BLUE, points),
             ],
-            legend: SeriesLabelPosition::UpperLeft,
         },
     })
 }
@@ -142,7 +136,6 @@ pub(super) fn dark_signal(e: &Evaluation) -> Vec<Plot> {
                     Curve::new("measured", Mark::Points, BLUE, points),
                     Curve::new("fit", Mark::Line, ORANGE, vec![(0.0, fit.at(0.0)), (end, fit.at(end))]),
                 ],
-                legend: SeriesLabelPosition::UpperLeft,
             },
         }
     };
@@ -197,7 +190,6 @@ fn histogram(title: &'static str, label: &str, values: &[f64], quantum: f64) -> 
                     normal.into_iter().filter(|p| p.1 > 0.5).collect(),
                 ),
             ],
-            legend: SeriesLabelPosition::UpperRight,
         },
     }
 }
@@ -229,7 +221,6 @@ fn spectrogram(title: &'static str, unit: &str, image: &[f64], size: [usize; 2],
                 Curve::new("along columns", Mark::Line, ORANGE, columns),
                 Curve::new("temporal noise left by averaging", Mark::Dashes, GREY, vec![(0.0, floor), (0.5, floor)]),
             ],
-            legend: SeriesLabelPosition::UpperRight,
         },
     }
 }
@@ -252,7 +243,6 @@ pub(super) fn quantum_efficiency(points: &[SpectralPoint]) -> Option<Plot> {
                 Curve::new("expected", Mark::Line, ORANGE, expected),
                 Curve::new("measured", Mark::Points, BLUE, measured),
             ],
-            legend: SeriesLabelPosition::UpperRight,
         },
     })
 }
@@ -274,7 +264,6 @@ pub(super) fn temperature(points: &[ThermalPoint]) -> Option<Plot> {
                 Curve::new("from the variance", Mark::Points, GREEN, curve(|p| p.from_variance)),
                 Curve::new("from the mean", Mark::Points, BLUE, curve(|p| p.from_mean)),
             ],
-            legend: SeriesLabelPosition::UpperLeft,
         },
     })
 }

@@ -1,6 +1,6 @@
 //! Plots of estimates of noise.
 
-use plotters::prelude::{RGBColor, SeriesLabelPosition};
+use plotters::prelude::RGBColor;
 
 use super::chart::{Axis, BLUE, Chart, Curve, GREEN, GREY, Mark, ORANGE};
 use super::plot::{Plot, digits};
@@ -74,7 +74,6 @@ fn distribution(title: &'static str, caption: String, sigmas: &SigmaDistribution
                 Curve::new(format!("σ·√(χ²/k), σ = {}", digits(sigmas.sigma, 4)), Mark::Line, ORANGE, expected),
                 Curve::new(format!("mean {}", digits(sigmas.mean, 4)), Mark::Dashes, GREEN, mean),
             ],
-            legend: SeriesLabelPosition::UpperRight,
         },
     }
 }
@@ -109,7 +108,6 @@ fn autocovariance(found: &Autocovariance, unit: &str) -> Option<Plot> {
                 Curve::new("", Mark::Points, ORANGE, columns.clone()),
                 Curve::new("along columns", Mark::Line, ORANGE, columns),
             ],
-            legend: SeriesLabelPosition::UpperRight,
         },
     })
 }
@@ -136,7 +134,6 @@ fn both_ways(found: &Autocovariance) -> Option<Plot> {
             x: Axis::linear("distance along rows in pixels"),
             y: Axis::linear("correlation"),
             curves: found.covariances.iter().enumerate().take(2 * FAMILY.len()).map(curve).collect(),
-            legend: SeriesLabelPosition::UpperRight,
         },
     })
 }
