@@ -45,10 +45,9 @@ fn is_the_same_however_it_is_shared_out(folder: &Folder) {
     assert!(folder.results("without")["raw.npy"] != folder.results("one")["raw.npy"]);
 }
 
-/// Of a prescription, light lands in other pixels than its paths came from, and paths from lights find their own way in.
-#[test]
-fn so_are_those_through_a_prescription() {
-    let folder = room_of("light_paths = 1.3", "");
+/// The room through a wide lens from a prescription.
+fn room_through_glass(keys: &str) -> Folder {
+    let folder = room_of(keys, "");
     let text = std::fs::read_to_string(folder.path("capture.toml")).expect("UTF-8");
     let (before, after) = text.split_once("[lens]").expect("a lens");
     let (_, after) = after.split_once("[sensor]").expect("a sensor");
@@ -57,11 +56,40 @@ fn so_are_those_through_a_prescription() {
     // Larger pixels: not all of them saturate.
     let after = after.replace("time_s = 0.0002", "time_s = 0.000001");
     folder.add("capture.toml", format!("{before}{lens}{after}"));
+    folder
+}
+
+/// Of a prescription, light lands in other pixels than its paths came from, and paths from lights find their own way in.
+#[test]
+fn so_are_those_through_a_prescription() {
+    let folder = room_through_glass("light_paths = 1.3");
     is_the_same_however_it_is_shared_out(&folder);
     let target = "--set render.noise_target=0.5 --set render.samples_per_pixel=64";
     folder.succeed(&format!("render capture.toml {target} --threads 1 -o one-target"));
     folder.succeed(&format!("render capture.toml {target} --threads 2 -o two-target"));
     assert_same(&folder, "one-target", "two-target");
+}
+
+/// A sensor without a mosaic gets the same light with paths from lamps as without.
+#[test]
+fn a_monochrome_sensor_sees_as_much_light_through_a_prescription() {
+    let folder = room_through_glass("light_paths = 1");
+    let render = "render capture.toml --set sensor.preset=sony-imx249-mono --set sensor.resolution_px=[32,24] \
+                  --set sensor.pixel_pitch_um=[900,900] --set output.irradiance=false --spp 512 --quiet";
+    folder.succeed(&format!("{render} -o with"));
+    folder.succeed(&format!("{render} --set render.light_paths=0 --seed 8 -o without"));
+    let [with, without] = ["with", "without"].map(|name| folder.electrons(name));
+    let values = |planes: &photosite::image::Planes| -> Vec<f64> {
+        assert_eq!(planes.channels().len(), 1);
+        planes.channels()[0].data.iter().map(|&v| f64::from(v)).collect()
+    };
+    let sum = |planes| values(planes).iter().sum::<f64>();
+    let difference = sum(&with.mean) - sum(&without.mean);
+    // Neighbouring pixels get light of the same paths: less than all of one sample's four wavelengths.
+    let error = (4.0 * (sum(&with.variance) + sum(&without.variance))).sqrt();
+    assert!(difference.abs() < 4.0 * error, "{difference} ± {error} of {}", sum(&without.mean));
+    // A tenth more or less would show.
+    assert!(error < 0.02 * sum(&without.mean), "{error} of {}", sum(&without.mean));
 }
 
 #[rstest]
