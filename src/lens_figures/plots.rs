@@ -102,8 +102,8 @@ fn modulation_by_frequency(position: &PositionFigures) -> Vec<Plot> {
         for (((line, _), colour), mtf) in LINES.into_iter().zip(COLOURS).zip(&field.mtf) {
             let Some(mtf) = mtf else { continue };
             let points = |values: &[f64]| mtf.frequency_per_mm.iter().copied().zip(values.iter().copied()).collect();
-            curves.push(Curve::new(format!("{line} tangential"), Mark::Line, colour, points(&mtf.tangential)));
-            curves.push(Curve::new(format!("{line} sagittal"), Mark::Dashes, colour, points(&mtf.sagittal)));
+            curves.push(Curve::new(format!("{line} T"), Mark::Line, colour, points(&mtf.tangential)));
+            curves.push(Curve::new(format!("{line} S"), Mark::Dashes, colour, points(&mtf.sagittal)));
             methods.push(format!(
                 "{line} {:.2} λ by {}",
                 mtf.rms_waves,
@@ -112,7 +112,11 @@ fn modulation_by_frequency(position: &PositionFigures) -> Vec<Plot> {
         }
         Plot {
             title,
-            caption: format!("At {:.2}°; rms of the wave front: {}.", field.chief.field_deg, methods.join(", ")),
+            caption: format!(
+                "At {:.2}°, tangential (T) and sagittal (S); rms of the wave front: {}.",
+                field.chief.field_deg,
+                methods.join(", ")
+            ),
             chart: Chart {
                 x: Axis::linear("cycles per mm").within(0.0, 100.0),
                 y: Axis::linear("modulation").within(0.0, 1.0),
