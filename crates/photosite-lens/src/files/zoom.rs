@@ -26,7 +26,7 @@ pub(super) fn assign(prescription: &mut Prescription, lens: &Lens, draft: &mut D
     let zooms = at_infinity.len();
     let near = positions.len() - zooms;
     let come_first = at_infinity.iter().enumerate().all(|(i, (number, _))| i == *number);
-    let of_position: Vec<Option<f64>> = if come_first && near % zooms == 0 {
+    let of_position: Vec<Option<f64>> = if come_first && near.is_multiple_of(zooms) {
         (0..positions.len()).map(|i| (i >= zooms).then(|| at_infinity[i % zooms].1)).collect()
     } else if !come_first && first == 0 {
         let before = |i: usize| at_infinity.iter().rev().find(|(number, _)| *number < i).map(|(_, efl)| *efl);
