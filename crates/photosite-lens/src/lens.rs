@@ -129,6 +129,16 @@ impl Lens {
         Self { blades: None, ..self.clone() }
     }
 
+    /// The lens with the blades of its stop turned by an angle in rad.
+    #[must_use]
+    pub(crate) fn with_turned_stop(&self, angle_rad: f64) -> Self {
+        let turn = DVec2::from_angle(angle_rad);
+        let mut lens = self.clone();
+        let normals = lens.blades.iter_mut().flat_map(|blades| &mut blades.normals);
+        normals.for_each(|normal| *normal = turn.rotate(*normal));
+        lens
+    }
+
     /// The lens with other gaps: pairs of the surface before the gap and its thickness, mm.
     #[must_use]
     pub fn with_gaps(&self, gaps: &[(usize, f64)]) -> Self {

@@ -22,15 +22,18 @@ pub mod lanes;
 pub mod lens;
 mod outline;
 pub mod paraxial;
+pub mod point_spread;
 pub mod positions;
 pub mod prescription;
 pub mod profile;
 pub mod pupil_table;
 pub mod region;
 pub mod spots;
+pub mod spread_table;
 mod stop_map;
 mod support_polygon;
 pub mod trace;
+pub mod wave;
 pub mod wavefront;
 
 pub use lens::Lens;

@@ -173,7 +173,7 @@ fn image_circle(lens: &Lens, rows: &[Option<Outline>], height: impl Fn(f64) -> f
 }
 
 /// What turns the y axis to a point, as a complex number.
-fn rotation(point: DVec2) -> DVec2 {
+pub(crate) fn rotation(point: DVec2) -> DVec2 {
     let height = point.length();
     if height > 0.0 { DVec2::new(point.y, -point.x) / height } else { DVec2::X }
 }

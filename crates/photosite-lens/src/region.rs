@@ -72,6 +72,20 @@ impl Region {
         self.centre + DVec2::from_angle(angle(i, self.radii.len())) * self.radii[i]
     }
 
+    /// How far inside the boundary a point is along the radius, below 0 outside; between the directions the boundary is
+    /// straight.
+    pub(crate) fn depth(&self, point: DVec2) -> f64 {
+        let from_centre = point - self.centre;
+        let directions = self.radii.len();
+        let turn = from_centre.to_angle().rem_euclid(TAU) / TAU * directions as f64;
+        let sector = (turn as usize).min(directions - 1);
+        let [a, b] =
+            [sector, (sector + 1) % directions].map(|i| DVec2::from_angle(angle(i, directions)) * self.radii[i]);
+        let radius = from_centre.length();
+        let crossing = from_centre.perp_dot(b - a);
+        if crossing == 0.0 { a.length() - radius } else { radius * (a.perp_dot(b - a) / crossing - 1.0) }
+    }
+
     /// Corners of the smallest rectangle along the axes that holds the boundary.
     pub fn bounds(&self) -> [DVec2; 2] {
         let all = (0..self.radii.len()).map(|i| self.boundary(i));

@@ -1,26 +1,24 @@
-//! Optical path differences, and the point spread and modulation that they make by diffraction.
+//! Optical path differences over the pupil of an object point, at infinity or nearer. What picture they make is the matter
+//! of [`point_spread`](crate::point_spread).
 
-use std::f64::consts::TAU;
+use std::cell::Cell;
 
 use glam::{DMat2, DVec2, DVec3};
-use rustfft::FftPlanner;
-use rustfft::num_complex::Complex64;
 
 use crate::chief::ChiefRay;
 use crate::profile::Travel;
 use crate::region::Region;
-use crate::trace::{Apertures, LensAt, Step};
+use crate::trace::{Apertures, LensAt, Ray, Step};
 
 /// Directions in which the edge of the pupil is looked for.
 const DIRECTIONS: usize = 64;
 /// Newton's method for the sensor point has come to the object's direction where it is this near, rad.
-const TOLERANCE: f64 = 1e-11;
-/// Most steps of it.
-const MOST_STEPS: usize = 20;
+const TOLERANCE: f64 = 1e-9;
+/// Most steps of it, and what a step must leave of the distance at most.
+const MOST_STEPS: usize = 30;
+const SLOW: f64 = 0.2;
 /// The step of its derivatives, mm.
 const STEP_MM: f64 = 1e-4;
-/// The grid of the pupil is zero-padded to this many times its size, so that no frequency is folded onto another.
-const PADDING: usize = 2;
 
 /// The optical path differences of the light of one object point over the pupil, in image-side direction cosines.
 #[derive(Clone, Debug)]
@@ -29,50 +27,82 @@ pub struct Wavefront {
     pub wavelength_nm: f64,
     /// Points along a side of the grid.
     pub size: usize,
+    /// The first point.
+    pub first: DVec2,
     /// Distance of the points of the grid in direction cosines.
     pub spacing: f64,
     /// W at the points of the grid, mm, row by row (p fastest, q up); `None` where an aperture cuts the ray off.
     pub path_mm: Vec<Option<f64>>,
-}
-
-/// The picture of a point.
-#[derive(Clone, Debug)]
-pub struct PointSpread {
-    /// Samples along a side.
-    pub size: usize,
-    /// Distance of the samples on the sensor, mm.
-    pub spacing_mm: f64,
-    /// Energy in each sample, of 1 in all; the chief ray lands on sample (size/2, size/2).
-    pub energy: Vec<f64>,
+    /// Where their rays land, mm; not a number where there is none.
+    pub(crate) landing_mm: Vec<DVec2>,
+    /// W of the chief ray, which is taken off.
+    pub(crate) zero_mm: f64,
 }
 
 /// Finds the rays of one object point by their direction at the sensor.
-struct Rays<'a> {
+pub(crate) struct Rays<'a> {
     at: &'a LensAt<'a>,
     chief: ChiefRay,
+    /// From the chief ray's point on the first surface along it to the object, mm; infinite for parallel light, below 0 for
+    /// light that comes together behind that point.
+    distance_mm: f64,
     /// Unit vectors across the object's direction.
     across: [DVec3; 2],
 }
 
-impl Rays<'_> {
-    /// How far the ray from a sensor point with some direction cosines is from the object's direction in the scene, rad.
-    fn miss(&self, point: DVec2, cosines: DVec2) -> Option<DVec2> {
-        let out = self.at.trace_out(self.at.ray_from_sensor(point, cosines), Apertures::Ignore).ok()?;
-        Some(DVec2::new(out.direction.dot(self.across[0]), out.direction.dot(self.across[1])))
+impl<'a> Rays<'a> {
+    pub(crate) fn new(at: &'a LensAt<'a>, chief: ChiefRay, distance_mm: f64) -> Self {
+        let direction = chief.before.direction;
+        Self { at, chief, distance_mm, across: [DVec3::X, DVec3::new(0.0, direction.z, -direction.y)] }
     }
 
-    /// The sensor point at which the object's light arrives with these direction cosines, by Newton's method.
-    fn landing(&self, start: DVec2, cosines: DVec2) -> Option<DVec2> {
+    /// Where the chief ray lands, mm.
+    pub(crate) fn chief_landing(&self) -> DVec2 {
+        DVec2::new(0.0, self.chief.image_height_mm)
+    }
+
+    /// Direction cosines of the chief ray at the sensor, as one that goes out.
+    pub(crate) fn chief_cosines(&self) -> DVec2 {
+        -self.chief.behind.direction.truncate()
+    }
+
+    /// How far the ray from a sensor point with some direction cosines goes by the object, seen from the lens, rad.
+    fn miss(&self, point: DVec2, cosines: DVec2) -> Option<DVec2> {
+        let out = self.at.trace_out(self.at.ray_from_sensor(point, cosines), Apertures::Ignore).ok()?;
+        let (direction, before) = (out.direction, self.chief.before);
+        // Per distance, in the plane of the object across the chief ray.
+        let closeness = self.distance_mm.recip();
+        let from_chief = out.origin - before.origin;
+        let along = 1.0 + closeness * from_chief.dot(before.direction);
+        let miss = closeness * from_chief - direction * (along / direction.dot(before.direction));
+        Some(DVec2::new(miss.dot(self.across[0]), miss.dot(self.across[1])))
+    }
+
+    /// The sensor point at which the object's light arrives with these direction cosines, by Newton's method with the
+    /// derivatives of a ray nearby, which are taken anew where that comes no nearer.
+    fn landing(&self, start: DVec2, cosines: DVec2, derivatives: &mut Option<DMat2>) -> Option<DVec2> {
         let mut point = start;
+        let mut last = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let miss = self.miss(point, cosines)?;
             if miss.length() < TOLERANCE {
                 return Some(point);
             }
-            let derivative = |step: DVec2| Some((self.miss(point + step, cosines)? - miss) / STEP_MM);
-            let jacobian = DMat2::from_cols(derivative(DVec2::X * STEP_MM)?, derivative(DVec2::Y * STEP_MM)?);
-            point -= jacobian.inverse() * miss;
+            if miss.length() > SLOW * last {
+                *derivatives = None;
+            }
+            last = miss.length();
+            let inverse = match derivatives {
+                Some(inverse) => *inverse,
+                None => {
+                    let along = |step: DVec2| Some((self.miss(point + step, cosines)? - miss) / STEP_MM);
+                    let jacobian = DMat2::from_cols(along(DVec2::X * STEP_MM)?, along(DVec2::Y * STEP_MM)?);
+                    *derivatives.insert(jacobian.inverse())
+                }
+            };
+            point -= inverse * miss;
             if !point.is_finite() {
+                *derivatives = None;
                 return None;
             }
         }
@@ -80,17 +110,88 @@ impl Rays<'_> {
     }
 
     /// W = the optical path from a wave front of the object to the sensor less D·(landing − chief landing), D the
-    /// direction there, mm.
-    fn path(&self, point: DVec2, cosines: DVec2, apertures: Apertures) -> Option<f64> {
+    /// direction there, mm. The wave front goes through the chief ray's point on the first surface. A ray that goes by the
+    /// object by a little is off by the square of that, by Fermat's principle.
+    pub(crate) fn path(&self, point: DVec2, cosines: DVec2, apertures: Apertures) -> Option<f64> {
         let ray = self.at.ray_from_sensor(point, cosines);
         let steps = (0..self.at.lens.surfaces().len()).rev().map(Step::refract);
         let mut length = 0.0;
         let out =
             self.at.trace(ray, Travel::ToScene, steps, apertures, |hit| length += hit.index * hit.distance).ok()?;
-        length += (self.chief.before.origin - out.origin).dot(out.direction);
-        let from_chief = point - DVec2::new(0.0, self.chief.image_height_mm);
+        let Ray { origin, direction } = self.chief.before;
+        let from_chief = out.origin - origin;
+        length += if self.distance_mm.is_infinite() {
+            from_chief.dot(direction)
+        } else {
+            // The distance of the object from there less that from the chief ray's point: a difference of squares over a
+            // sum, since both may be long.
+            let (r, object) = (self.distance_mm, -direction * self.distance_mm);
+            let sum = (object - from_chief).length() + r.abs();
+            r.signum() * (from_chief - 2.0 * object).dot(from_chief) / sum
+        };
         // The ray runs the other way here.
-        Some(length + cosines.dot(from_chief))
+        Some(length + cosines.dot(point - self.chief_landing()))
+    }
+
+    /// The directions in which light of the object passes every aperture, by the boundary in so many directions. `landing`
+    /// says where that of a direction lands.
+    pub(crate) fn region(&self, landing: impl Fn(DVec2) -> Option<DVec2>, directions: usize) -> Option<Region> {
+        let (about, reach) = self.at.rear_opening(self.chief.image_height_mm);
+        let passes = |cosines: DVec2| {
+            cosines.length_squared() < 1.0 && landing(cosines).is_some_and(|point| self.at.passes(point, cosines))
+        };
+        Region::find(passes, self.chief_cosines(), about, reach, directions)
+    }
+
+    /// Where light of a direction lands, wherever that may be.
+    pub(crate) fn landing_from_chief(&self) -> impl Fn(DVec2) -> Option<DVec2> {
+        let near = Cell::new(None);
+        move |cosines: DVec2| {
+            let mut derivatives = near.get();
+            let point = self.landing(self.chief_landing(), cosines, &mut derivatives);
+            near.set(derivatives);
+            point
+        }
+    }
+
+    /// The path differences on a grid of `size`² points between two corners, to the chief ray's.
+    pub(crate) fn wavefront(&self, corners: [DVec2; 2], size: usize, apertures: Apertures) -> Option<Wavefront> {
+        let [low, high] = corners;
+        // A rim that the grid just misses is found by half a cell more.
+        let spacing = (high - low).max_element() / (size as f64 - 1.0);
+        let first = 0.5 * (low + high) - 0.5 * spacing * (size as f64 - 1.0);
+        let landed = self.chief_landing();
+        let zero = self.path(landed, self.chief_cosines(), Apertures::Ignore)?;
+        let mut wavefront = Wavefront {
+            wavelength_nm: self.at.wavelength_nm,
+            size,
+            first,
+            spacing,
+            path_mm: vec![None; size * size],
+            landing_mm: vec![DVec2::NAN; size * size],
+            zero_mm: zero,
+        };
+        let mut derivatives = None;
+        for row in 0..size {
+            // Neighbours land near each other, and nearer to where two of them lead.
+            let [mut last, mut before_last] = [landed; 2];
+            for column in 0..size {
+                let number = row * size + column;
+                let cosines = wavefront.cosines(number);
+                let start = 2.0 * last - before_last;
+                let is_direction = cosines.length_squared() < 1.0;
+                let point = if is_direction { self.landing(start, cosines, &mut derivatives) } else { None };
+                let Some(point) = point else {
+                    [last, before_last] = [landed; 2];
+                    continue;
+                };
+                before_last = if column == 0 { point } else { last };
+                last = point;
+                wavefront.landing_mm[number] = point;
+                wavefront.path_mm[number] = self.path(point, cosines, apertures).map(|path| path - zero);
+            }
+        }
+        wavefront.path_mm.iter().any(Option::is_some).then_some(wavefront)
     }
 }
 
@@ -101,40 +202,15 @@ impl LensAt<'_> {
     /// The pupil's coordinates are the direction cosines at the sensor, so that frequencies on the sensor have their true
     /// scale off the axis, too.
     pub fn wavefront(&self, field_rad: f64, size: usize) -> Option<Wavefront> {
-        let chief = self.chief_ray(field_rad)?;
-        let direction = chief.before.direction;
-        let rays = Rays { at: self, chief, across: [DVec3::X, DVec3::new(0.0, direction.z, -direction.y)] };
-        let landed = DVec2::new(0.0, chief.image_height_mm);
-        let (about, reach) = self.rear_opening(chief.image_height_mm);
-        let seed = -chief.behind.direction.truncate();
-        let passes = |cosines: DVec2| {
-            cosines.length_squared() < 1.0
-                && rays.landing(landed, cosines).and_then(|point| rays.path(point, cosines, Apertures::Clip)).is_some()
-        };
-        let region = Region::find(passes, seed, about, reach, DIRECTIONS)?;
-        let [low, high] = region.bounds();
-        // A rim that the grid just misses is found by half a cell more.
-        let spacing = (high - low).max_element() / (size as f64 - 1.0);
-        let first = 0.5 * (low + high) - 0.5 * spacing * (size as f64 - 1.0);
-        let zero = rays.path(landed, seed, Apertures::Ignore)?;
-        let mut path_mm = Vec::with_capacity(size * size);
-        for row in 0..size {
-            let mut start = landed;
-            for column in 0..size {
-                let cosines = first + spacing * DVec2::new(column as f64, row as f64);
-                let point = if cosines.length_squared() < 1.0 { rays.landing(start, cosines) } else { None };
-                // Neighbours land near each other.
-                start = point.unwrap_or(landed);
-                let path = point.and_then(|point| rays.path(point, cosines, Apertures::Clip));
-                path_mm.push(path.map(|path| path - zero));
-            }
-        }
-        path_mm.iter().any(Option::is_some).then_some(Wavefront {
-            wavelength_nm: self.wavelength_nm,
-            size,
-            spacing,
-            path_mm,
-        })
+        self.wavefront_of(self.chief_ray(field_rad)?, f64::INFINITY, size)
+    }
+
+    /// The same of an object on a chief ray, as far from that ray's point on the first surface, mm: infinite for parallel
+    /// light, below 0 for light that comes together behind that point.
+    pub fn wavefront_of(&self, chief: ChiefRay, distance_mm: f64, size: usize) -> Option<Wavefront> {
+        let rays = Rays::new(self, chief, distance_mm);
+        let region = rays.region(rays.landing_from_chief(), DIRECTIONS)?;
+        rays.wavefront(region.bounds(), size, Apertures::Clip)
     }
 }
 
@@ -149,56 +225,88 @@ impl Wavefront {
     }
 
     /// W less its best plane.
-    fn levelled(&self) -> Vec<Option<f64>> {
-        let at = |i: usize| DVec2::new((i % self.size) as f64, (i / self.size) as f64);
-        let known = || self.path_mm.iter().enumerate().filter_map(|(i, path)| path.map(|path| (at(i), path)));
-        let count = known().count() as f64;
-        let (middle, mean) = known().fold((DVec2::ZERO, 0.0), |(p, w), (point, path)| (p + point, w + path));
-        let (middle, mean) = (middle / count, mean / count);
-        // Normal equations of w = s·(x, y) about the means.
-        let (mut squares, mut products) = (DMat2::ZERO, DVec2::ZERO);
-        for (point, path) in known() {
-            let d = point - middle;
-            squares += DMat2::from_cols(d * d.x, d * d.y);
-            products += d * (path - mean);
-        }
-        let tilt = if squares.determinant() > 0.0 { squares.inverse() * products } else { DVec2::ZERO };
-        let level = |(i, path): (usize, &Option<f64>)| path.map(|path| path - mean - tilt.dot(at(i) - middle));
+    pub(crate) fn levelled(&self) -> Vec<Option<f64>> {
+        let Some(plane) = self.plane(|_| true) else { return self.path_mm.clone() };
+        let level = |(i, path): (usize, &Option<f64>)| path.map(|path| path - plane.at(self.cosines(i)));
         self.path_mm.iter().enumerate().map(level).collect()
     }
 
-    /// The picture of the point, |FT of exp(2πi·W/λ)|², moved to where the best plane of W is level: the tilt only says
-    /// where it lies.
-    pub fn point_spread(&self) -> PointSpread {
-        let size = PADDING * self.size;
-        let wavelength_mm = self.wavelength_nm * 1e-6;
-        let mut field = vec![Complex64::default(); size * size];
-        for (i, path) in self.levelled().into_iter().enumerate() {
-            if let Some(path) = path {
-                field[i / self.size * size + i % self.size] = Complex64::from_polar(1.0, TAU * path / wavelength_mm);
+    /// W and where light lands between the points of the grid, by Lagrange's cubics through four of them each way; `None`
+    /// where one of the sixteen is missing.
+    pub(crate) fn between(&self, cosines: DVec2) -> Option<(f64, DVec2)> {
+        let place = (cosines - self.first) / self.spacing;
+        let from = place.floor() - 1.0;
+        if from.min_element() < 0.0 || from.max_element() + 4.0 > self.size as f64 {
+            return None;
+        }
+        let (column, row) = (from.x as usize, from.y as usize);
+        let [across, up] = [place.x - from.x, place.y - from.y].map(cubic_weights);
+        let (mut path, mut landing) = (0.0, DVec2::ZERO);
+        for (j, up) in up.iter().enumerate() {
+            for (i, across) in across.iter().enumerate() {
+                let number = (row + j) * self.size + column + i;
+                path += up * across * self.path_mm[number]?;
+                landing += up * across * self.landing_mm[number];
             }
         }
-        let fft = FftPlanner::new().plan_fft_forward(size);
-        // Rows, then columns: a transposition, twice over, leaves the order as it was.
-        for _ in 0..2 {
-            fft.process(&mut field);
-            field = (0..size * size).map(|i| field[i % size * size + i / size]).collect();
+        Some((path, landing))
+    }
+
+    /// How far from a place on the sensor, mm from where the chief ray lands, light lands at most: the steepest slope of W
+    /// against that of a plane, by the differences of neighbours that count.
+    pub(crate) fn steepest_mm(&self, counts: impl Fn(DVec2) -> bool, tilt_mm: DVec2) -> f64 {
+        let step = |i: usize, to: usize| Some((self.path_mm[to]? - self.path_mm[i]?) / self.spacing);
+        let slope = |i: usize| {
+            let is_inner = i % self.size + 1 < self.size && i / self.size + 1 < self.size && counts(self.cosines(i));
+            is_inner.then(|| Some(DVec2::new(step(i, i + 1)?, step(i, i + self.size)?)))?
+        };
+        (0..self.path_mm.len()).filter_map(slope).map(|slope| slope.distance(tilt_mm)).fold(0.0, f64::max)
+    }
+
+    /// The direction cosines of a point of the grid.
+    pub(crate) fn cosines(&self, number: usize) -> DVec2 {
+        self.first + self.spacing * DVec2::new((number % self.size) as f64, (number / self.size) as f64)
+    }
+
+    /// The plane that fits W best where `counts` says so of the direction cosines; `None` where nothing does.
+    pub(crate) fn plane(&self, counts: impl Fn(DVec2) -> bool) -> Option<Plane> {
+        let of_point = |(i, path): (usize, &Option<f64>)| path.map(|path| (self.cosines(i), path));
+        let known: Vec<(DVec2, f64)> =
+            self.path_mm.iter().enumerate().filter_map(of_point).filter(|(point, _)| counts(*point)).collect();
+        if known.is_empty() {
+            return None;
         }
-        let total: f64 = field.iter().map(Complex64::norm_sqr).sum();
-        // Frequency 0 in the middle.
-        let moved = |i: usize| (i + size - size / 2) % size;
-        let energy = (0..size * size).map(|i| field[moved(i / size) * size + moved(i % size)].norm_sqr() / total);
-        PointSpread { size, spacing_mm: wavelength_mm / (size as f64 * self.spacing), energy: energy.collect() }
+        let count = known.len() as f64;
+        let middle = known.iter().map(|(point, _)| point).sum::<DVec2>() / count;
+        let mean = known.iter().map(|(_, path)| path).sum::<f64>() / count;
+        // Normal equations of w = s·(x, y) about the means.
+        let (mut squares, mut products) = (DMat2::ZERO, DVec2::ZERO);
+        for (point, path) in &known {
+            let d = *point - middle;
+            squares += DMat2::from_cols(d * d.x, d * d.y);
+            products += d * (path - mean);
+        }
+        let tilt_mm = if squares.determinant() > 0.0 { squares.inverse() * products } else { DVec2::ZERO };
+        Some(Plane { middle, mean, tilt_mm })
     }
 }
 
-impl PointSpread {
-    /// The modulation transfer at a frequency ν in cycles per mm along `axis`, a unit vector: |Σ E·exp(−2πi·ν·x)|.
-    pub fn mtf(&self, axis: DVec2, frequency_per_mm: f64) -> f64 {
-        let middle = (self.size / 2) as f64;
-        let at = |i: usize| DVec2::new((i % self.size) as f64 - middle, (i / self.size) as f64 - middle);
-        let phase = |i: usize| -TAU * frequency_per_mm * self.spacing_mm * at(i).dot(axis);
-        let all = self.energy.iter().enumerate().map(|(i, energy)| DVec2::from_angle(phase(i)) * *energy);
-        all.sum::<DVec2>().length()
+/// A plane over the pupil, mm.
+pub(crate) struct Plane {
+    middle: DVec2,
+    mean: f64,
+    /// Its slope: where the light that it alone would make lands, from the chief ray, mm.
+    pub(crate) tilt_mm: DVec2,
+}
+
+impl Plane {
+    pub(crate) fn at(&self, cosines: DVec2) -> f64 {
+        self.mean + self.tilt_mm.dot(cosines - self.middle)
     }
+}
+
+/// Weights of the points 0 to 3 in the cubic through their values at `x`.
+fn cubic_weights(x: f64) -> [f64; 4] {
+    let [a, b, c, d] = [x, x - 1.0, x - 2.0, x - 3.0];
+    [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
 }

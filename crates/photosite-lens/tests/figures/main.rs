@@ -9,3 +9,4 @@ mod lanes;
 mod light;
 mod neutral;
 mod rays;
+mod wave;
