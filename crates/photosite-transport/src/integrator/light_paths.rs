@@ -259,6 +259,7 @@ impl<'a> LightWavefront<'a> {
                 towards_lens.push(TowardsLens {
                     point: point.position,
                     sample: aperture,
+                    spread,
                     wavelengths: path.wavelengths,
                 });
                 vertices.push((*path, point, wi));

@@ -1,6 +1,6 @@
 //! What no lens can be is refused.
 
-use super::{Falloff, Focus, LensDescription, LensKind, Power, Projection};
+use super::{Falloff, Focus, LensDescription, LensKind, PointSpread, Power, Projection};
 use photosite_core::Invalid;
 
 impl LensDescription {
@@ -49,8 +49,20 @@ impl LensDescription {
 
     /// Refuses what the glass of a prescription decides itself.
     fn validate_prescription(&self) -> Result<(), Invalid> {
+        let is_wave = self.point_spread == Some(PointSpread::Wave);
         if self.kind != LensKind::Prescription {
+            if is_wave {
+                let message = "a point spreads by the wave fronts of a prescription, and this lens has none";
+                let help = "write prescription = \"double-gauss\", or psf = { kind = \"airy\" } for a lens without aberrations";
+                return Err(Invalid::new("psf", message).help(help));
+            }
             return Ok(());
+        }
+        if self.point_spread.is_some() && !is_wave {
+            let message = "cannot be combined with lens.prescription: this is that of its glass";
+            let help =
+                "write psf = { kind = \"wave\" } for its aberrations with diffraction, or remove psf for its rays";
+            return Err(Invalid::new("psf", message).help(help));
         }
         if self.prescription.is_none() {
             return Err(Invalid::new("prescription", "is missing").help("for example prescription = \"double-gauss\""));
@@ -67,7 +79,6 @@ impl LensDescription {
             ("supplementary", !self.supplementary.is_empty(), "cannot stand before it yet"),
             ("max_angle_deg", self.max_angle_rad.is_some(), "follows from what its apertures let through"),
             ("min_focus_distance_m", self.min_focus_distance_m.is_some(), "follows from its positions"),
-            ("psf", self.point_spread.is_some(), "cannot be combined with its traced aberrations yet"),
         ] {
             if is_there {
                 let message = format!("cannot be combined with lens.prescription: this {why}");

@@ -17,6 +17,8 @@ mod point_spread;
 mod prescribed;
 #[cfg(test)]
 mod prescribed_tests;
+#[cfg(test)]
+mod prescribed_wave_tests;
 mod recording;
 mod stop;
 

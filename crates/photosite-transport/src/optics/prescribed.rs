@@ -7,9 +7,9 @@
 use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3};
 
-use super::{Focus, LensDescription, Seen};
+use super::{Focus, LensDescription, PointSpread, Seen};
 use photosite_core::Invalid;
 use photosite_core::math::monotone_cubic::MonotoneCubic;
 use photosite_core::spectrum::dispersion::lines;
@@ -20,6 +20,7 @@ use photosite_lens::lanes::{LaneLens, LaneRay};
 use photosite_lens::positions::GapCurves;
 use photosite_lens::prescription::{Blades, Prescription};
 use photosite_lens::pupil_table::PupilTable;
+use photosite_lens::wave::{FocusSurface, WaveSpread};
 use photosite_lens::{Lens, paraxial::FirstOrder};
 
 /// Wavelengths, nm, that the table of the pupil holds for: beyond and between them apertures look the same to 2 %, which
@@ -53,8 +54,20 @@ pub(super) struct PrescribedLens {
     illumination: OnceLock<MonotoneCubic>,
     tables: OnceLock<Tables>,
     entrance: OnceLock<EntranceTable>,
+    /// Where points are spread as waves are, and not as the rays of the glass land.
+    wave: Option<WaveSpread>,
     /// Image height up to which chief rays pass all apertures, mm.
     clear_mm: OnceLock<f64>,
+}
+
+/// A ray as it starts at the sensor.
+pub(super) struct Start {
+    pub(super) ray: LaneRay,
+    /// Of the region that its direction was drawn from, sr.
+    pub(super) area: f32,
+    /// The sensor point whose chief ray leads to what it meets in the plane of focus, mm from the axis, where points are
+    /// spread as waves are; else where it starts.
+    pub(super) image: DVec2,
 }
 
 /// A way into the lens from a point of the scene.
@@ -118,7 +131,17 @@ impl PrescribedLens {
                 (lens.at(lines::D).object_distance_mm(gap) + first_order.entrance_pupil_mm) * 1e-3
             }
         };
+        let focus = |is_flat| FocusSurface {
+            distance_mm: focus_distance_m * 1e3,
+            reference_mm: first_order.entrance_pupil_mm,
+            is_flat,
+        };
+        let is_wave = description.point_spread == Some(PointSpread::Wave);
+        // In the middle of what the sensor sees.
+        let (middle_nm, _) = spectrum[spectrum.len() / 2];
+        let wave = is_wave.then(|| WaveSpread::new(&lens, focus(is_flat(&chief)), corner_mm, middle_nm));
         Ok(Self {
+            wave,
             lens,
             first_order,
             chief,
@@ -139,12 +162,65 @@ impl PrescribedLens {
         })
     }
 
-    /// The start of a ray from a sensor point, mm from the axis, by a sample of the pupil, and the area in sr of the region
-    /// that its direction was drawn from; `None` where no light reaches.
+    /// The sensor point whose light lands at another, mm from the axis, by a sample of the picture of a point: what is spread
+    /// by an offset to there comes from that much before.
     #[inline]
-    pub(super) fn start(&self, sensor_mm: DVec2, sample: [f32; 2], wavelength_nm: f32) -> Option<(LaneRay, f32)> {
-        let direction = self.tables().pupil.sample(sensor_mm, sample.map(f64::from))?;
-        Some((LaneRay::from_sensor(sensor_mm, direction.cosines, wavelength_nm), direction.area as f32))
+    pub(super) fn image(&self, sensor_mm: DVec2, spread: [f32; 2], wavelength_nm: f32) -> DVec2 {
+        sensor_mm - self.offset(sensor_mm, wavelength_nm, spread)
+    }
+
+    /// The start of a ray for a sensor point, mm from the axis, by a sample of the pupil; `None` where no light reaches.
+    #[inline]
+    pub(super) fn start(&self, image: DVec2, sample: [f32; 2], wavelength_nm: f32) -> Option<Start> {
+        let direction = self.tables().pupil.sample(image, sample.map(f64::from))?;
+        let ray = LaneRay::from_sensor(image, direction.cosines, wavelength_nm);
+        Some(Start { ray, area: direction.area as f32, image })
+    }
+
+    /// Where points are spread as waves are: how far from the middle of a point's picture rays land, and how far what is
+    /// tabulated reaches, mm, at the reference wavelength; `None` where it reaches as far.
+    pub(super) fn beyond_reach_mm(&self) -> Option<[f64; 2]> {
+        self.wave.as_ref()?.beyond_reach_mm(REFERENCE_NM)
+    }
+
+    /// Whether points are spread as waves are.
+    pub(super) fn spreads_waves(&self) -> bool {
+        self.wave.is_some()
+    }
+
+    /// How far from where a chief ray lands light does, mm, where points are spread as waves are.
+    #[inline]
+    fn offset(&self, sensor_mm: DVec2, wavelength_nm: f32, spread: [f32; 2]) -> DVec2 {
+        let offset = |wave: &WaveSpread| wave.offset(sensor_mm, wavelength_nm.into(), spread.map(f64::from));
+        self.wave.as_ref().map_or(DVec2::ZERO, offset)
+    }
+
+    /// Where points are spread as waves are, turns a ray that has come out into the scene to the point in focus that the
+    /// chief ray of its [`Start::image`] meets.
+    ///
+    /// Rays from one sensor point that a lens without aberrations leads through one point there are those of the glass but
+    /// for these, as far as they are within the lens: what passes and what it weighs stays as it is.
+    #[inline]
+    pub(super) fn aim(&self, out: &mut LaneRay, image: DVec2) {
+        let Some(wave) = &self.wave else { return };
+        if out.passed <= 0.0 {
+            return;
+        }
+        match wave.aim(out.point.as_dvec3(), image, out.wavelength_nm.into()) {
+            Some(direction) => out.direction = direction.as_vec3(),
+            None => out.passed = 0.0,
+        }
+    }
+
+    /// Where light that has come in lands, mm from the axis, if it does: as its ray, or where points are spread as waves are
+    /// about where the chief ray lands of what the ray `(point, direction)` out in the scene meets in the plane of focus.
+    #[inline]
+    pub(super) fn landing(&self, inside: &LaneRay, outside: (Vec3, Vec3), spread: [f32; 2]) -> Option<DVec2> {
+        let Some(wave) = &self.wave else { return Some(inside.point.truncate().as_dvec2()) };
+        let (point, direction) = outside;
+        let nm = inside.wavelength_nm;
+        let image = wave.place(point.as_dvec3(), direction.as_dvec3(), nm.into())?;
+        Some(image + self.offset(image, nm, spread))
     }
 
     /// Area in sr of the region that directions are drawn from at a sensor point, mm from the axis.
@@ -270,7 +346,7 @@ impl PrescribedLens {
 
     /// Whether it is focused on a plane, and sees less than a half-space.
     pub(super) fn is_flat(&self) -> bool {
-        self.chief.widest_rad() < FLAT * FRAC_PI_2
+        is_flat(&self.chief)
     }
 
     /// To first order at the d line.
@@ -306,6 +382,10 @@ impl PrescribedLens {
 
 /// Up to this part of 90° a lens counts as one with a flat picture.
 const FLAT: f64 = 0.9;
+
+fn is_flat(chief: &ChiefMap) -> bool {
+    chief.widest_rad() < FLAT * FRAC_PI_2
+}
 
 fn with_blades(prescription: &Prescription, description: &LensDescription) -> Prescription {
     let blades = Blades { count: description.blades, rotation_deg: description.blade_rotation_deg };

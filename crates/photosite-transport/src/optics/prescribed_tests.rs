@@ -205,6 +205,11 @@ fn what_the_glass_decides_and_what_it_cannot_be_is_refused() {
         let error = refused(change);
         assert!(error.starts_with(start), "{error}");
     }
+    let wave = described(8.0, Focus::Infinity);
+    let wave = LensDescription { point_spread: Some(PointSpread::Wave), ..wave };
+    assert_eq!(wave.validate(), Ok(()));
+    let error = LensDescription { kind: LensKind::Thin, prescription: None, ..wave }.validate().expect_err("refused");
+    assert!(error.to_string().starts_with("psf: a point spreads by the wave fronts of a prescription"), "{error}");
     let mut no_stop = triplet();
     no_stop.surfaces[3].is_stop = false;
     let error = refused(&|l| l.prescription = Some(Arc::new(no_stop.clone())));

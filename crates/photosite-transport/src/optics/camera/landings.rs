@@ -16,12 +16,16 @@
 //!
 //! Where something moves, the ray belongs to the time t at which its path starts. Rows of a rolling shutter see light at
 //! times of their own, each as long as any other: v_kj is 0, too, where the row of x_k is not exposed at t.
+//!
+//! Where points are spread as waves are, the ray out in the scene goes through a point of the plane of focus, whose chief ray
+//! lands at a place for each wavelength, and an offset is drawn for each about it, by the same numbers. The density of a ray
+//! and these numbers is the same for all heroes but for |R|, so that the weights are those above.
 
 use glam::DVec2;
 
 use super::Camera;
 use super::ray::{CameraRay, CameraSample};
-use crate::optics::prescribed::PrescribedLens;
+use crate::optics::prescribed::{PrescribedLens, Start};
 use photosite_core::spectrum::{LANES, SampledSpectrum, Wavelengths};
 use photosite_lens::lanes::LaneRay;
 
@@ -49,6 +53,8 @@ pub struct LensRays {
     /// The hero of each sample, and the area of the region that its direction was drawn from.
     out: Vec<LaneRay>,
     areas: Vec<f32>,
+    /// [`Start::image`] of each.
+    images: Vec<DVec2>,
     /// The other wavelengths of each sample, or all of each way in.
     pub(super) back: Vec<LaneRay>,
 }
@@ -76,7 +82,9 @@ impl Camera {
         let mut rays = LensRays::default();
         self.trace_heroes(lens, samples, wavelengths, &mut rays);
         for (i, (sample, wavelengths)) in samples.iter().zip(wavelengths).enumerate() {
-            let ray = self.prescribed_camera_ray(lens, sample, &rays.out[i], rays.areas[i]);
+            let LensRays { out, areas, images, .. } = &mut rays;
+            lens.aim(&mut out[i], images[i]);
+            let ray = self.prescribed_camera_ray(lens, sample, &out[i], areas[i]);
             take(i, wavelengths, ray.map(|ray| (ray, SampledSpectrum::ONE)));
         }
     }
@@ -88,13 +96,16 @@ impl Camera {
         wavelengths: &[Wavelengths],
         rays: &mut LensRays,
     ) {
-        let LensRays { out, areas, .. } = rays;
+        let LensRays { out, areas, images, .. } = rays;
         out.clear();
         areas.clear();
+        images.clear();
         for (sample, wavelengths) in samples.iter().zip(wavelengths) {
-            let (start, area) = self.prescribed_start(lens, sample, wavelengths.lambda_nm(0)).unwrap_or((BLOCKED, 0.0));
-            out.push(start);
+            let start = self.prescribed_start(lens, sample, wavelengths.lambda_nm(0));
+            let Start { ray, area, image } = start.unwrap_or(Start { ray: BLOCKED, area: 0.0, image: DVec2::ZERO });
+            out.push(ray);
             areas.push(area);
+            images.push(image);
         }
         lens.trace_out(out);
     }
@@ -114,7 +125,7 @@ impl Camera {
         let Some(lens) = &self.prescribed else { return };
         // The heroes go out
         self.trace_heroes(lens, samples, wavelengths, rays);
-        let LensRays { out, areas, back } = rays;
+        let LensRays { out, areas, images, back } = rays;
 
         // The other wavelengths come back in along the same rays
         back.clear();
@@ -127,6 +138,8 @@ impl Camera {
         lens.trace_in(back);
 
         for (i, sample) in samples.iter().enumerate() {
+            // Those of the glass tell what passes
+            lens.aim(&mut out[i], images[i]);
             let Some(of_hero) = self.prescribed_camera_ray(lens, sample, &out[i], areas[i]) else {
                 take(i, None);
                 continue;
@@ -151,10 +164,14 @@ impl Camera {
                 } else {
                     let ray = &back[i * (LANES - 1) + lane - 1];
                     passed[lane] = ray.passed;
-                    let landed = ray.point.truncate().as_dvec2();
+                    if ray.passed <= 0.0 {
+                        continue;
+                    }
+                    let outside = (out[i].point, out[i].direction);
+                    let Some(landed) = lens.landing(ray, outside, sample.spread) else { continue };
                     (self.pixel_of(landed), lens.area(landed))
                 };
-                if passed[lane] <= 0.0 || area <= 0.0 {
+                if area <= 0.0 {
                     continue;
                 }
                 let Some(cell) = self.lit_cell(pixel) else { continue };

@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use super::{Camera, PixelGrid};
 use crate::geometry::Ray;
 use crate::optics::camera::{CameraRay, CameraSample};
-use crate::optics::prescribed::PrescribedLens;
+use crate::optics::prescribed::{PrescribedLens, Start};
 use crate::optics::{Focus, LensDescription, LensKind, Projection};
 use photosite_core::Invalid;
 use photosite_lens::lanes::LaneRay;
@@ -32,6 +32,8 @@ pub struct PrescriptionFigures {
     pub length_m: f64,
     /// Distance from the axis up to which the chief rays of the picture pass every aperture; `None` where all do.
     pub clear_radius_m: Option<f64>,
+    /// Whether points are spread as waves are, and not as the rays of the glass land.
+    pub spreads_waves: bool,
 }
 
 impl Camera {
@@ -49,6 +51,7 @@ impl Camera {
             exit_pupil_to_sensor_m: lens.last_gap_m() - first_order.exit_pupil_mm * 1e-3,
             length_m: lens.length_m(),
             clear_radius_m: clear_m.is_finite().then_some(clear_m),
+            spreads_waves: lens.spreads_waves(),
         })
     }
 
@@ -60,6 +63,13 @@ impl Camera {
             Some(lens) => lens.seen(self.sensor_mm(pixel)).map(|(origin, seen)| (origin, seen.direction)),
             None => self.seen(pixel).map(|seen| (DVec3::ZERO, seen.direction)),
         }
+    }
+
+    /// Of a lens from a prescription that spreads points as waves are: how far from the middle of a point's picture its rays
+    /// land, and how far the picture reaches, m, where it does not reach as far, so that light is folded back into it.
+    /// `None` of others.
+    pub fn folded_blur_m(&self) -> Option<[f64; 2]> {
+        self.prescribed.as_ref()?.beyond_reach_mm().map(|both| both.map(|mm| mm * 1e-3))
     }
 
     /// Whether an aperture of a prescription blocks the chief ray of a pixel position, so that its light goes beside the
@@ -114,29 +124,31 @@ impl Camera {
         DVec2::new(self.intrinsics.cx - sensor_mm.x / width, self.intrinsics.cy + sensor_mm.y / height)
     }
 
-    /// The ray of a pixel position through a prescription's glass at a wavelength in nm.
+    /// The ray of a pixel position through a prescription's glass that starts so at the sensor.
     pub(super) fn prescribed_ray(
         &self,
         lens: &PrescribedLens,
         sample: &CameraSample,
-        wavelength_nm: f32,
+        Start { ray, area, image }: Start,
     ) -> Option<CameraRay> {
-        let (start, area) = self.prescribed_start(lens, sample, wavelength_nm)?;
-        let mut rays = [start];
+        let mut rays = [ray];
         lens.trace_out(&mut rays);
+        lens.aim(&mut rays[0], image);
         self.prescribed_camera_ray(lens, sample, &rays[0], area)
     }
 
-    /// The start of such a ray at the sensor, and the area of the region that its direction was drawn from, sr.
+    /// The start of such a ray at the sensor.
     #[inline]
     pub(super) fn prescribed_start(
         &self,
         lens: &PrescribedLens,
         sample: &CameraSample,
         wavelength_nm: f32,
-    ) -> Option<(LaneRay, f32)> {
-        let sees_light = self.cells.sees_light(sample.pixel);
-        sees_light.then(|| lens.start(self.sensor_mm(sample.pixel), sample.aperture, wavelength_nm)).flatten()
+    ) -> Option<Start> {
+        let CameraSample { pixel, aperture, spread, .. } = *sample;
+        let sees_light = self.cells.sees_light(pixel);
+        let image = || lens.image(self.sensor_mm(pixel), spread, wavelength_nm);
+        sees_light.then(|| lens.start(image(), aperture, wavelength_nm)).flatten()
     }
 
     /// A ray that has come out into the scene, if it has.

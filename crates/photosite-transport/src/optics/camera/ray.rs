@@ -68,12 +68,14 @@ impl Camera {
     /// A hole of some size is a lens of no power, whose rays diverge from the sensor point. Without a lens, E = ∫ L·cosθ
     /// dΩ over all that is in front of the sensor, drawn in proportion to cosθ: each ray weighs π.
     ///
-    /// Of a prescription it is the ray at 555 nm, and `None` also where an aperture blocks it.
+    /// Of a prescription it is the ray at 555 nm, without the point spread, and `None` also where an aperture blocks it.
     #[inline]
     pub fn generate(&self, pixel: DVec2, aperture_sample: [f32; 2]) -> Option<CameraRay> {
         if let Some(lens) = &self.prescribed {
             let sample = CameraSample { pixel, aperture: aperture_sample, time: 0.0, spread: [0.0; 2] };
-            return self.prescribed_ray(lens, &sample, REFERENCE_NM as f32);
+            let sees_light = self.cells.sees_light(pixel);
+            let start = || lens.start(self.sensor_mm(pixel), aperture_sample, REFERENCE_NM as f32);
+            return self.prescribed_ray(lens, &sample, sees_light.then(start).flatten()?);
         }
         if !self.makes_picture() {
             return self.bare_ray(pixel, aperture_sample, 0.0);
@@ -105,7 +107,7 @@ impl Camera {
 
     /// Whether a path needs a sample of the point spread.
     pub fn spreads_points(&self) -> bool {
-        self.point_spread.is_some()
+        self.point_spread.is_some() || self.prescribed.as_ref().is_some_and(|lens| lens.spreads_waves())
     }
 
     /// Whether a point spreads by wavelength, so that the weights of wavelengths are right for all four together alone.
@@ -129,8 +131,8 @@ impl Camera {
             wavelengths.terminate_secondary();
         }
         if let Some(lens) = &self.prescribed {
-            let hero_nm = wavelengths.lambda_nm(0);
-            return Some((self.prescribed_ray(lens, sample, hero_nm)?, SampledSpectrum::ONE));
+            let start = self.prescribed_start(lens, sample, wavelengths.lambda_nm(0))?;
+            return Some((self.prescribed_ray(lens, sample, start)?, SampledSpectrum::ONE));
         }
         let (place, weights) = self.spread_place(pixel, spread, wavelengths);
         Some((self.ray(pixel, place, aperture, time, self.focus_of(wavelengths))?, weights))

@@ -14,6 +14,7 @@ use glam::Vec3;
 
 use super::Camera;
 use super::landings::{BLOCKED, Landing, LensRays};
+use crate::optics::prescribed::WayIn;
 use photosite_core::spectrum::{LANES, Wavelengths};
 
 /// A point that is to be led to the lens.
@@ -23,6 +24,8 @@ pub struct TowardsLens {
     pub point: Vec3,
     /// Numbers in [0, 1) for the point of the entrance pupil.
     pub sample: [f32; 2],
+    /// Numbers in [0, 1) for the point spread.
+    pub spread: [f32; 2],
     /// Its wavelengths.
     pub wavelengths: Wavelengths,
 }
@@ -46,14 +49,14 @@ impl Camera {
         // Draw the ways in
         let mut ways = Vec::with_capacity(points.len());
         rays.back.clear();
-        for TowardsLens { point, sample, wavelengths } in points {
+        for TowardsLens { point, sample, wavelengths, .. } in points {
             let way = lens.way_in(to_camera.transform_point3(point.as_dvec3()), *sample);
             for lane in 0..LANES {
                 let is_carried = lane == 0 || !wavelengths.is_hero_alone();
                 let ray = way.as_ref().filter(|_| is_carried).map(|way| way.ray);
                 rays.back.push(ray.map_or(BLOCKED, |ray| ray.at_wavelength(wavelengths.lambda_nm(lane))));
             }
-            ways.push(way.map(|way| (way.front, way.solid_angle)));
+            ways.push(way);
         }
 
         // Lead them through the glass
@@ -61,13 +64,15 @@ impl Camera {
 
         let per_m2 = 1.0 / (self.pitch_m[0] * self.pitch_m[1]) as f32;
         for (i, way) in ways.into_iter().enumerate() {
-            let Some((front, solid_angle)) = way else { continue };
+            let Some(WayIn { front, ray: outside, solid_angle }) = way else { continue };
+            let outside = (outside.point, -outside.direction);
             let mut landings = [Landing::default(); LANES];
             for (landing, ray) in landings.iter_mut().zip(&rays.back[i * LANES..]) {
                 if ray.passed <= 0.0 {
                     continue;
                 }
-                let Some(cell) = self.lit_cell(self.pixel_of(ray.point.truncate().as_dvec2())) else { continue };
+                let landed = lens.landing(ray, outside, points[i].spread);
+                let Some(cell) = landed.and_then(|landed| self.lit_cell(self.pixel_of(landed))) else { continue };
                 *landing = Landing { cell, weight: ray.passed * solid_angle * per_m2 };
             }
             if landings.iter().any(|landing| landing.weight > 0.0) {

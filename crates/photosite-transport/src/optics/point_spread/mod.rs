@@ -6,6 +6,7 @@
 //! | Gaussian | exp(−r²/2σ²)/(2πσ²), the same at all wavelengths | here |
 //! | Airy | (π/λN)²/(4π)·(2J₁(x)/x)² with x = πr/(λN) | `airy.rs` |
 //! | measured | a picture of it, of the nearest of several places | `kernel.rs` |
+//! | wave | that of the wave fronts of a prescription, by place and wavelength | `photosite_lens::wave` |
 //!
 //! All have a sum of 1: light is moved, not lost. A density that depends on wavelength is drawn for the hero and
 //! weighted for each wavelength by the balance heuristic over which one could have been the hero
@@ -38,6 +39,8 @@ pub enum PointSpread {
     Airy,
     /// As measured.
     Measured(Arc<KernelField>),
+    /// Aberrations and diffraction of a prescription, in the plane of focus. It alone has it, and draws from it itself.
+    Wave,
 }
 
 impl PointSpread {
@@ -74,6 +77,7 @@ impl PointSpread {
                 (offset, SampledSpectrum::from_lanes(|lane| weight(lane) as f32))
             }
             Self::Measured(field) => (field.nearest(place).sample(u), SampledSpectrum::ONE),
+            Self::Wave => (DVec2::ZERO, SampledSpectrum::ONE),
         }
     }
 }
