@@ -26,6 +26,7 @@ pub(super) fn point_spread(
             Ok(PointSpread::Gaussian { sigma_m: positive_number("sigma_um", *sigma_um, "1.5")? * 1e-6 })
         }
         PointSpreadTable::Airy => Ok(PointSpread::Airy),
+        PointSpreadTable::Wave => Ok(PointSpread::Wave),
         PointSpreadTable::Kernel { pitch_um, kernels: tables, origin } => {
             let pitch_m = positive_number("pitch_um", *pitch_um, "0.5")? * 1e-6;
             let kernels = tables.iter().enumerate().map(|(i, kernel)| {

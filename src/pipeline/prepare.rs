@@ -114,6 +114,7 @@ impl Prepared {
             focus_camera(&capture, capture.camera_to_world, || &scene)?;
         warnings.extend(autofocus_warning(&capture, &camera, is_nearest));
         warnings.extend(image_circle_warning(&capture, &camera));
+        warnings.extend(folded_blur_warning(&camera));
         warnings.extend(ineffective_settings(&capture, &scene));
         let optics = Optics {
             f_number: camera.makes_picture().then_some(capture.lens.f_number),
@@ -260,6 +261,16 @@ fn image_circle_warning(capture: &Capture, camera: &Camera) -> Option<String> {
         lit_m * 1e3,
         corner_m * 1e3,
         2e3 * lit_m
+    ))
+}
+
+/// A warning where points spread farther than their pictures reach that are tabulated.
+fn folded_blur_warning(camera: &Camera) -> Option<String> {
+    let [far, reach] = camera.folded_blur_m()?.map(|m| m * 1e6);
+    Some(format!(
+        "lens.psf: light of a point lands as far as {far:.0} µm from the middle of its picture, and pictures by waves reach \
+         {reach:.0} µm: what lands farther away is folded back; diffraction makes no difference to such blurs: remove psf, or \
+         write a larger f_number"
     ))
 }
 

@@ -55,6 +55,20 @@ pub struct PrescriptionReport {
     /// Distance from the axis on the sensor up to which chief rays pass every aperture, traced. `null`: all of the picture's
     /// do. Beyond, light goes beside the middle of the stop, and ground truth is that of the chief ray all the same.
     pub clear_radius_mm: Option<f64>,
+    /// What the picture of a point is made of.
+    #[serde(default)]
+    pub point_spread: PrescribedPointSpread,
+}
+
+/// What the picture of a point through a lens from a prescription is made of. Ground truth goes by chief rays with either.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum PrescribedPointSpread {
+    /// The rays of the glass, without diffraction.
+    #[default]
+    Rays,
+    /// Its wave fronts in the plane of focus, with diffraction; before and behind it the pupil's size blurs (`lens.psf`).
+    Wave,
 }
 
 impl PrescriptionReport {
@@ -68,6 +82,7 @@ impl PrescriptionReport {
             exit_pupil_to_sensor_mm: figures.exit_pupil_to_sensor_m * 1e3,
             length_mm: figures.length_m * 1e3,
             clear_radius_mm: figures.clear_radius_m.map(|radius| radius * 1e3),
+            point_spread: if figures.spreads_waves { PrescribedPointSpread::Wave } else { PrescribedPointSpread::Rays },
         }
     }
 }

@@ -224,6 +224,10 @@ pub(crate) enum PointSpreadTable {
     },
     /// Diffraction at a round aperture, for each wavelength.
     Airy,
+    /// Of a prescription: its aberrations and the diffraction at its stop together, from the optical path differences over
+    /// its pupil in the plane of focus, by place and wavelength. What lies before or behind that plane is blurred by the
+    /// size of the pupil alone, and no longer by the aberrated shape that the rays of the glass give.
+    Wave,
     /// As measured.
     Kernel {
         /// Distance between the values of the files, µm on the sensor.

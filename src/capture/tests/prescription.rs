@@ -42,6 +42,10 @@ fn what_does_not_go_with_a_prescription_is_an_error_that_names_the_key() {
             "lens.psf: cannot be combined with lens.prescription",
         ),
         (
+            "focal_length_mm = 50\npsf = { kind = 'wave' }",
+            "lens.psf: a point spreads by the wave fronts of a prescription",
+        ),
+        (
             "prescription = 'double-gauss'\nautofocus_px = 'centre'\nautofocus = { method = 'contrast' }",
             "lens.autofocus.method: the search for contrast",
         ),
