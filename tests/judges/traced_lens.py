@@ -93,14 +93,18 @@ class Lens:
 
         return -at_sensor(0.0, 1.0) / at_sensor(1.0, 0.0)
 
-    def trace(self, origin, direction, nm, surfaces=None, clip=True, outwards=False):
-        """Through some surfaces in their order: points, directions, which pass, and what Fresnel's equations leave."""
+    def trace(self, origin, direction, nm, surfaces=None, clip=True, outwards=False, met=None):
+        """Through some surfaces in their order: points, directions, which pass, and what Fresnel's equations leave.
+
+        Of each surface `met` gets the points on it and the optical path from those before.
+        """
         n = self.index(nm)
         p, d = np.array(origin, float), np.array(direction, float)
         passes, left = np.ones(len(p), bool), np.ones(len(p))
         order = range(len(self.radii)) if surfaces is None else surfaces
         for i in reversed(order) if outwards else order:
             radius, (before, behind) = self.radii[i], ((n[i + 1], n[i]) if outwards else (n[i], n[i + 1]))
+            start = p.copy()
             p[:, 2] -= self.z[i]
             p -= d * (p[:, 2] / d[:, 2])[:, None]
             c = 0.0 if math.isinf(radius) else 1.0 / radius
@@ -123,6 +127,8 @@ class Lens:
             left *= 1 - (s**2 + q**2) / 2
             d = ratio * d + (refracted - ratio * cosine)[:, None] * normal
             p[:, 2] += self.z[i]
+            if met is not None:
+                met.append((p.copy(), before * np.linalg.norm(p - start, axis=1)))
         return p, d, passes, left
 
     def land(self, origin, direction, nm, clip=True):
@@ -146,6 +152,54 @@ class Lens:
                 break
             low, high = high, high - b * (high - low) / (b - a)
         return self.land([point], towards, nm, clip=False)[0][0]
+
+    def wave_mtf(self, point, nm, normal, per_mm, degree=16, rays=121, across=384):
+        """MTF of diffraction at frequencies along a normal on the sensor, of an object point (0, y, z) or on the axis.
+
+        The optical path from the point to where a ray lands, less D times the way from the chief ray's landing there, and the
+        places on all surfaces, are polynomials of the direction cosines D at the sensor, fitted to rays. The transfer is the
+        autocorrelation of exp(2 pi i W / wavelength) over what passes all apertures.
+        """
+        normal = np.asarray(normal) / np.linalg.norm(normal)
+        chief = self.chief_landing(point, nm)
+        _, pupil, diameter = self.first_order()
+        towards = np.array([0.0, 0.0, pupil]) - point
+        axis = towards / np.linalg.norm(towards)
+        reach = 0.75 * diameter / np.linalg.norm(towards)
+        sides = np.linspace(-reach, reach, rays)
+        p, q = (grid.ravel() for grid in np.meshgrid(axis[0] + sides, axis[1] + sides))
+        direction = np.stack([p, q, np.sqrt(1 - p**2 - q**2)], 1)
+        met = []
+        behind, d, passes, _ = self.trace(np.tile(point, (len(p), 1)), direction, nm, clip=False, met=met)
+        to_sensor = (self.sensor_z - behind[:, 2]) / d[:, 2]
+        landing = behind + d * to_sensor[:, None]
+        near = passes & np.all([np.hypot(*place[:, :2].T) < 1.08 * semi for (place, _), semi in zip(met, self.semi)], axis=0)
+        path = sum(length for _, length in met) + to_sensor
+        path = path - (d * (landing - chief)).sum(1)
+        wanted = np.stack([path] + [place[:, i] for place, _ in met for i in (0, 1)], 1)[near]
+        cosines = d[near, :2]
+        middle, half = (cosines.max(0) + cosines.min(0)) / 2, (cosines.max(0) - cosines.min(0)).max() / 2
+
+        def terms(c):
+            c = (c - middle) / half
+            x, y = (np.polynomial.legendre.legvander(column, degree) for column in c.T)
+            return np.concatenate([x[:, : degree + 1 - j] * y[:, j : j + 1] for j in range(degree + 1)], 1)
+
+        fit, *_ = np.linalg.lstsq(terms(cosines), wanted, rcond=None)
+        off = np.abs(terms(cosines) @ fit - wanted)[passes[near]]
+        assert off[:, 0].max() < 0.02 * nm * 1e-6 and off[:, 1:].max() < 2e-3, (off[:, 0].max() / (nm * 1e-6), off[:, 1:].max())
+        side = half * (np.arange(across) + 0.5) / across * 2 - half
+        u, v = np.meshgrid(side, side)
+        there = middle + u.ravel()[:, None] * normal + v.ravel()[:, None] * np.array([-normal[1], normal[0]])
+        found = terms(there) @ fit
+        inside = np.all(np.abs((there - middle) / half) <= 1, axis=1)
+        inside &= np.all([np.hypot(found[:, 2 * i + 1], found[:, 2 * i + 2]) <= semi for i, semi in enumerate(self.semi)], axis=0)
+        w = found[:, 0] - found[inside, 0].mean()
+        field = np.where(inside, np.exp(2j * np.pi * w / (nm * 1e-6)), 0).reshape(across, across)
+        correlated = np.fft.ifft((np.abs(np.fft.fft(field, 2 * across, axis=1)) ** 2).sum(0))[:across]
+        step = 2 * half / across / (nm * 1e-6)
+        transfer = np.abs(correlated) / abs(correlated[0])
+        return np.interp(per_mm, step * np.arange(across), transfer)
 
     def solid_angle(self, height, nm):
         """∬ T dp dq over the directions that pass from the sensor point (0, height)."""
