@@ -271,7 +271,7 @@ def test_an_address_where_nobody_answers() -> None:
         ({"threads": 0}, "threads: expected at least 1"),
         ({"retries": -1}, "retries: expected at least 0"),
         ({"frames": [4, 5]}, "frames: there is no frame 5"),
-        ({"address": "here:1"}, "address: the local engine has none"),
+        ({"address": "here:1"}, "address: the local engine does not take one"),
     ],
 )
 def test_arguments_are_checked(file: Path, tmp_path: Path, arguments: "dict[str, Any]", complaint: str) -> None:

@@ -280,7 +280,7 @@ def test_series_that_move_say_that_light_is_of_the_first_picture(room: Path) -> 
 )
 def test_exposures_that_differ_say_that_they_are_made_in_folders(room: Path, keys: "dict[str, Any]", what: str) -> None:
     light = ps.trace(ps.load(room, set=keys))
-    with pytest.warns(ps.PhotositeWarning, match=f"{what} has no part"):
+    with pytest.warns(ps.PhotositeWarning, match=f"{what} has no effect"):
         light.expose(frames=3)
 
 
