@@ -39,6 +39,22 @@ fn rays(camera: &Camera, pixel: DVec2, side: u32) -> Vec<Option<CameraRay>> {
     (0..side * side).map(ray).collect()
 }
 
+/// The paths of samples that come out of the lens, of light of one wavelength four times over, with where each lands.
+fn land(
+    camera: &Camera,
+    samples: &[CameraSample],
+    rays: &mut LensRays,
+    mut take: impl FnMut(&CameraSample, LandingRay),
+) {
+    let wavelengths = vec![Wavelengths::new([NM; 4], [1.0; 4]); samples.len()];
+    let starts = |_: usize, _: [u32; 2]| true;
+    camera.land_each(samples, &wavelengths, rays, 48, starts, |i, ray| {
+        if let Some(ray) = ray {
+            take(&samples[i], ray);
+        }
+    });
+}
+
 /// Where a ray is at a distance along the axis.
 fn at_distance(ray: &CameraRay, distance: f64) -> DVec3 {
     let (origin, direction) = (ray.ray.origin.as_dvec3(), ray.ray.direction.as_dvec3());
@@ -152,22 +168,13 @@ fn wavelengths_land_about_the_chief_rays_of_one_point() {
         let (mut landed, mut arrived, mut all) = (0, 0, 0);
         let mut points = Vec::new();
         let mut rays = LensRays::default();
-        camera.land_each(
-            &samples,
-            &[wavelengths; SAMPLES],
-            &mut rays,
-            48,
-            |_, _| true,
-            |i, ray| {
-                let Some(LandingRay { of_hero, landings }) = ray else { return };
-                let point = at_distance(&of_hero, camera.focus_distance_m()).as_vec3();
-                points.push(TowardsLens { point, sample: [0.5, 0.4], spread: samples[i].spread, wavelengths });
-                let is_here =
-                    |landing: &Landing| landing.weight > 0.0 && landing.cell == [pixel.x as u32, pixel.y as u32];
-                landed += usize::from(landings.iter().all(is_here));
-                all += 1;
-            },
-        );
+        land(&camera, &samples, &mut rays, |sample, LandingRay { of_hero, landings }| {
+            let point = at_distance(&of_hero, camera.focus_distance_m()).as_vec3();
+            points.push(TowardsLens { point, sample: [0.5, 0.4], spread: sample.spread, wavelengths });
+            let is_here = |landing: &Landing| landing.weight > 0.0 && landing.cell == [pixel.x as u32, pixel.y as u32];
+            landed += usize::from(landings.iter().all(is_here));
+            all += 1;
+        });
         camera.arrive_each(&points, &mut rays, |_, arrival| {
             arrived += usize::from(arrival.landings[0].cell == [pixel.x as u32, pixel.y as u32]);
         });
@@ -181,7 +188,6 @@ fn on_the_axis_landings_have_the_size_of_what_is_gathered() {
     const HALF: i32 = 12;
     const SAMPLES: usize = 96;
     let camera = camera(4.0, Focus::ImageDistance(0.065), true);
-    let wavelengths = Wavelengths::new([NM; 4], [1.0; 4]);
     let centre = DVec2::new(1800.0, 1200.0);
     let (mut sums, mut squares) = ([0.0; 4], [0.0; 4]);
     let mut rays = LensRays::default();
@@ -195,28 +201,20 @@ fn on_the_axis_landings_have_the_size_of_what_is_gathered() {
             spread: [u(i, 0.754_877_67), u(i, 0.569_840_3)],
         };
         let samples: Vec<CameraSample> = (0..SAMPLES).map(sample).collect();
-        camera.land_each(
-            &samples,
-            &[wavelengths; SAMPLES],
-            &mut rays,
-            48,
-            |_, _| true,
-            |_, ray| {
-                let Some(LandingRay { of_hero, landings }) = ray else { return };
-                let point = at_distance(&of_hero, camera.focus_distance_m());
-                let Some(place) = camera.project(point.as_vec3()) else { return };
-                // A lamp of two pixels
-                if place.distance(centre) > 1.0 {
-                    return;
-                }
-                for (lane, landing) in landings.iter().enumerate() {
-                    let weight = f64::from(landing.weight);
-                    let off = DVec2::from_array(landing.cell.map(|n| f64::from(n) + 0.5)) - centre;
-                    sums[lane] += weight;
-                    squares[lane] += weight * off.length_squared().min(f64::from(HALF * HALF));
-                }
-            },
-        );
+        land(&camera, &samples, &mut rays, |_, LandingRay { of_hero, landings }| {
+            let point = at_distance(&of_hero, camera.focus_distance_m());
+            let Some(place) = camera.project(point.as_vec3()) else { return };
+            // A lamp of two pixels
+            if place.distance(centre) > 1.0 {
+                return;
+            }
+            for (lane, landing) in landings.iter().enumerate() {
+                let weight = f64::from(landing.weight);
+                let off = DVec2::from_array(landing.cell.map(|n| f64::from(n) + 0.5)) - centre;
+                sums[lane] += weight;
+                squares[lane] += weight * off.length_squared().min(f64::from(HALF * HALF));
+            }
+        });
     }
     // Some hundreds of 55,000 paths find the lamp.
     let [gathered, others] = [0, 1].map(|lane| (squares[lane] / sums[lane]).sqrt());
