@@ -39,29 +39,27 @@ impl<'a> ZoomSetting<'a> {
     /// The number of a position that belongs to none of them, and why.
     pub(crate) fn of(lens: &Lens, positions: &'a [Position]) -> Result<Vec<Self>, (usize, String)> {
         let efl = |position: &Position| lens.in_position(position).at(lines::D).first_order().efl_mm;
-        let mut settings: Vec<Self> = Vec::new();
-        for infinity in positions.iter().filter(|position| position.object_distance_mm.is_none()) {
-            settings.push(Self { logarithm: efl(infinity).ln(), infinity, near: Vec::new() });
-        }
+        let (near, at_infinity): (Vec<_>, Vec<_>) =
+            positions.iter().enumerate().partition(|(_, position)| position.object_distance_mm.is_some());
+        let setting =
+            |&(_, infinity): &(usize, &'a Position)| Self { logarithm: efl(infinity).ln(), infinity, near: Vec::new() };
+        let mut settings: Vec<Self> = at_infinity.iter().map(setting).collect();
         settings.sort_by(|a, b| a.logarithm.total_cmp(&b.logarithm));
         let is_zoom = settings.windows(2).any(|pair| pair[1].logarithm - pair[0].logarithm > DISTINCT);
-        let near = || positions.iter().enumerate().filter(|(_, position)| position.object_distance_mm.is_some());
         if !is_zoom {
-            let second =
-                positions.iter().enumerate().filter(|(_, position)| position.object_distance_mm.is_none()).nth(1);
-            if let (Some((number, _)), Some(_)) = (second, near().next()) {
-                return Err((number, "it is at infinity as another, with the same focal length".to_owned()));
+            if let (Some((number, _)), false) = (at_infinity.get(1), near.is_empty()) {
+                return Err((*number, "it is at infinity as another, with the same focal length".to_owned()));
             }
             settings.truncate(1);
             if let Some(only) = settings.first_mut() {
-                only.near.extend(near().map(|(_, position)| position));
+                only.near.extend(near.iter().map(|(_, position)| *position));
             }
             return Ok(settings);
         }
         if positions.first().is_some_and(|first| first.object_distance_mm.is_some()) {
             return Err((0, "the first position of a zoom must be at infinity".to_owned()));
         }
-        for (number, position) in near() {
+        for &(number, position) in &near {
             let Some(focal_length_mm) = position.focal_length_mm else {
                 return Err((number, "nothing says which focal length of the zoom it belongs to".to_owned()));
             };
@@ -76,10 +74,10 @@ impl<'a> ZoomSetting<'a> {
             }
         }
         let lacks = settings.iter().find(|setting| setting.near.is_empty());
-        match (near().next(), lacks) {
+        match (near.first(), lacks) {
             (Some((number, _)), Some(lacking)) => {
                 let without = lacking.logarithm.exp();
-                Err((number, format!("it is at a distance, as no position of the {without:.4} mm of the zoom is")))
+                Err((*number, format!("it is at a distance, as no position of the {without:.4} mm of the zoom is")))
             }
             _ => Ok(settings),
         }
