@@ -27,6 +27,8 @@ pub struct SpreadTable {
     cell_mm: f64,
     /// The middle of the levels, mm from where the chief ray lands.
     middle_mm: DVec2,
+    /// How far from the middle rays land at most, and how far the picture reaches, mm: what lands farther away is folded back.
+    pub(crate) farthest_and_reach_mm: [f64; 2],
 }
 
 impl SpreadTable {
@@ -59,7 +61,13 @@ impl SpreadTable {
         rows.iter_mut().for_each(|up_to| *up_to /= sum);
         // The middle of sample size/2 is half a cell beyond the corner of the levels' middle.
         let cell_mm = spread.spacing_mm;
-        Self { cells, rows, cell_mm, middle_mm: spread.middle_mm - 0.5 * cell_mm }
+        Self {
+            cells,
+            rows,
+            cell_mm,
+            middle_mm: spread.middle_mm - 0.5 * cell_mm,
+            farthest_and_reach_mm: [spread.farthest_mm, spread.reach_mm()],
+        }
     }
 
     /// An offset of light from where the chief ray lands, mm, by numbers in [0, 1).

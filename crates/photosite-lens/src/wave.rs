@@ -157,8 +157,8 @@ impl WaveSpread {
     /// in nm.
     pub fn beyond_reach_mm(&self, nm: f64) -> Option<[f64; 2]> {
         let (wavelength, _) = self.wavelength(nm);
-        let pictures = (0..HEIGHTS).step_by(6).filter_map(|height| self.worked_out(wavelength, 0, height));
-        let beyond = pictures.map(|spread| [spread.farthest_mm, spread.reach_mm()]).filter(|[far, reach]| far > reach);
+        let pictures = (0..HEIGHTS).step_by(6).filter_map(|height| self.spread(wavelength, 0, height));
+        let beyond = pictures.map(|spread| spread.farthest_and_reach_mm).filter(|[far, reach]| far > reach);
         beyond.max_by(|a, b| a[0].total_cmp(&b[0]))
     }
 
