@@ -65,7 +65,7 @@ fn main() -> photosite::Result<()> {
     let capture = Capture::of_scene(scene, CAPTURE)?;
     let shot = render(&capture, Options::default())?;
     shot.raw.save("own-scene.dng")?;
-    shot.develop(&capture.develop)?.save("own-scene.png")?;
+    shot.develop(capture.develop())?.save("own-scene.png")?;
     println!("exposed for {:.3} ms", shot.exposure.time.0 * 1e3);
     Ok(())
 }

@@ -37,16 +37,16 @@ fn main() -> photosite::Result<()> {
     let own = Capture::load_with(capture, &lines.chain([quick]).collect::<Vec<_>>())?;
     let shot = render(&own, Options::default())?;
     shot.raw.save("own-sensor.dng")?;
-    shot.develop(&own.develop)?.save("own-sensor.png")?;
+    shot.develop(&own.develop())?.save("own-sensor.png")?;
 
     println!(
         "{}: {} × {} pixels, {} bits, K = {:.3} DN/e-, saturation {:.0} e-",
-        own.sensor.name,
+        own.sensor().name,
         shot.raw.width,
         shot.raw.height,
         shot.raw.bits,
-        own.sensor.system_gain(&shot.exposure),
-        own.sensor.saturation_capacity(&shot.exposure).0,
+        own.sensor().system_gain(&shot.exposure),
+        own.sensor().saturation_capacity(&shot.exposure).0,
     );
     Ok(())
 }

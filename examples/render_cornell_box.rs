@@ -6,6 +6,6 @@ fn main() -> photosite::Result<()> {
     let capture = photosite::Capture::load("scenes/cornell-box/capture.toml")?;
     let shot = photosite::render(&capture, photosite::Options::default())?;
     shot.raw.save("raw.dng")?;
-    shot.develop(&capture.develop)?.save("image.png")?;
+    shot.develop(capture.develop())?.save("image.png")?;
     Ok(())
 }

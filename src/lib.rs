@@ -7,7 +7,7 @@
 //! let capture = photosite::Capture::load("scenes/cornell-box/capture.toml")?;
 //! let shot = photosite::render(&capture, photosite::Options::default())?;
 //! shot.raw.save("raw.dng")?;
-//! shot.develop(&capture.develop)?.save("image.png")?;
+//! shot.develop(capture.develop())?.save("image.png")?;
 //! # Ok(())
 //! # }
 //! ```

@@ -164,10 +164,10 @@ pub fn render(capture: &Captures) {
     let Ok(capture) = Capture::parse(&table.to_string(), files(), &small) else { return };
     if let Ok(shot) = photosite::render(&capture, Options::default()) {
         shot.raw.validate().expect("whole");
-        if capture.exposure.region == RegionOfInterest::WHOLE {
+        if capture.exposure().region == RegionOfInterest::WHOLE {
             let area = shot.raw.active_area;
             let size = area.map_or([shot.raw.width, shot.raw.height], |area| [area.width, area.height]);
-            assert_eq!(size, capture.sensor.resolution);
+            assert_eq!(size, capture.sensor().resolution);
         }
     }
 }

@@ -270,18 +270,20 @@ def test_series_that_move_say_that_light_is_of_the_first_picture(room: Path) -> 
     assert warned[0].filename == __file__
 
 
-@pytest.mark.parametrize(
-    ("keys", "what"),
-    [
-        ({"exposure.bracket_ev": [-1, 0, 1]}, "the bracket"),
-        ({"exposure.gain_control": {}, "exposure.frames": 3}, "exposure.gain_control"),
-    ],
-    ids=["bracket", "gain-control"],
-)
-def test_exposures_that_differ_say_that_they_are_made_in_folders(room: Path, keys: "dict[str, Any]", what: str) -> None:
-    light = ps.trace(ps.load(room, set=keys))
-    with pytest.warns(ps.PhotositeWarning, match=f"{what} has no effect"):
+def test_brackets_say_that_they_are_made_in_folders(room: Path) -> None:
+    light = ps.trace(ps.load(room, set={"exposure.bracket_ev": [-1, 0, 1]}))
+    with pytest.warns(ps.PhotositeWarning, match="the bracket has no effect"):
         light.expose(frames=3)
+
+
+def test_gain_control_acts_from_frame_to_frame_as_in_folders(room: Path, tmp_path: Path) -> None:
+    keys = {"exposure.time_s": 0.001, "exposure.frames": 3, "exposure.gain_control": {}, "output.raw": ["npy"]}
+    capture = ps.load(room, set=keys)
+    shots = ps.trace(capture).expose(frames=3)
+    ps.render_into(capture, tmp_path / "out")
+    for frame, shot in enumerate(shots):
+        np.testing.assert_array_equal(shot.raw, np.load(tmp_path / f"out/raw-{frame:04d}.npy"))
+    assert len({shot.gain_db for shot in shots}) == 3
 
 
 def test_nothing_is_printed(room: Path) -> None:

@@ -22,6 +22,7 @@
 //! Rendering is left to others.
 
 mod aberrations;
+mod access;
 mod backdrop;
 mod camera;
 mod colour;
@@ -125,34 +126,51 @@ pub use tables::RawFormat;
 pub use target::read_target;
 
 /// Everything that a capture file, the files it names and the command line say.
+///
+/// Its values are read by the methods of their names, and changed by [`with`](Self::with), which reads the capture anew: what
+/// reports say of a render and what was rendered are the same.
+///
+/// ```no_run
+/// # fn main() -> photosite::Result<()> {
+/// let capture = photosite::Capture::load("scenes/cornell-box/capture.toml")?;
+/// let faster = capture.with(&["lens.f_number=2".to_owned()])?;
+/// assert_eq!(faster.lens().f_number, 2.0);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// ```compile_fail
+/// let mut capture = photosite::Capture::load("scenes/cornell-box/capture.toml").unwrap();
+/// capture.lens.f_number = 2.0; // `capture.json` would state another f-number
+/// ```
 #[derive(Clone, Debug)]
 pub struct Capture {
     /// What is in front of the camera. Captures that differ in other tables alone share it.
-    pub scene: Arc<SceneDescription>,
+    pub(crate) scene: Arc<SceneDescription>,
     /// Calibration targets in it.
-    pub targets: Vec<PlacedTarget>,
+    pub(crate) targets: Vec<PlacedTarget>,
     /// Camera → world; the camera looks along −Z.
-    pub camera_to_world: DAffine3,
+    pub(crate) camera_to_world: DAffine3,
     /// The picture of a camera or a scene that moves; `None` where all stands still.
-    pub recording: Option<Recording>,
+    pub(crate) recording: Option<Recording>,
     /// Whether the scene is that of one picture only, so that others need [`Capture::at_frame`].
-    pub scene_moves: bool,
+    pub(crate) scene_moves: bool,
     /// The lens.
-    pub lens: LensDescription,
+    pub(crate) lens: LensDescription,
     /// The sensor.
-    pub sensor: SensorModel,
+    pub(crate) sensor: SensorModel,
     /// How it is exposed.
-    pub exposure: ExposureSettings,
+    pub(crate) exposure: ExposureSettings,
     /// How light is traced.
-    pub render: RenderSettings,
+    pub(crate) render: RenderSettings,
     /// How the raw picture is developed.
-    pub develop: DevelopSettings,
+    pub(crate) develop: DevelopSettings,
     /// What is written.
-    pub output: OutputSettings,
+    pub(crate) output: OutputSettings,
     /// Things worth telling the user that are no errors, besides those of the scene, each once.
     pub(crate) warnings: Vec<String>,
     /// Where all this stands: for errors that show up later.
-    pub source: CaptureSource,
+    pub(crate) source: CaptureSource,
     /// What the scene was read from, and the scene itself as long as somebody holds it; `None` where no tables say it.
     known_scene: Option<(TablesOfScene, Weak<SceneDescription>)>,
     /// What files of geometry hold that its scene or those of related captures were made of.

@@ -8,12 +8,13 @@ use std::time::Instant;
 use glam::DAffine3;
 
 use super::camera::camera_of;
+use super::carried::Carried;
 use super::chain::{Chain, Exposed, Optics, SensorColours, Settings};
 use super::lens_corrections::KnownCorrections;
 use super::monitor::{Event, Monitor};
 use super::needs::Needs;
 use super::output_folder::OutputFolder;
-use super::results::{Carried, Frames, write_results};
+use super::results::{Frames, SeriesState, write_results};
 use super::shot::Shot;
 use super::stored::Stored;
 use super::stored_light::StoredLight;
@@ -25,7 +26,7 @@ use crate::integrator::WavelengthChoice;
 use crate::optics::{Camera, Focus, LensDescription};
 use crate::raw::RawImage;
 use crate::report::{LensReport, LightReport, Report, SCHEMA_VERSION, Timings, TracedReport};
-use crate::sensor::{Exposure, LeftCharge, NoiseMap, SensorModel, electron_rates};
+use crate::sensor::{Exposure, NoiseMap, SensorModel, electron_rates};
 use crate::spectrum::{Spectrum, illuminant};
 use crate::units::{Decibels, Seconds};
 use photosite_core::memory;
@@ -96,15 +97,14 @@ impl ExposedRender {
     /// # Errors
     ///
     /// Light of a series that cannot be read.
-    pub fn read_out(&self, frame: u32, before: Option<LeftCharge>, maps: &[NoiseMap]) -> Result<Shot> {
+    pub fn read_out(&self, frame: u32, before: &Carried, maps: &[NoiseMap]) -> Result<Shot> {
         let own_light = (frame as usize).checked_sub(1).and_then(|earlier| self.sensor.stored.later.get(earlier));
         let own = own_light.map(|path| self.sensor.expose(self.sensor.read(path)?)).transpose()?;
         let exposed = own.as_ref().map_or(&self.exposed, |(exposed, _)| exposed);
-        let mut left = before;
-        let gain = exposed.exposure.gain;
-        let (raw, noise_maps) = self.sensor.chain().read_out_with_maps(exposed, gain, frame, maps, &mut left)?;
-        let (electrons, exposure) = (Arc::clone(&exposed.electrons), exposed.exposure);
-        Ok(Shot { raw, exposure, electrons, noise_maps, left, warnings: Vec::new() })
+        let mut carried = before.clone();
+        let (raw, noise_maps, exposure) = self.sensor.chain().read_out_next(exposed, frame, maps, &mut carried)?;
+        let electrons = Arc::clone(&exposed.electrons);
+        Ok(Shot { raw, exposure, electrons, noise_maps, carried, warnings: Vec::new() })
     }
 
     /// What a report says of a shot in memory: there are no files.
@@ -136,8 +136,8 @@ impl ExposedRender {
         let later = &sensor.stored.later;
         let chain = sensor.chain();
         let mut exposure = exposed.exposure;
-        let mut carried = Carried::default();
-        let first = write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut carried, |_, _| Ok(()))?;
+        let mut state = SeriesState::default();
+        let first = write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut state, |_, _| Ok(()))?;
         if let Frames::One { number: 0, of } = frames {
             for (number, path) in (1..of).zip(later) {
                 let start = Instant::now();
@@ -145,7 +145,7 @@ impl ExposedRender {
                 exposure = exposed.exposure;
                 timings.expose_s += start.elapsed().as_secs_f64();
                 let frames = Frames::One { number, of };
-                write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut carried, |_, _| Ok(()))?;
+                write_results(monitor, &chain, exposed, frames, folder, &mut timings, &mut state, |_, _| Ok(()))?;
             }
         }
         let frame = match frames {
@@ -159,7 +159,7 @@ impl ExposedRender {
             sums: folder.sums().clone(),
             warnings,
             timings: Some(timings),
-            ..sensor.report((&exposure, &first, &carried.gains), frame, folder.path())?
+            ..sensor.report((&exposure, &first, &state.gains), frame, folder.path())?
         };
         folder.write_report(&report)?;
         Ok(report)

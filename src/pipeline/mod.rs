@@ -15,6 +15,7 @@
 
 mod autofocus;
 mod camera;
+mod carried;
 mod chain;
 mod checkpoint;
 mod colour_checker;
@@ -50,6 +51,7 @@ mod trace;
 mod truth_views;
 
 pub use camera::{camera_of, pixels};
+pub use carried::Carried;
 pub(crate) use checkpoint::are_in as are_checkpoints_in;
 pub use colour_checker::measure_checker;
 pub use earlier::Place;

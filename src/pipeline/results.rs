@@ -7,9 +7,10 @@ use crate::Result;
 use crate::develop::merge::merge;
 use crate::image::{Estimate, Planes};
 use crate::raw::RawImage;
-use crate::sensor::{Exposure, LeftCharge};
+use crate::sensor::Exposure;
 use crate::units::{Decibels, Seconds};
 
+use super::carried::Carried;
 use super::chain::{Chain, Exposed};
 use super::monitor::{Monitor, go_on};
 use super::output_folder::OutputFolder;
@@ -50,14 +51,12 @@ impl Frames {
     }
 }
 
-/// What a frame hands on to the one after it.
+/// A series so far.
 #[derive(Default)]
-pub(super) struct Carried {
-    /// Charge that it has left in the sensor.
-    left: Option<LeftCharge>,
-    /// The gain that gain control has found for the next one.
-    gain: Option<Decibels>,
-    /// Those of the frames so far, where there is gain control.
+pub(super) struct SeriesState {
+    /// State after its last frame.
+    carried: Carried,
+    /// Gains of its frames, where there is gain control.
     pub(super) gains: Vec<Decibels>,
 }
 
@@ -65,8 +64,8 @@ pub(super) struct Carried {
 /// bracket whose time is nearest to that of `exposed`, which is returned; merges a bracket to a map of the light.
 /// `write_light` writes what is left of the light beside the electrons, numbered where there are several.
 ///
-/// `carried` is what the frame before hands on, and then what the last one does: the images of a bracket are taken one
-/// after the other, too.
+/// `state` is that of the series so far, and then with these frames: the images of a bracket are taken one after the
+/// other, too.
 ///
 /// Raw files and light are there before anything is developed: they take the longest to get, whatever becomes of the
 /// development, and the light's memory is free again.
@@ -78,7 +77,7 @@ pub(super) fn write_results(
     frames: Frames,
     folder: &mut OutputFolder,
     timings: &mut Timings,
-    carried: &mut Carried,
+    state: &mut SeriesState,
     write_light: impl FnOnce(&mut OutputFolder, Option<u32>) -> Result<()>,
 ) -> Result<RawImage> {
     let output = chain.settings.output;
@@ -94,16 +93,13 @@ pub(super) fn write_results(
     for number in numbers {
         go_on(monitor)?;
         let start = Instant::now();
-        let gain = carried.gain.unwrap_or(exposed.exposure.gain);
-        let left = &mut carried.left;
-        let mut read_out = |exposed| chain.read_out_with_maps(exposed, gain, number, &output.noise.maps, left);
-        let (raw, maps) = match &times {
+        let mut read_out = |exposed| chain.read_out_next(exposed, number, &output.noise.maps, &mut state.carried);
+        let (raw, maps, taken) = match &times {
             Some(times) => read_out(&shot(&exposed, times[number as usize]))?,
             None => read_out(&exposed)?,
         };
-        if let Some(control) = &chain.settings.exposure.gain_control {
-            carried.gains.push(gain);
-            carried.gain = Some(control.next(gain, &raw));
+        if chain.settings.exposure.gain_control.is_some() {
+            state.gains.push(taken.gain);
         }
         timings.expose_s += start.elapsed().as_secs_f64();
         let start = Instant::now();

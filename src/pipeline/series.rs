@@ -15,7 +15,7 @@ use super::monitor::Event;
 use super::output_folder::OutputFolder;
 use super::prepare::Prepared;
 use super::request::{LightSource, Request};
-use super::results::{Carried, Frames, write_results};
+use super::results::{Frames, SeriesState, write_results};
 use super::strips::Strips;
 use super::trace::{Trace, Traced, trace};
 use super::truth_views::{FirstViews, Moment, TruthViews};
@@ -93,8 +93,8 @@ impl Series<'_> {
             let first = FirstViews::new(self.prepared, &self.views)?;
             let next = self.views.next(capture, first_scene, first.next(self.prepared));
             let frames = Frames::One { number: frame, of: 1 };
-            let carried = &mut Carried::default();
-            return self.picture((first_scene, objects), &first.camera, next, frames, folder, timings, carried);
+            let state = &mut SeriesState::default();
+            return self.picture((first_scene, objects), &first.camera, next, frames, folder, timings, state);
         }
         let Some(recording) = &capture.recording else {
             let of_series = View::of(first_scene, still, pixels(capture));
@@ -106,12 +106,12 @@ impl Series<'_> {
                 Frames::All(count),
                 folder,
                 timings,
-                &mut Carried::default(),
+                &mut SeriesState::default(),
             );
         };
         let mut all = Recorded { exposed: None, paths: 0, warnings: Vec::new() };
         let mut now = Moment { recording: recording.clone(), scene: None };
-        let mut carried = Carried::default();
+        let mut state = SeriesState::default();
         for number in 0..count {
             // Only flow looks ahead.
             let mut next = match &self.views.common {
@@ -129,7 +129,7 @@ impl Series<'_> {
             let of_series = View::of(next_scene, &next_camera, pixels(capture));
             let view = self.views.next(capture, scene, of_series);
             let frames = Frames::One { number, of: count };
-            let recorded = self.picture((scene, objects), &camera, view, frames, folder, timings, &mut carried)?;
+            let recorded = self.picture((scene, objects), &camera, view, frames, folder, timings, &mut state)?;
             let first = all.exposed.map(|ExposedSeries { first, .. }| first);
             all.exposed = recorded.exposed.map(|last| ExposedSeries { first: first.unwrap_or(last.first), ..last });
             all.paths += recorded.paths;
@@ -182,7 +182,7 @@ impl Series<'_> {
         frames: Frames,
         folder: &mut OutputFolder,
         timings: &mut Timings,
-        carried: &mut Carried,
+        state: &mut SeriesState,
     ) -> Result<Recorded> {
         let prepared = self.prepared;
         let (capture, chain, monitor) = (&prepared.capture, &prepared.chain(), self.request.monitor);
@@ -281,7 +281,7 @@ impl Series<'_> {
             monitor.report(Event::Warning(&warning));
             warnings.push(warning);
         }
-        let first = write_results(monitor, chain, exposed, frames, folder, timings, carried, |folder, number| {
+        let first = write_results(monitor, chain, exposed, frames, folder, timings, state, |folder, number| {
             if capture.output.ideal {
                 let seen = light.means(ideal::NAMES).to_planes();
                 let seen = seen.map_err(|reason| Error::io(folder.path(), "read from", reason))?;
@@ -309,7 +309,7 @@ impl Series<'_> {
                 None => Ok(()),
             }
         })?;
-        let gains = carried.gains.clone();
+        let gains = state.gains.clone();
         Ok(Recorded { exposed: Some(ExposedSeries { exposure, gains, first, reached }), paths: all_paths, warnings })
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::camera::pixels;
+use super::carried::Carried;
 use super::chain::Exposed;
 use super::light::Light;
 use super::monitor::{Event, go_on};
@@ -12,7 +13,7 @@ use crate::capture::Capture;
 use crate::develop::DevelopSettings;
 use crate::image::Estimate;
 use crate::raw::RawImage;
-use crate::sensor::{Exposure, LeftCharge, NoiseMap, NoiseMaps};
+use crate::sensor::{Exposure, NoiseMap, NoiseMaps};
 use crate::units::Seconds;
 use crate::{Picture, Result};
 
@@ -24,7 +25,7 @@ use crate::{Picture, Result};
 /// let capture = photosite::Capture::load("scenes/cornell-box/capture.toml")?;
 /// let shot = photosite::render(&capture, photosite::Options::default())?;
 /// shot.raw.save("raw.dng")?;
-/// shot.develop(&capture.develop)?.save("image.png")?;
+/// shot.develop(capture.develop())?.save("image.png")?;
 /// # Ok(())
 /// # }
 /// ```
@@ -54,8 +55,8 @@ pub struct Shot {
     pub electrons: Arc<Estimate>,
     /// What each effect that `output.noise_maps` names has added to every number.
     pub noise_maps: NoiseMaps,
-    /// Charge that stays in the sensor for the frame after this one; `None` of a sensor without image lag.
-    pub left: Option<LeftCharge>,
+    /// State that this frame hands on to the next.
+    pub carried: Carried,
     /// Warnings about the exposure.
     pub warnings: Vec<String>,
 }
@@ -79,38 +80,32 @@ impl Prepared {
     ///
     /// An exposure that the sensor cannot make, or for which there is too little light.
     pub fn expose(&self, light: &Light, frame: u32) -> Result<Shot> {
-        self.expose_after(light, frame, None)
+        self.expose_after(light, frame, &Carried::default())
     }
 
-    /// Exposes to that light after a frame that has [left](Shot::left) charge in the sensor.
+    /// Exposes to that light after a frame of that [state](Shot::carried).
     ///
     /// # Errors
     ///
     /// As [`expose`](Self::expose).
-    pub fn expose_after(&self, light: &Light, frame: u32, before: Option<LeftCharge>) -> Result<Shot> {
+    pub fn expose_after(&self, light: &Light, frame: u32, before: &Carried) -> Result<Shot> {
         self.expose_with_maps(light, frame, before, &self.capture.output.noise.maps)
     }
 
-    /// Exposes to that light after a frame that has [left](Shot::left) charge in the sensor, with these noise maps.
+    /// Exposes to that light after a frame of that [state](Shot::carried), with these noise maps.
     ///
     /// # Errors
     ///
     /// As [`expose`](Self::expose).
-    pub fn expose_with_maps(
-        &self,
-        light: &Light,
-        frame: u32,
-        before: Option<LeftCharge>,
-        maps: &[NoiseMap],
-    ) -> Result<Shot> {
+    pub fn expose_with_maps(&self, light: &Light, frame: u32, before: &Carried, maps: &[NoiseMap]) -> Result<Shot> {
         let chain = self.chain();
         let (rates, mut warnings) = self.rates(light)?;
         let exposed = chain.expose(rates, Seconds(1.0), None)?;
-        let mut left = before;
-        let (raw, noise_maps) = chain.read_out_with_maps(&exposed, exposed.exposure.gain, frame, maps, &mut left)?;
-        let Exposed { exposure, electrons, warning } = exposed;
+        let mut carried = before.clone();
+        let (raw, noise_maps, exposure) = chain.read_out_next(&exposed, frame, maps, &mut carried)?;
+        let Exposed { electrons, warning, .. } = exposed;
         warnings.extend(warning);
-        Ok(Shot { raw, exposure, electrons, noise_maps, left, warnings })
+        Ok(Shot { raw, exposure, electrons, noise_maps, carried, warnings })
     }
 
     /// Columns and rows of the picture.

@@ -13,9 +13,9 @@ use crate::image::Planes;
 use crate::io::developable::{Developable, read_developable};
 use crate::io::developed::PictureFormat;
 use crate::optics::LensKind;
-use crate::pipeline::{ExposedRender, Light, Prepared, Shot, StoredRender};
+use crate::pipeline::{Carried, ExposedRender, Light, Prepared, Shot, StoredRender};
 use crate::report::REPORT;
-use crate::sensor::{Exposure, LeftCharge, NoiseMap, SensorModel};
+use crate::sensor::{Exposure, NoiseMap, SensorModel};
 use crate::{Error, Invalid, Picture, Result, Sandbox};
 
 /// What is viewed.
@@ -176,31 +176,36 @@ pub(super) enum Ready {
 }
 
 impl Ready {
-    fn expose_after(&self, frame: u32, before: Option<LeftCharge>, maps: &[NoiseMap]) -> Result<Shot> {
+    fn expose_after(&self, frame: u32, before: &Carried, maps: &[NoiseMap]) -> Result<Shot> {
         match self {
             Self::Traced(prepared, light) => prepared.expose_with_maps(light, frame, before, maps),
             Self::Stored(render, ..) => render.read_out(frame, before, maps),
         }
     }
 
-    /// Reads out a frame. Of a sensor that keeps charge from one frame to the next, all frames before it are read out,
-    /// too, where they have seen the same light.
+    /// Reads out a frame. Where a frame depends on the ones before it (image lag, gain control), these are read out, too,
+    /// if they have seen the same light.
     pub(super) fn expose(&self, frame: u32, maps: &[NoiseMap]) -> Result<Shot> {
-        let mut alone = self.expose_after(frame, None, maps)?;
-        if frame == 0 || alone.left.is_none() {
+        let mut alone = self.expose_after(frame, &Carried::default(), maps)?;
+        if self.settings().1.bracket.is_some() {
+            let message = "the bracket has no effect here: every frame has the time that exposure states";
+            alone.warnings.push(message.to_owned());
+        }
+        if frame == 0 || alone.carried.is_empty() {
             return Ok(alone);
         }
         if self.has_light_of_one_frame() {
-            let message =
-                "this sensor keeps charge from earlier frames, whose light is not traced here: image lag is left out";
+            let message = "earlier frames, whose light is not traced here, leave charge in this sensor or set its gain: \
+                           image lag and exposure.gain_control are left out";
             alone.warnings.push(message.to_owned());
             return Ok(alone);
         }
-        let mut before = None;
+        let mut before = Carried::default();
         for earlier in 0..frame {
-            before = self.expose_after(earlier, before, &[])?.left;
+            before = self.expose_after(earlier, &before, &[])?.carried;
         }
-        self.expose_after(frame, before, maps)
+        let after = self.expose_after(frame, &before, maps)?;
+        Ok(Shot { warnings: alone.warnings, ..after })
     }
 
     /// How shots are developed, with changes to that.

@@ -32,6 +32,13 @@ struct Picture {
     values: Vec<u8>,
 }
 
+impl Picture {
+    /// Digital numbers of a raw image.
+    fn numbers(&self) -> Vec<u16> {
+        self.values.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes)).collect()
+    }
+}
+
 impl Server {
     fn start(folder: &Folder, arguments: &str) -> Self {
         let mut process = folder.command(&format!("view {arguments}")).stdout(Stdio::piped()).spawn().expect("started");
@@ -138,8 +145,7 @@ fn pictures_have_the_bytes_of_the_command(#[case] input: &str) {
         );
         let raw = server.picture(&format!("plane=raw&{query}"));
         let file = folder.raw(&format!("exposed-{i}/raw.dng"));
-        let numbers: Vec<u16> = raw.values.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes)).collect();
-        assert!(numbers == file.data, "{query}: digital numbers");
+        assert!(raw.numbers() == file.data, "{query}: digital numbers");
         assert_eq!(raw.facts["raw"]["white_dn"], file.white_level_dn, "{query}");
     }
     // Later frames have noise of their own.
@@ -148,6 +154,29 @@ fn pictures_have_the_bytes_of_the_command(#[case] input: &str) {
     assert!(server.picture("frame=2").values == codes(&folder, "frame.png"));
     assert_eq!(server.get("picture?frame=5000").0, 400);
 }
+
+/// Frames whose gain follows from the frames before them, of light that is traced for the page and of stored light.
+#[rstest]
+#[case::traced(&format!("capture.toml {GAIN_CONTROL}"), "done")]
+#[case::stored("out", "stored")]
+fn frames_follow_gain_control_as_those_of_the_command(#[case] input: &str, #[case] phase: &str) {
+    let folder = room(SETTINGS);
+    folder.succeed(&format!("render capture.toml -o out {GAIN_CONTROL}"));
+    let server = Server::start(&folder, input);
+    server.wait_for(phase);
+    for frame in [2, 0, 1] {
+        let shown = server.picture(&format!("plane=raw&frame={frame}"));
+        assert!(shown.numbers() == folder.raw(&format!("out/raw-{frame:04}.dng")).data, "frame {frame}");
+    }
+    let gain_db = |frame: u32| {
+        server.picture(&format!("plane=raw&frame={frame}")).facts["settings"]["exposure.gain_db"].as_f64().expect("dB")
+    };
+    let gains = [0, 1, 2].map(gain_db);
+    assert!(gains[0] < gains[1] && gains[1] < gains[2], "{gains:?} dB of light that is too weak for the target");
+}
+
+const GAIN_CONTROL: &str =
+    "--set exposure.time_s=0.0005 --set exposure.frames=3 --set exposure.gain_control={target=0.5}";
 
 #[test]
 fn planes_and_pixels_are_those_of_the_files() {

@@ -46,18 +46,14 @@ impl Capture {
 
     /// Columns and rows of the sensor.
     fn resolution(&self) -> [usize; 2] {
-        self.0.sensor.resolution
+        self.0.sensor().resolution
     }
 
     /// Frames that it asks for, whether each needs light of its own, and what makes their exposures differ.
     fn series(&self) -> (u32, bool, Option<&'static str>) {
-        let exposure = &self.0.exposure;
-        let differ = match (&exposure.bracket, &exposure.gain_control) {
-            (Some(_), _) => Some("the bracket"),
-            (None, Some(_)) => Some("exposure.gain_control"),
-            (None, None) => None,
-        };
-        (exposure.frames, self.0.recording.is_some(), differ)
+        let exposure = self.0.exposure();
+        let differ = exposure.bracket.is_some().then_some("the bracket");
+        (exposure.frames, self.0.recording().is_some(), differ)
     }
 
     /// All keys that were given, as JSON; paths are relative to a folder.

@@ -68,7 +68,7 @@ pub(crate) fn render_to(
             Place::Free(place) => place,
             Place::Done(rendered) => return Ok(report_of(rendered)),
         };
-        let input = capture.source.path();
+        let input = capture.source().path();
         let request = Request {
             input,
             named: relative_path(input, place.path()),

@@ -7,10 +7,10 @@ use photosite::calibration::truth::TruthLayer;
 use photosite::capture::relative_path;
 use photosite::image::{Estimate, Planes};
 use photosite::pipeline::{
-    self, Event, ExposedRender, FilmMemory, LightSource, Monitor, OutputFolder, Prepared, Rendered, Request,
+    self, Carried, Event, ExposedRender, FilmMemory, LightSource, Monitor, OutputFolder, Prepared, Rendered, Request,
 };
 use photosite::report::Report;
-use photosite::sensor::{LeftCharge, NoiseMap};
+use photosite::sensor::NoiseMap;
 use photosite::{Invalid, Picture};
 use pyo3::prelude::*;
 
@@ -33,14 +33,14 @@ pub(crate) enum Source {
 pub(crate) struct Shot {
     source: Source,
     frame: u32,
-    /// Charge that the frame before has left in the sensor.
-    before: Option<LeftCharge>,
+    /// State after the frame before.
+    before: Carried,
     raw: Arc<photosite::raw::RawImage>,
     shot: pipeline::Shot,
 }
 
 impl Source {
-    fn expose(&self, frame: u32, before: Option<LeftCharge>, maps: &[NoiseMap]) -> photosite::Result<pipeline::Shot> {
+    fn expose(&self, frame: u32, before: &Carried, maps: &[NoiseMap]) -> photosite::Result<pipeline::Shot> {
         match self {
             Self::Traced { prepared, light } => prepared.expose_with_maps(light, frame, before, maps),
             Self::Stored(render) => render.read_out(frame, before, maps),
@@ -89,20 +89,26 @@ fn map(name: &str) -> photosite::Result<NoiseMap> {
 }
 
 impl Shot {
-    /// So many frames, one after the other: what each leaves in the sensor, the next one finds there.
+    /// So many frames, one after the other, with image lag and gain control from one to the next.
     pub(crate) fn series(source: Source, frames: u32, monitor: &dyn Monitor) -> photosite::Result<Vec<Self>> {
-        let mut before = None;
+        let mut before = Carried::default();
         let mut shots = Vec::new();
         for frame in 0..frames {
             if monitor.is_cancelled() {
                 let help = Some("nothing of it is kept".into());
                 return Err(photosite::Error::Cancelled { message: "the work was cancelled".to_owned(), help });
             }
-            let mut shot = source.expose(frame, before.clone(), &[])?;
+            let mut shot = source.expose(frame, &before, &[])?;
             shot.warnings.iter().for_each(|warning| monitor.report(Event::Warning(warning)));
-            let left = shot.left.take();
+            let carried = std::mem::take(&mut shot.carried);
             let raw = Arc::new(std::mem::take(&mut shot.raw));
-            shots.push(Self { source: source.clone(), frame, before: std::mem::replace(&mut before, left), raw, shot });
+            shots.push(Self {
+                source: source.clone(),
+                frame,
+                before: std::mem::replace(&mut before, carried),
+                raw,
+                shot,
+            });
         }
         Ok(shots)
     }
@@ -144,7 +150,7 @@ impl Shot {
     fn image<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let picture = work(py, How::default(), |_| {
             let settings = match &self.source {
-                Source::Traced { prepared, .. } => &prepared.capture().develop,
+                Source::Traced { prepared, .. } => prepared.capture().develop(),
                 Source::Stored(render) => render.develop_settings(),
             };
             Ok(Picture::develop(&self.raw, settings)?.encoded())
@@ -160,7 +166,7 @@ impl Shot {
     /// A noise map by its name.
     fn noise<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let planes = work(py, How::default(), |_| {
-            let shot = self.source.expose(self.frame, self.before.clone(), &[map(name)?])?;
+            let shot = self.source.expose(self.frame, &self.before, &[map(name)?])?;
             Ok(shot.noise_maps.planes)
         })?;
         of_planes(py, planes)
@@ -187,7 +193,7 @@ impl Shot {
             let mut place = OutputFolder::claim(&folder, overwrite)?;
             match &self.source {
                 Source::Traced { prepared, light } => {
-                    let input = prepared.capture().source.path();
+                    let input = prepared.capture().source().path();
                     let request = Request {
                         input,
                         named: relative_path(input, place.path()),
