@@ -55,9 +55,8 @@ impl Extent {
                 }
             };
         }
-        // Not of vertices that no triangle has, as where meshes of a file share them.
-        let corners = mesh.triangles.iter().flatten().map(|&corner| {
-            let point = to_world.transform_point3(mesh.positions[corner as usize].as_dvec3());
+        let corners = mesh.positions.iter().map(|position| {
+            let point = to_world.transform_point3(position.as_dvec3());
             Self { low: point, high: point }
         });
         Self::around(corners)

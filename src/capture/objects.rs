@@ -126,7 +126,7 @@ impl ReadScene {
         };
         let first = self.scene.instances.len();
         for (instance, extent) in template.instances.iter().zip(&template.extents) {
-            let at = |part: f64| track.to_world(part) * upright * instance.at(part as f32);
+            let at = |part: f64| track.to_world(part) * upright * instance.at(part);
             let (to_world, later) = track.places(instance.later.len(), at);
             let placed = InstanceDescription {
                 name: name.clone(),
@@ -144,7 +144,7 @@ impl ReadScene {
         // Lamps and cameras are moved and turned, and not made larger.
         let rigid = |of: &DAffine3, later: &[DAffine3]| {
             track.places(later.len(), |part| {
-                let of_file = pose_at(of, later, part as f32);
+                let of_file = pose_at(of, later, part);
                 let translation = (track.to_world(part) * upright).transform_point3(of_file.translation);
                 DAffine3 { matrix3: track.rigid(part).matrix3 * DMat3::from_quat(turn) * of_file.matrix3, translation }
             })

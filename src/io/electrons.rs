@@ -3,7 +3,8 @@
 //!
 //! One channel for each of the sensor's (`R`, `G`, `B` or `Y`): mean electrons of that filter at every pixel, e⁻.
 //! Beside each its variance, `variance.R` …, (e⁻)². The attribute `unit` says `e-`, `exposureTime` the seconds that the
-//! electrons were collected for.
+//! electrons were collected for. The variance is that of independent samples. Sobol points leave less: it is 1.2 to 1.9
+//! times the variance over renders with other seeds.
 
 use std::io::{self, BufRead, Seek, Write};
 

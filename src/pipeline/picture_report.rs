@@ -10,7 +10,7 @@ use super::series::{ExposedSeries, Reached};
 use super::shot::Shot;
 use crate::Result;
 use crate::calibration::targets::PlacedTarget;
-use crate::calibration::truth::View;
+use crate::calibration::truth::{NotFound, View};
 use crate::capture::Capture;
 use crate::io::file_sum::FileSum;
 use crate::report::{
@@ -30,6 +30,8 @@ pub(super) struct Made<'a> {
     pub(super) paths: u64,
     /// Those that turned out on the way.
     pub(super) warnings: &'a [String],
+    /// Counts what truth did not find.
+    pub(super) not_found: &'a NotFound,
     pub(super) fingerprint: Option<&'a str>,
     pub(super) files: Vec<String>,
     pub(super) sums: BTreeMap<String, FileSum>,
@@ -38,7 +40,7 @@ pub(super) struct Made<'a> {
 
 pub(super) fn picture_report(prepared: &Prepared, made: Made<'_>) -> Result<Report> {
     let Prepared { capture, scene, camera, truth, .. } = prepared;
-    let Made { named, folder, frame, series, paths, warnings, fingerprint, files, sums, timings } = made;
+    let Made { named, folder, frame, series, paths, warnings, not_found, fingerprint, files, sums, timings } = made;
     let ExposedSeries { exposure, gains, first, reached } = series;
     let chain = prepared.chain();
     let traced = TracedReport {
@@ -46,7 +48,7 @@ pub(super) fn picture_report(prepared: &Prepared, made: Made<'_>) -> Result<Repo
         lens: Some(LensReport::new(&capture.lens, camera, capture.sensor.pixel_pitch_m, &prepared.focus_steps)),
         render: Some(render_report(capture, scene, reached)),
         scene_light: Some(LightReport::new(&prepared.light)),
-        targets: Some(prepared.target_reports()),
+        targets: Some(prepared.target_reports(not_found)),
         truth: truth.clone(),
         paths: Some(paths),
         paths_per_s: timings.map(|timings| paths as f64 / timings.trace_s),
@@ -69,7 +71,7 @@ pub(super) fn picture_report(prepared: &Prepared, made: Made<'_>) -> Result<Repo
         exposure: exposure_report,
         files,
         sums,
-        warnings: [prepared.warnings(), warnings].concat(),
+        warnings: [prepared.warnings(), warnings, not_found.warning().as_slice()].concat(),
         timings,
     })
 }
@@ -95,6 +97,7 @@ impl Prepared {
                 series,
                 paths: light.paths,
                 warnings: &shot.warnings,
+                not_found: &NotFound::default(),
                 fingerprint: None,
                 files: Vec::new(),
                 sums: BTreeMap::new(),
@@ -110,9 +113,9 @@ impl Prepared {
     }
 
     /// The calibration targets of the scene, as the first picture shows them.
-    fn target_reports(&self) -> Vec<TargetReport> {
+    fn target_reports(&self, not_found: &NotFound) -> Vec<TargetReport> {
         let camera = self.camera();
-        let view = View::of(&self.scene, &camera, pixels(&self.capture));
+        let view = View::of(&self.scene, &camera, pixels(&self.capture)).counting(not_found);
         let report = |target: &PlacedTarget| TargetReport::new(target, &view);
         self.capture.targets.iter().map(report).collect()
     }

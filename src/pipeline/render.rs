@@ -15,6 +15,7 @@ use super::series::{Recorded, Series};
 use super::strips::Strips;
 use super::truth_views::TruthViews;
 use crate::Result;
+use crate::calibration::truth::NotFound;
 use crate::capture::{Capture, real_path};
 use crate::film::Response;
 use crate::report::{PartReport, Report, Timings};
@@ -129,7 +130,8 @@ fn record_into(
     prepared.warnings().iter().for_each(|warning| request.monitor.report(Event::Warning(warning)));
     let views = TruthViews::new(prepared, &capture.output.truth.layers)?;
     let provenance = provenance(capture)?;
-    let all = Series { request, provenance: &provenance, prepared, strips, views };
+    let not_found = NotFound::default();
+    let all = Series { request, provenance: &provenance, prepared, strips, views, not_found: &not_found };
     let recorded = all.record(folder, &mut timings).map_err(|error| folder.since_claimed(error))?;
     let Recorded { exposed, paths, warnings } = recorded;
     let Some(series) = exposed else {
@@ -152,12 +154,14 @@ fn record_into(
             series,
             paths,
             warnings: &warnings,
+            not_found: &not_found,
             fingerprint: provenance["fingerprint"].as_str(),
             files: folder.files(),
             sums: folder.sums().clone(),
             timings: request.is_timed.then_some(timings),
         },
     )?;
+    not_found.warning().iter().for_each(|warning| request.monitor.report(Event::Warning(warning)));
     folder.write_report(&report)?;
     Ok(Rendered::Picture { report: Box::new(report), timings })
 }

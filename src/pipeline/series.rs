@@ -19,7 +19,7 @@ use super::results::{Frames, SeriesState, write_results};
 use super::strips::Strips;
 use super::trace::{Trace, Traced, trace};
 use super::truth_views::{FirstViews, Moment, TruthViews};
-use crate::calibration::truth::{TruthJob, TruthLayer, TruthObject, View, truth};
+use crate::calibration::truth::{NotFound, TruthJob, TruthLayer, TruthObject, View, truth};
 use crate::capture::{Capture, TruthOutput};
 use crate::image::Estimate;
 use crate::io::truth::{TruthFormat, fits_png, lost_in_png};
@@ -38,6 +38,8 @@ pub(super) struct Series<'a> {
     pub(super) prepared: &'a Prepared,
     pub(super) strips: &'a Strips,
     pub(super) views: TruthViews<'a>,
+    /// Counts what truth does not find.
+    pub(super) not_found: &'a NotFound,
 }
 
 /// What has become of a series.
@@ -196,7 +198,8 @@ impl Series<'_> {
         }
         let resolution = pixels(capture);
         let partner = self.views.partner_of(camera);
-        let partner = partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, resolution });
+        let partner =
+            partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, resolution, not_found: None });
         let truth_job = TruthJob { view: View::of(scene, camera, resolution), objects, next, partner };
         let mut warnings = check_png(&truth_job, &capture.output.truth)
             .map_err(|invalid| capture.source.error(invalid.within("output")))?;
@@ -294,6 +297,7 @@ impl Series<'_> {
                 let aspect = if capture.develop.square_pixels { 1.0 } else { x / y };
                 folder.write_ideal(number, picture, aspect, &capture.develop)?;
             }
+            let truth_job = truth_job.counting(self.not_found);
             if !capture.output.truth.layers.is_empty() {
                 let planes = truth(&truth_job, &capture.output.truth.layers);
                 folder.write_truth(number, &capture.output.truth, &planes)?;

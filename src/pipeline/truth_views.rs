@@ -69,7 +69,8 @@ impl Prepared {
         let first = FirstViews::new(self, &views)?;
         let resolution = pixels(capture);
         let partner = views.partner_of(&first.camera);
-        let partner = partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, resolution });
+        let partner =
+            partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, resolution, not_found: None });
         let next = views.next(capture, scene, first.next(self));
         let view = View::of(scene, &first.camera, resolution);
         Ok(truth(&TruthJob { view, objects: &self.objects, next, partner }, layers))

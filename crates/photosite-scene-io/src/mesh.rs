@@ -1,5 +1,5 @@
 //! What every mesh goes through, whatever file it came from: values are checked to be finite, triangles of zero area
-//! are dropped, normals are made unit vectors.
+//! are dropped, and so are vertices that no triangle has; normals are made unit vectors.
 
 use std::collections::HashMap;
 
@@ -55,6 +55,7 @@ pub(crate) fn checked(mut mesh: MeshDescription) -> Result<(MeshDescription, Men
     let positions = &mesh.positions;
     mesh.triangles.retain(|triangle| area_vector(positions, triangle) != DVec3::ZERO);
     let zero_area = triangles - mesh.triangles.len();
+    drop_unused_vertices(&mut mesh);
     let normals = mend_normals(&mut mesh);
     mend_tangents(&mut mesh);
     Ok((mesh, Mended { zero_area, normals }))
@@ -74,6 +75,39 @@ fn all_finite<T: std::fmt::Display>(key: &str, values: &[T], is_finite: impl Fn(
 pub(crate) fn area_vector(positions: &[Vec3], triangle: &[u32; 3]) -> DVec3 {
     let [a, b, c] = triangle.map(|corner| positions[corner as usize].as_dvec3());
     (b - a).cross(c - a)
+}
+
+/// Leaves only vertices that triangles have, in their order. Primitives of glTF may share one list of them, of which each
+/// uses a part; whatever measures a mesh by its vertices would take the others for a part of it.
+fn drop_unused_vertices(mesh: &mut MeshDescription) {
+    let mut is_used = vec![false; mesh.positions.len()];
+    mesh.triangles.iter().flatten().for_each(|&corner| is_used[corner as usize] = true);
+    if !is_used.contains(&false) {
+        return;
+    }
+    let before = is_used.iter().scan(0u32, |count, &is_used| {
+        *count += u32::from(is_used);
+        Some(*count - u32::from(is_used))
+    });
+    let places: Vec<u32> = before.collect();
+    mesh.triangles.iter_mut().flatten().for_each(|corner| *corner = places[*corner as usize]);
+    let MeshDescription { positions, normals, tangents, uvs, colours, later_shapes, .. } = mesh;
+    keep(positions, &is_used);
+    keep(normals, &is_used);
+    keep(tangents, &is_used);
+    keep(colours, &is_used);
+    uvs.iter_mut().for_each(|uvs| keep(uvs, &is_used));
+    for shape in later_shapes {
+        keep(&mut shape.positions, &is_used);
+        keep(&mut shape.normals, &is_used);
+    }
+}
+
+/// Keeps the values of vertices that are used, if there are any values.
+fn keep<T>(values: &mut Vec<T>, is_used: &[bool]) {
+    let mut used = is_used.iter();
+    values.retain(|_| used.next().is_none_or(|&is_used| is_used));
+    values.shrink_to_fit();
 }
 
 /// Gives normals unit length; those without a direction get that of the triangles around them. Returns how many.
@@ -196,6 +230,27 @@ mod tests {
             triangles: vec![[0, 1, 2], [0, 1, 3]],
             ..MeshDescription::default()
         }
+    }
+
+    #[test]
+    fn vertices_that_no_triangle_has_go_in_all_shapes() {
+        let far = Vec3::splat(9.0);
+        let positions = vec![far, Vec3::ZERO, Vec3::X, far, Vec3::Y];
+        let moved: Vec<Vec3> = positions.iter().map(|p| *p + Vec3::Z).collect();
+        let shape = ShapeDescription { positions: moved, normals: vec![Vec3::Z; 5] };
+        let mesh = MeshDescription {
+            normals: vec![Vec3::Z; 5],
+            uvs: vec![positions.iter().map(|p| p.truncate()).collect()],
+            triangles: vec![[1, 2, 4], [0, 0, 3]],
+            later_shapes: vec![shape],
+            positions,
+            ..MeshDescription::default()
+        };
+        let (mesh, mended) = checked(mesh).expect("valid");
+        assert_eq!(mended, Mended { zero_area: 1, normals: 0 });
+        assert_eq!((&mesh.positions[..], &mesh.triangles[..]), (&[Vec3::ZERO, Vec3::X, Vec3::Y][..], &[[0, 1, 2]][..]));
+        assert_eq!(mesh.later_shapes[0].positions, [Vec3::Z, Vec3::X + Vec3::Z, Vec3::Y + Vec3::Z]);
+        assert_eq!((mesh.normals.len(), mesh.later_shapes[0].normals.len(), mesh.uvs[0][2]), (3, 3, glam::Vec2::Y));
     }
 
     #[test]

@@ -1,7 +1,10 @@
 //! Where a surface that one camera sees appears to another, or to the same one later.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
+use super::row_search::{Sighting, row_that_sees};
 use photosite_transport::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use photosite_transport::optics::Camera;
 use photosite_transport::scene::Scene;
@@ -18,6 +21,37 @@ pub struct View<'a> {
     pub place: DAffine3,
     /// Columns and rows.
     pub resolution: [u32; 2],
+    /// Counts what it was asked of and did not find.
+    pub not_found: Option<&'a NotFound>,
+}
+
+/// How many points were in no row of a picture at the row's own time, although the lens shows them: their places in it are
+/// not known, which is not to say that they have none.
+#[derive(Debug, Default)]
+pub struct NotFound(AtomicU64);
+
+impl NotFound {
+    /// How many they are.
+    pub fn count(&self) -> u64 {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    /// The warning that says so, if there are any.
+    pub fn warning(&self) -> Option<String> {
+        let count = self.count();
+        let points = if count == 1 { "point" } else { "points" };
+        (count > 0).then(|| {
+            format!(
+                "{count} {points} of ground truth (flow, disparity, key points, corners of boxes, points of targets) could not be \
+                 found: the lens shows them, but they are in no row at the time when it is exposed, as what outruns the rolling \
+                 shutter, or comes into sight while it runs; they are null or not valid"
+            )
+        })
+    }
+
+    fn add(&self) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
 }
 
 /// Where a surface point appears in a picture.
@@ -31,88 +65,74 @@ pub struct Correspondence {
 
 /// Continuous pixel coordinates of a world point for a camera alone, as [`View::project`] has them.
 pub fn project(camera: &Camera, point: DVec3) -> Option<DVec2> {
-    project_moving(camera, &DAffine3::IDENTITY, |_| point)
+    match sighting(camera, &DAffine3::IDENTITY, |_| point) {
+        Sighting::At(pixel) => Some(pixel),
+        Sighting::Unseen | Sighting::InNoRow => None,
+    }
 }
 
 /// Partner → world in the middle of the exposure of a row, and which part of the picture's time has gone by then.
-fn at_row(camera: &Camera, place: &DAffine3, row: f64) -> (DAffine3, f32) {
+fn at_row(camera: &Camera, place: &DAffine3, row: f64) -> (DAffine3, f64) {
     let (to_world, time) = camera.pose_at_row(row);
     (to_world * *place, time)
 }
 
 /// Where a point appears that is at `position` at each part of the picture's time: the y that solves
-/// y = project(p(t(y)), camera at t(y)); of a camera that scans, the line whose own row it comes to.
-fn project_moving(camera: &Camera, place: &DAffine3, position: impl Fn(f32) -> DVec3) -> Option<DVec2> {
+/// y = project(p(t(y)), camera at t(y)); of a camera that scans, y = ½ of its own line: the line at whose time the point
+/// comes there.
+fn sighting(camera: &Camera, place: &DAffine3, position: impl Fn(f64) -> DVec3) -> Sighting {
     let seen_at_row = |row: f64| {
         let (to_world, time) = at_row(camera, place, row);
         camera.project_camera(to_world.inverse().transform_point3(position(time)))
     };
-    let mut pixel = seen_at_row(0.0)?;
     if !camera.moves() {
-        return Some(pixel);
+        return seen_at_row(0.0).map_or(Sighting::Unseen, Sighting::At);
     }
+    let rows = f64::from(camera.resolution()[1]);
     if camera.scans() {
-        return line_that_sees(seen_at_row);
+        let line_above = |line: f64| seen_at_row(line).map(|seen| (seen.y - 0.5, DVec2::new(seen.x, line + 0.5)));
+        return row_that_sees(rows, |line, _| line + 1.0, line_above);
     }
-    // Each round takes the error times (speed of the picture in rows per row time), which is far below 1 in any picture
-    // that is not torn apart.
-    for _ in 0..100 {
-        let next = seen_at_row(pixel.y - 0.5)?;
-        let change = (next - pixel).length();
-        pixel = next;
-        if change < 1e-9 {
-            return Some(pixel);
-        }
-    }
-    None
-}
-
-/// Where a point appears in a picture whose lines are seen by one row of pixels, at y = ½ of its own line: the line at
-/// whose time the point comes there, found by secants.
-fn line_that_sees(seen_at_row: impl Fn(f64) -> Option<DVec2>) -> Option<DVec2> {
-    const NEAR: f64 = 1e-9;
-    let (mut before, mut line) = (0.0, 1.0);
-    let mut missed_before = seen_at_row(before)?.y - 0.5;
-    for _ in 0..100 {
-        let seen = seen_at_row(line)?;
-        let missed = seen.y - 0.5;
-        if missed.abs() < NEAR {
-            return Some(DVec2::new(seen.x, line + 0.5));
-        }
-        let next = line - missed * (line - before) / (missed - missed_before);
-        if !next.is_finite() {
-            return None;
-        }
-        (before, missed_before, line) = (line, missed, next);
-    }
-    None
+    row_that_sees(rows, |row, missed| row + missed, |row| seen_at_row(row).map(|seen| (seen.y - 0.5 - row, seen)))
 }
 
 impl<'a> View<'a> {
     /// Motion of a camera itself.
     pub fn of(scene: &'a Scene, camera: &'a Camera, resolution: [u32; 2]) -> Self {
-        Self { scene, camera, place: DAffine3::IDENTITY, resolution }
+        Self { scene, camera, place: DAffine3::IDENTITY, resolution, not_found: None }
     }
 
-    /// Continuous pixel coordinates of a world point that is seen in the middle of the exposure of its row. `None`
-    /// behind the camera, and where it moves too fast for there to be one.
+    /// The same, which counts what it does not find.
+    #[must_use]
+    pub fn counting(self, not_found: &'a NotFound) -> Self {
+        Self { not_found: Some(not_found), ..self }
+    }
+
+    /// Continuous pixel coordinates of a world point that is seen in the middle of the exposure of its row. `None` where
+    /// the lens does not show it, and where it is in no row at the row's own time, which is [counted](Self::counting).
     pub fn project(&self, point: DVec3) -> Option<DVec2> {
         self.project_moving(|_| point)
     }
 
-    fn at_row(&self, row: f64) -> (DAffine3, f32) {
+    fn at_row(&self, row: f64) -> (DAffine3, f64) {
         at_row(self.camera, &self.place, row)
     }
 
-    fn project_moving(&self, position: impl Fn(f32) -> DVec3) -> Option<DVec2> {
-        project_moving(self.camera, &self.place, position)
+    fn project_moving(&self, position: impl Fn(f64) -> DVec3) -> Option<DVec2> {
+        match sighting(self.camera, &self.place, position) {
+            Sighting::At(pixel) => Some(pixel),
+            Sighting::Unseen => None,
+            Sighting::InNoRow => {
+                self.not_found.inspect(|not_found| not_found.add());
+                None
+            }
+        }
     }
 
     /// Where a surface point of the scene appears in the picture. `None` where it has no place in it.
     pub fn correspondence(&self, hit: &Hit) -> Option<Correspondence> {
-        let point = |time| self.scene.point(hit, time);
-        let position = |time| point(time).position.as_dvec3();
-        self.found(position, |eye, time| is_seen(self.scene, &point(time), eye))
+        let position = |time| self.scene.position(hit, time);
+        self.found(position, |eye, time| is_seen(self.scene, &self.scene.point(hit, time as f32), eye))
     }
 
     /// The same of a point that is known to lie on a surface.
@@ -121,9 +141,9 @@ impl<'a> View<'a> {
     }
 
     /// The same of one that is at `position` when a part of the picture's time, 0 to 1, has gone by.
-    pub fn moving_landmark(&self, position: impl Fn(f32) -> DVec3) -> Option<Correspondence> {
+    pub fn moving_landmark(&self, position: impl Fn(f64) -> DVec3) -> Option<Correspondence> {
         self.found(&position, |eye, time| {
-            let mut ray = Ray::new(eye, position(time).as_vec3() - eye).at_time(time);
+            let mut ray = Ray::new(eye, position(time).as_vec3() - eye).at_time(time as f32);
             // Up to just before the surface that it lies on.
             ray.t_max = 1.0 - 1e-4;
             !self.scene.occluded(&ray)
@@ -131,7 +151,7 @@ impl<'a> View<'a> {
     }
 
     /// `is_seen` is asked of where the line of sight leaves the lens and of the part of the picture's time that has gone by.
-    fn found(&self, position: impl Fn(f32) -> DVec3, is_seen: impl Fn(Vec3, f32) -> bool) -> Option<Correspondence> {
+    fn found(&self, position: impl Fn(f64) -> DVec3, is_seen: impl Fn(Vec3, f64) -> bool) -> Option<Correspondence> {
         let pixel = self.project_moving(position)?;
         let [width, height] = self.resolution.map(f64::from);
         let within = (0.0..width).contains(&pixel.x) && (0.0..height).contains(&pixel.y);

@@ -6,12 +6,15 @@
 
 mod albedo;
 mod correspondence;
+mod extent;
 mod layer;
 mod objects;
+mod row_search;
 mod silhouettes;
 mod trace;
+mod way;
 
-pub use correspondence::{Correspondence, View, project};
+pub use correspondence::{Correspondence, NotFound, View, project};
 pub use layer::TruthLayer;
 pub use objects::TruthObject;
 pub use silhouettes::{Mask, Silhouettes, silhouettes};

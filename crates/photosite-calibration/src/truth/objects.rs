@@ -2,7 +2,8 @@
 
 use glam::{DAffine3, DVec3};
 
-use photosite_transport::geometry::Motion;
+use super::extent::Extent;
+use super::way::Way;
 use photosite_transport::scene::description::{ObjectDescription, SceneDescription, rigid};
 
 /// An object. Its frame is turned and moved against the world, and not scaled.
@@ -14,8 +15,8 @@ pub struct TruthObject {
     pub category: Option<String>,
     /// What it is larger by than its file has it, along its axes.
     pub scale: DVec3,
-    /// Frame → world; several at evenly spaced times where it moves.
-    poses: Vec<DAffine3>,
+    /// Frame → world.
+    frame: Way,
     /// The least box in its frame that holds it, in all shapes and places that its parts go through, m.
     pub low: DVec3,
     /// Its other corner.
@@ -34,28 +35,14 @@ impl TruthObject {
         let frame = rigid(&object.to_world);
         let scaled = frame.inverse() * object.to_world;
         let scale = [scaled.matrix3.x_axis, scaled.matrix3.y_axis, scaled.matrix3.z_axis].map(DVec3::length);
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for instance in &scene.instances[object.instances.clone()] {
-            // Parts that an animation moves go through the object; where the object moves as a whole, its frame does.
-            let later = if object.later.is_empty() { &instance.later[..] } else { &[] };
-            for to_world in [&instance.to_world].into_iter().chain(later) {
-                let to_frame = frame.inverse() * *to_world;
-                for mesh in &scene.meshes[instance.meshes.clone()] {
-                    let later = mesh.later_shapes.iter().map(|shape| &shape.positions);
-                    for position in [&mesh.positions].into_iter().chain(later).flatten() {
-                        let point = to_frame.transform_point3(position.as_dvec3());
-                        (low, high) = (low.min(point), high.max(point));
-                    }
-                }
-            }
-        }
-        let poses = [&object.to_world].into_iter().chain(&object.later).map(rigid);
+        let frame = Way::new(frame, object.later.iter().map(rigid));
+        let Extent { low, high } = Extent::of_object(&frame, &scene.instances[object.instances.clone()], scene);
         let keypoint = |(name, point): &(String, DVec3)| (name.clone(), scaled.transform_point3(*point));
         Self {
             name: object.name.clone(),
             category: object.category.clone(),
             scale: DVec3::from_array(scale),
-            poses: poses.collect(),
+            frame,
             low,
             high,
             keypoints: object.keypoints.iter().map(keypoint).collect(),
@@ -63,16 +50,13 @@ impl TruthObject {
     }
 
     /// Frame → world when this part of the picture's time, 0 to 1, has gone by.
-    pub fn to_world(&self, time: f32) -> DAffine3 {
-        match self.poses[..] {
-            [still] => still,
-            _ => Motion::new(&self.poses).to_world(time),
-        }
+    pub fn to_world(&self, time: f64) -> DAffine3 {
+        self.frame.at(time)
     }
 
     /// Whether it is somewhere else later in the time of the picture.
     pub fn moves(&self) -> bool {
-        self.poses.len() > 1
+        self.frame.parts > 0
     }
 
     /// The corners of its box in its frame, m: bit 0 of their number says whether x is the larger one, bit 1 y, bit 2 z.
@@ -86,7 +70,8 @@ impl TruthObject {
         let (middle, diagonal) = ((self.low + self.high) / 2.0, (self.high - self.low).length());
         // An object without extent is in the middle.
         let part = if diagonal > 0.0 { (point - middle) / diagonal } else { DVec3::ZERO };
-        part + 0.5
+        // The rounding of a hit may lie beyond the box.
+        (part + 0.5).clamp(DVec3::ZERO, DVec3::ONE)
     }
 }
 
@@ -119,5 +104,52 @@ mod tests {
         // By itself, the part is the object, whose frame goes along.
         let [alone] = &of(Vec::new())[..] else { panic!("one object") };
         assert_eq!([alone.low, alone.high], [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)]);
+    }
+
+    /// A part that slides through an object which moves, and an object that grows: points of either, where they are at a
+    /// time, lie in the box at all times.
+    #[test]
+    fn a_box_holds_what_animates_in_an_object_that_moves() {
+        let at = |x: f64, scale: f64| {
+            let turn = glam::DQuat::from_rotation_y(0.7 * x);
+            DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, DVec3::new(x, 0.0, -x))
+        };
+        let mesh = MeshDescription { positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y], ..MeshDescription::default() };
+        let frames: Vec<DAffine3> = (0..=4).map(|i| at(0.1 * f64::from(i), 1.0)).collect();
+        let part = |i: usize| {
+            frames[i]
+                * DAffine3::from_translation(DVec3::X * i as f64)
+                * DAffine3::from_scale(DVec3::splat(1.0 + i as f64))
+        };
+        let instance = InstanceDescription {
+            later: (1..=4).map(part).collect(),
+            ..InstanceDescription::of_mesh("part", 0, part(0))
+        };
+        let object = ObjectDescription {
+            name: "object".to_owned(),
+            category: None,
+            to_world: frames[0],
+            later: frames[1..].to_vec(),
+            keypoints: Vec::new(),
+            instances: 0..1,
+        };
+        let scene = SceneDescription {
+            meshes: vec![mesh.clone().into()],
+            instances: vec![instance.clone()],
+            objects: vec![object],
+            ..SceneDescription::default()
+        };
+        let [placed] = &TruthObject::of_scene(&scene)[..] else { panic!("one object") };
+        // From x = 0 to 4 + 5 along x, up to 5 along y.
+        assert!((placed.high - DVec3::new(9.0, 5.0, placed.high.z)).length() < 1e-3, "{}", placed.high);
+        let room = 1e-5;
+        for step in 0..=100 {
+            let time = f64::from(step) / 100.0;
+            for corner in &mesh.positions {
+                let point = instance.at(time).transform_point3(corner.as_dvec3());
+                let own = placed.to_world(time).inverse().transform_point3(point);
+                assert!(own.cmpge(placed.low - room).all() && own.cmple(placed.high + room).all(), "{time}: {own}");
+            }
+        }
     }
 }

@@ -36,12 +36,15 @@ pub fn silhouettes(view: &View<'_>, objects: &[TruthObject]) -> Vec<Silhouettes>
         let mut found: Vec<[Runs; 2]> = vec![Default::default(); objects.len()];
         for column in 0..width {
             let Some(ray) = camera.chief_ray(camera.cells().centre([column as usize, row as usize])) else { continue };
-            if let Some(hit) = view.scene.closest(&ray) {
-                found[view.scene.object(&hit) as usize][0].add(column);
+            let seen = view.scene.closest(&ray).map(|hit| view.scene.object(&hit) as usize);
+            if let Some(seen) = seen {
+                found[seen][0].add(column);
             }
             for (index, object) in objects.iter().enumerate() {
-                let to_frame = if object.moves() { object.to_world(ray.time).inverse() } else { still[index] };
-                if meets_box(object, &to_frame, &ray) && view.scene.meets(&alone[index], &ray) {
+                let to_frame = if object.moves() { object.to_world(ray.time.into()).inverse() } else { still[index] };
+                let meets = || meets_box(object, &to_frame, &ray) && view.scene.meets(&alone[index], &ray);
+                // What is seen would be seen alone.
+                if seen == Some(index) || meets() {
                     found[index][1].add(column);
                 }
             }
@@ -78,7 +81,8 @@ fn meets_box(object: &TruthObject, to_frame: &DAffine3, ray: &Ray) -> bool {
     let origin = to_frame.transform_point3(ray.origin.as_dvec3());
     let direction = to_frame.transform_vector3(ray.direction.as_dvec3());
     let reach = (object.low - origin).abs().max((object.high - origin).abs()).max_element();
-    let room = DVec3::splat(reach * 1e-5);
+    let rounding = f64::from(f32::EPSILON) * to_frame.translation.length();
+    let room = DVec3::splat(reach * 1e-5 + 4.0 * rounding);
     let to_low = (object.low - room - origin) / direction;
     let to_high = (object.high + room - origin) / direction;
     let near = to_low.min(to_high).max_element();

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::albedo::albedo;
-use super::{TruthLayer, TruthObject, View};
+use super::{NotFound, TruthLayer, TruthObject, View};
 use photosite_core::image::Planes;
 use photosite_transport::geometry::{Hit, SurfacePoint};
 use photosite_transport::optics::Camera;
@@ -21,6 +21,15 @@ pub struct TruthJob<'a> {
     pub next: Option<View<'a>>,
     /// The picture of the partner, for [`TruthLayer::Disparity`].
     pub partner: Option<View<'a>>,
+}
+
+impl<'a> TruthJob<'a> {
+    /// The same, which counts what it does not find.
+    #[must_use]
+    pub fn counting(self, not_found: &'a NotFound) -> Self {
+        let counting = |view: View<'a>| view.counting(not_found);
+        Self { view: counting(self.view), next: self.next.map(counting), partner: self.partner.map(counting), ..self }
+    }
 }
 
 /// The planes of the layers that are asked for, in their order. A camera that moves is taken as it stands in the middle
@@ -118,7 +127,7 @@ impl<'a> Seen<'a> {
     /// The object that the point is of, and the point in its frame, m.
     fn in_object(&self) -> (&'a TruthObject, DVec3) {
         let object = &self.job.objects[self.job.view.scene.object(&self.hit) as usize];
-        let to_frame = object.to_world(self.point.time).inverse();
+        let to_frame = object.to_world(self.point.time.into()).inverse();
         (object, to_frame.transform_point3(self.point.position.as_dvec3()))
     }
 

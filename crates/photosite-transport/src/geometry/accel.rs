@@ -16,7 +16,7 @@ mod strategy;
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DAffine3, DMat3, Vec3};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
@@ -67,6 +67,18 @@ impl InstanceTransform {
             Self::World => None,
             Self::Still(transform) => Some(*transform),
             Self::Moving(motion) => Some(motion.at(time)),
+        }
+    }
+
+    /// Object space → world at a time from 0 to 1, without the rounding of the time to single precision.
+    pub(super) fn to_world(&self, time: f64) -> DAffine3 {
+        match self {
+            Self::World => DAffine3::IDENTITY,
+            Self::Still(Transform { to_world, .. }) => DAffine3 {
+                matrix3: DMat3::from_cols_array(&to_world.matrix3.to_cols_array().map(f64::from)),
+                translation: to_world.translation.as_dvec3(),
+            },
+            Self::Moving(motion) => motion.to_world(time),
         }
     }
 }

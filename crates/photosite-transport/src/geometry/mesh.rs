@@ -1,6 +1,6 @@
 //! Triangles and their vertices as flat tables, for all meshes of a scene together.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use super::{PlacedQuadric, Primitive};
 use crate::tuning::TRIANGLES_BEYOND_CACHES;
@@ -142,6 +142,19 @@ impl Geometry {
     pub fn corners_at(&self, triangle: u32, time: f32) -> [Vec3; 3] {
         let triangle = &self.triangles[triangle as usize];
         self.corners_of(triangle, &self.meshes[triangle.mesh as usize], time)
+    }
+
+    /// The same in double precision, the time included.
+    pub(crate) fn exact_corners_at(&self, triangle: u32, time: f64) -> [DVec3; 3] {
+        let triangle = &self.triangles[triangle as usize];
+        let Some(deformation) = self.meshes[triangle.mesh as usize].deformation else {
+            return triangle.corners.map(|corner| self.positions[corner as usize].as_dvec3());
+        };
+        let deformation = &self.deformations[deformation as usize];
+        let along = time * (deformation.shape_count() - 1) as f64;
+        let shape = (along as usize).min(deformation.shape_count() - 2);
+        let [a, b] = [shape, shape + 1].map(|shape| deformation.corners(shape, triangle).map(|p| p.as_dvec3()));
+        std::array::from_fn(|i| a[i].lerp(b[i], along - shape as f64))
     }
 
     /// The same of a triangle of that mesh.

@@ -1,6 +1,6 @@
 //! The point of a surface that a ray meets: position with its rounding error, normals, tangent.
 
-use glam::{Vec2, Vec3, Vec3A};
+use glam::{DVec3, Vec2, Vec3, Vec3A};
 
 use super::mesh::interpolate;
 use super::quadric::QuadricPoint;
@@ -104,6 +104,22 @@ impl SurfacePoint {
             material: mesh.material,
             parameters: hit.uv,
             time,
+        }
+    }
+
+    /// Where the point of a hit is at a time, in the precision that equations for the time need: a smooth function of it,
+    /// which rounding leaves at some 1e-16 of the coordinates.
+    pub fn position_at(geometry: &Geometry, accel: &Accel, hit: &Hit, time: f64) -> DVec3 {
+        match hit.primitive {
+            Primitive::Triangle(triangle) => {
+                let ([a, b, c], [b1, b2]) = (geometry.exact_corners_at(triangle, time), hit.uv.map(f64::from));
+                let local = a * (1.0 - b1 - b2) + b * b1 + c * b2;
+                accel.instances()[hit.instance as usize].transform.to_world(time).transform_point3(local)
+            }
+            // Quadrics stand still, in world space.
+            Primitive::Quadric(quadric) => {
+                geometry.quadrics[quadric as usize].quadric.point(hit.uv).position.as_dvec3()
+            }
         }
     }
 

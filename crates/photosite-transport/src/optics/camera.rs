@@ -221,11 +221,11 @@ impl Camera {
     /// The camera as it stands, still, in the middle of the exposure of a row.
     pub fn at_row(&self, row: f64) -> Self {
         let (to_world, time) = self.pose(row, 0.5);
-        Self { to_world, time, recording: None, ..self.clone() }
+        Self { to_world, time: time as f32, recording: None, ..self.clone() }
     }
 
     /// Camera → world in the middle of the exposure of a row, and which part of the picture's time has gone by then.
-    pub fn pose_at_row(&self, row: f64) -> (DAffine3, f32) {
+    pub fn pose_at_row(&self, row: f64) -> (DAffine3, f64) {
         self.pose(row, 0.5)
     }
 
@@ -234,19 +234,19 @@ impl Camera {
     pub fn halfway(&self) -> Self {
         let Some(recording) = &self.recording else { return self.clone() };
         let (to_world, time) = self.pose_at(recording, recording.middle_s());
-        Self { to_world, time, recording: None, ..self.clone() }
+        Self { to_world, time: time as f32, recording: None, ..self.clone() }
     }
 
     /// Where the camera is at the sample u in [0, 1) of the exposure of a row, and which part of the picture's time has
     /// gone by.
     #[inline]
-    fn pose(&self, row: f64, u: f32) -> (DAffine3, f32) {
-        let Some(recording) = &self.recording else { return (self.to_world, self.time) };
+    fn pose(&self, row: f64, u: f32) -> (DAffine3, f64) {
+        let Some(recording) = &self.recording else { return (self.to_world, f64::from(self.time)) };
         self.pose_at(recording, recording.time_s(row, u))
     }
 
     #[inline]
-    fn pose_at(&self, recording: &Recording, time_s: f64) -> (DAffine3, f32) {
+    fn pose_at(&self, recording: &Recording, time_s: f64) -> (DAffine3, f64) {
         let pose = recording.motion.as_ref().map_or(self.to_world, |motion| motion.pose(&self.to_world, time_s));
         (pose, recording.part(time_s))
     }

@@ -53,8 +53,8 @@ impl Recording {
 
     /// Which part of the picture's duration has gone by at a time, 0 to 1.
     #[inline]
-    pub fn part(&self, time_s: f64) -> f32 {
-        if self.duration_s > 0.0 { ((time_s - self.start_s) / self.duration_s).clamp(0.0, 1.0) as f32 } else { 0.0 }
+    pub fn part(&self, time_s: f64) -> f64 {
+        if self.duration_s > 0.0 { ((time_s - self.start_s) / self.duration_s).clamp(0.0, 1.0) } else { 0.0 }
     }
 }
 

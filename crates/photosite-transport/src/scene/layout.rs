@@ -272,7 +272,7 @@ fn deform(geometry: &mut Geometry, mesh: &MeshDescription, instance: &InstanceDe
         let time = i as f32 / parts.max(1) as f32;
         let (shape, part) = segment(time, mesh.later_shapes.len().max(1));
         let [from, to] = [shape, shape + 1].map(|shape| shapes[shape.min(shapes.len() - 1)]);
-        let pose = instance.at(time);
+        let pose = instance.at(f64::from(time));
         let normal_matrix = pose.matrix3.inverse().transpose();
         let position = |(a, b): (&Vec3, &Vec3)| pose.transform_point3(a.lerp(*b, part).as_dvec3()).as_vec3();
         deformation.positions.extend(from.positions.iter().zip(&to.positions).map(position));

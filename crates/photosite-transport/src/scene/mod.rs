@@ -24,6 +24,8 @@ pub use shading::Shading;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
+use glam::DVec3;
+
 use crate::bsdf::{Mix, Model, SceneTraits};
 use crate::geometry::{
     self, Accel, AcceptAll, Geometry, Hit, HitFilter, InstanceTransform, Primitive, Ray, SurfacePoint,
@@ -152,6 +154,11 @@ impl Scene {
     #[inline]
     pub fn point(&self, hit: &Hit, time: f32) -> SurfacePoint {
         SurfacePoint::new(&self.geometry, &self.accel, hit, time)
+    }
+
+    /// Where the surface of a hit is at a time, in double precision.
+    pub fn position(&self, hit: &Hit, time: f64) -> DVec3 {
+        SurfacePoint::position_at(&self.geometry, &self.accel, hit, time)
     }
 
     /// Index of the object that was hit, among [all](description::SceneDescription::all_objects) of the description

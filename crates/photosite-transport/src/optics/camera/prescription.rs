@@ -171,6 +171,6 @@ impl Camera {
         let (origin, direction) = lens.before_lens(out);
         let origin = to_world.transform_point3(origin).as_vec3();
         let direction = to_world.transform_vector3(direction).normalize().as_vec3();
-        Some(CameraRay { ray: Ray::new(origin, direction).at_time(time), weight: area * out.passed })
+        Some(CameraRay { ray: Ray::new(origin, direction).at_time(time as f32), weight: area * out.passed })
     }
 }

@@ -204,7 +204,7 @@ impl Camera {
             return None;
         }
         let (origin, direction) = aim.in_world(&to_world);
-        let ray = Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time);
+        let ray = Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time as f32);
         Some(CameraRay { ray, weight: self.weight(&aim, opening) })
     }
 
@@ -220,7 +220,7 @@ impl Camera {
         let up = warp::cosine_hemisphere(direction_sample);
         let direction = DVec3::new(up.x.into(), up.y.into(), -f64::from(up.z));
         let direction = to_world.transform_vector3(direction).normalize();
-        let ray = Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time);
+        let ray = Ray::new(origin.as_vec3(), direction.as_vec3()).at_time(time as f32);
         Some(CameraRay { ray, weight: self.sample_sr as f32 })
     }
 

@@ -13,7 +13,7 @@ pub struct MeshDescription {
     pub name: String,
     /// Index of the material.
     pub material: usize,
-    /// Corners, metres. Finite.
+    /// Corners, metres. Finite, each of a triangle: they say how far the mesh reaches.
     pub positions: Vec<Vec3>,
     /// Unit shading normals, one per position, or empty: then the mesh is flat-shaded by its geometric normals.
     pub normals: Vec<Vec3>,
@@ -71,13 +71,13 @@ impl InstanceDescription {
     }
 
     /// Mesh space → world when this part of the picture's time, 0 to 1, has gone by.
-    pub fn at(&self, time: f32) -> DAffine3 {
+    pub fn at(&self, time: f64) -> DAffine3 {
         pose_at(&self.to_world, &self.later, time)
     }
 }
 
 /// The pose on a way through evenly spaced ones when this part of its time, 0 to 1, has gone by.
-pub fn pose_at(first: &DAffine3, later: &[DAffine3], time: f32) -> DAffine3 {
+pub fn pose_at(first: &DAffine3, later: &[DAffine3], time: f64) -> DAffine3 {
     if later.iter().all(|pose| pose == first) {
         return *first;
     }

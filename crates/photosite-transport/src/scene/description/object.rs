@@ -25,7 +25,7 @@ pub struct ObjectDescription {
 
 impl ObjectDescription {
     /// Object space → world when this part of the picture's time, 0 to 1, has gone by.
-    pub fn at(&self, time: f32) -> DAffine3 {
+    pub fn at(&self, time: f64) -> DAffine3 {
         pose_at(&self.to_world, &self.later, time)
     }
 }
