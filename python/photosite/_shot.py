@@ -188,7 +188,8 @@ class Shot:
     @property
     def system_gain_dn_per_e(self) -> float:
         """EMVA 1288's overall system gain K at these gains, DN/e⁻: a number of the raw image, less the black level, is K
-        times the electrons of its pixel and noise, where the sensor is linear."""
+        times the electrons of its pixel and noise, where the sensor is linear; with binning, those of all pixels that
+        became one number, whether they were added or averaged."""
         gain: float = self.report["sensor"]["system_gain_dn_per_e"]
         return gain
 

@@ -75,6 +75,7 @@ pub fn make_noisy(
         },
         _ => invalid.in_file(path),
     };
+    warnings.extend(noise.without_grain(&planes));
     add_noise(&mut planes, noise, scale, sigma_map.as_ref(), seed).map_err(wrong)?;
     convert(&mut planes, lights.as_deref(), Light::encode);
     let added_to = added_to(path, unit.as_deref(), largest, curves.as_ref().map(|(_, is_stated)| *is_stated));

@@ -218,7 +218,7 @@ impl<'a> Chain<'a> {
         if matches!(wanted.time, ExposureTime::Auto(_)) || wanted.bracket.is_some() {
             return None;
         }
-        let capacity = sensor.saturation_capacity(exposure).0 as f32;
+        let capacity = sensor.pixel_saturation(exposure).0 as f32;
         let values = || electrons.channels().par_iter().flat_map(|channel| &channel.data).filter(|value| **value > 0.0);
         let part = values().filter(|value| **value >= capacity).count() as f64 / values().count().max(1) as f64;
         (part > 0.5).then(|| {
@@ -382,7 +382,7 @@ impl<'a> Chain<'a> {
             linearisation_dn: raw.linearisation.clone(),
             system_gain_dn_per_e: sensor.system_gain(exposure),
             saturation_capacity_e: sensor.saturation_capacity(exposure).0,
-            read_noise_e: sensor.noise.read.0,
+            read_noise_e: sensor.read_noise(exposure).0,
             as_shot_neutral: raw.metadata.as_shot_neutral.clone(),
             colour_matrix_d65: raw.metadata.colour_matrix_d65().cloned(),
             calibration: self.colours.calibration.clone(),

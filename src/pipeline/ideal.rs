@@ -23,7 +23,7 @@ pub(super) fn picture(seen: Planes, capture: &Capture, light: &Spectrum, exposur
     let (width, height) = (seen.width(), seen.height());
     let xyz = Planes::new(width, height, seen.into_channels().into_iter().map(named).collect());
     let light = light.product(&capture.lens.transmittance);
-    let saturation = capture.sensor.saturation_capacity(exposure).0 / exposure.time.0;
+    let saturation = capture.sensor.pixel_saturation(exposure).0 / exposure.time.0;
     xyz.and_then(|xyz| ideal(xyz, &light, &capture.sensor.responses(), saturation, &capture.develop))
         .map_err(|invalid| capture.source.error(invalid.within("output")))
 }

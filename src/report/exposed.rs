@@ -26,11 +26,13 @@ pub struct SensorReport {
     pub white_level_dn: u16,
     /// What makes the numbers linear, which the levels are of; `null` where they are so already.
     pub linearisation_dn: Option<Vec<u16>>,
-    /// K at the exposure's gains.
+    /// System gain K at the exposure's gains, as photon transfer finds it. Electrons, here and below, are those of the
+    /// pixel that is read out: with binning, those of all pixels of a bin together, whatever the binning_method.
     pub system_gain_dn_per_e: f64,
-    /// The smaller of full well and converter range at these gains.
+    /// The smaller of full well and converter range at these gains, of the pixel that is read out.
     pub saturation_capacity_e: f64,
-    /// σ of the read noise.
+    /// σ of the amplifiers' noise in the pixel that is read out: where the numbers of n pixels are added or averaged, √n
+    /// times that of one.
     pub read_noise_e: f64,
     /// What a neutral surface in this light gives, a number for each channel; `null` without colours.
     pub as_shot_neutral: Option<Vec<f64>>,

@@ -38,6 +38,7 @@ mod sensor_noise;
 mod sensor_noise_maps;
 mod sensor_patterns;
 mod sensor_photon_transfer;
+mod sensor_read_out_unit;
 mod sensor_response;
 mod sensor_stages;
 mod sensor_video;

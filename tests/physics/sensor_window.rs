@@ -92,7 +92,7 @@ fn bins_have_the_noise_of_their_method(#[case] method: BinningMethod, #[case] me
     assert!((found.variance() / variance - 1.0).abs() < 5.0 * (2.0 / n).sqrt(), "{} for {variance}", found.variance());
 
     let exposure = Exposure { region, ..EXPOSURE };
-    let predicted = sensor.noise_variance(Electrons(500.0), &exposure) * sensor.system_gain(&exposure).powi(2);
+    let predicted = sensor.noise_variance(Electrons(4.0 * 500.0), &exposure) * sensor.system_gain(&exposure).powi(2);
     assert!((predicted / variance - 1.0).abs() < 1e-12, "{predicted} for {variance}");
     // x = (DN − black)/range.
     let [slope, offset] = raw.metadata.noise_profile[0];
@@ -114,7 +114,7 @@ fn pixels_of_a_row_keep_its_noise_in_their_mean() {
     let expected = 100.0 * 100.0 / 2.0;
     assert!((rows.variance() / expected - 1.0).abs() < 5.0 * (2.0f64 / 4096.0).sqrt(), "{}", rows.variance());
     sensor.noise.read = Electrons(0.0);
-    let predicted = sensor.noise_variance(Electrons(0.0), &exposure);
+    let predicted = sensor.noise_variance(Electrons(0.0), &exposure) * sensor.system_gain(&exposure).powi(2);
     // Rounding of eight numbers and of their mean.
     let rounding = (1.0 / 8.0 + 1.0) / 12.0;
     assert!((predicted - expected - rounding).abs() < 1e-9, "{predicted}");
@@ -122,14 +122,15 @@ fn pixels_of_a_row_keep_its_noise_in_their_mean() {
 
 /// 64 535 DN above black at 1 DN/e⁻, a full well of 60 000 e⁻.
 #[rstest]
-#[case::charge(BinningMethod::Charge, 64_535.0 / 4.0, 65_535)]
-#[case::sum(BinningMethod::Sum, 64_535.0 / 4.0, 65_535)]
-#[case::mean(BinningMethod::Mean, 60_000.0, 61_000)]
-fn bins_saturate_where_well_or_converter_end(#[case] method: BinningMethod, #[case] pixel_e: f64, #[case] white: u16) {
+#[case::charge(BinningMethod::Charge, 64_535.0, 65_535)]
+#[case::sum(BinningMethod::Sum, 64_535.0, 65_535)]
+#[case::mean(BinningMethod::Mean, 4.0 * 60_000.0, 61_000)]
+fn bins_saturate_where_well_or_converter_end(#[case] method: BinningMethod, #[case] bin_e: f64, #[case] white: u16) {
     let sensor = quiet_sensor();
     let region = binned([2, 2], method);
     let exposure = Exposure { region, ..EXPOSURE };
-    assert_eq!(sensor.saturation_capacity(&exposure), Electrons(pixel_e));
+    assert_eq!(sensor.saturation_capacity(&exposure), Electrons(bin_e));
+    assert_eq!(sensor.pixel_saturation(&exposure), Electrons(bin_e / 4.0));
     let raw = read_out(&sensor, &flat(&sensor, 8, 8, 1e6), region);
     assert_eq!(raw.white_level_dn, white);
     assert!(raw.data.iter().all(|&dn| dn == white));

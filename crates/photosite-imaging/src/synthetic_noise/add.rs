@@ -12,7 +12,7 @@ use super::film_grain::correlated_field;
 use super::streams::{Kind, Streams};
 
 /// What the channel of transparency is called, which has no noise.
-const ALPHA: &str = "A";
+pub(super) const ALPHA: &str = "A";
 
 /// What the numbers of a picture are.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::add::ALPHA;
 use photosite_core::Invalid;
+use photosite_core::image::Planes;
 use photosite_core::schema_range::{above, within};
 
 /// Noise to add to a picture. What is left out is not there.
@@ -171,6 +173,23 @@ impl SyntheticNoise {
         Ok(())
     }
 
+    /// Tells of values that get no film grain, whose c·f^γ has no value below 0.
+    pub fn without_grain(&self, planes: &Planes) -> Option<String> {
+        let FilmGrain { factor, exponent, .. } = self.film_grain;
+        if factor == 0.0 || exponent == 0.0 {
+            return None;
+        }
+        let values = || planes.channels().iter().filter(|channel| channel.name != ALPHA).flat_map(|c| &c.data);
+        let below = values().filter(|value| **value < 0.0).count();
+        (below > 0).then(|| {
+            format!(
+                "film_grain: {below} of {} values lie below 0, where there is no light, and get no grain; \
+                 film_grain.exponent = 0 gives all values the same",
+                values().count()
+            )
+        })
+    }
+
     /// Keys that are given and change nothing, with what they would need.
     pub fn without_effect(&self) -> Vec<String> {
         let symmetric = [("gaussian", self.gaussian), ("laplacian", self.laplacian), ("uniform", self.uniform)];
@@ -191,6 +210,25 @@ impl SyntheticNoise {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use photosite_core::image::Channel;
+
+    #[test]
+    fn values_below_0_without_grain_are_told() {
+        let planes = |data: [f32; 4]| {
+            let alpha = Channel { name: "A".to_owned(), data: vec![-1.0; 4] };
+            Planes::new(2, 2, vec![Channel { name: "Y".to_owned(), data: data.to_vec() }, alpha]).expect("right sizes")
+        };
+        let noise = |factor, exponent| {
+            let film_grain = FilmGrain { factor, exponent, correlation_px: 1.0 };
+            SyntheticNoise { film_grain, ..SyntheticNoise::default() }
+        };
+        let dark = planes([0.5, -0.1, 0.0, -2.0]);
+        let told = noise(0.1, 0.5).without_grain(&dark).expect("a warning");
+        assert!(told.contains("2 of 4 values"), "{told}");
+        assert_eq!(noise(0.1, 0.5).without_grain(&planes([0.5, 0.0, -0.0, 1.0])), None);
+        assert_eq!(noise(0.1, 0.0).without_grain(&dark), None);
+        assert_eq!(noise(0.0, 0.5).without_grain(&dark), None);
+    }
 
     #[test]
     fn levels_out_of_range_are_refused_by_their_key() {

@@ -8,12 +8,19 @@ use rayon::prelude::*;
 use super::fast_bilateral::smoothed;
 use super::luminances::brightest;
 
-/// What is darker than this part of the brightest pixel goes down in proportion: logarithms of black have no end.
+/// What is darker than this part of the brightest pixel, or than noise takes black, goes down in proportion: logarithms of
+/// black have no end.
 const DARKEST: f32 = 1e-5;
 
-/// Luminance that is shown.
-pub(super) fn shown(light: &[f32], size: [usize; 2], sigma_px: f64, sigma_range: f64, contrast: f64) -> Vec<f32> {
-    let floor = brightest(light) * DARKEST;
+/// Luminance that is shown. `black`: how far noise takes black.
+pub(super) fn shown(
+    light: &[f32],
+    black: f32,
+    size: [usize; 2],
+    [sigma_px, sigma_range]: [f64; 2],
+    contrast: f64,
+) -> Vec<f32> {
+    let floor = (brightest(light) * DARKEST).max(black);
     if floor <= 0.0 {
         return vec![0.0; light.len()];
     }
@@ -40,14 +47,14 @@ mod tests {
             half * if i.is_multiple_of(2) { 1.0 } else { 1.1 }
         };
         let light: Vec<f32> = (0..64 * 48).map(value).collect();
-        let found = shown(&light, [64, 48], 3.0, 0.4, 100.0);
+        let found = shown(&light, 0.0, [64, 48], [3.0, 0.4], 100.0);
         let (dark, bright) = (20 * 64 + 10, 20 * 64 + 54);
         for i in [dark, bright] {
             assert!((found[i + 1] / found[i] - 1.1).abs() < 2e-3, "{}", found[i + 1] / found[i]);
         }
         assert!((found[bright] / found[dark] / 100.0 - 1.0).abs() < 0.01, "{}", found[bright] / found[dark]);
         // Less contrast than is asked for stays as it is.
-        let flat = shown(&[0.5, 0.25, 0.5, 0.25], [2, 2], 1.0, 0.4, 50.0);
+        let flat = shown(&[0.5, 0.25, 0.5, 0.25], 0.0, [2, 2], [1.0, 0.4], 50.0);
         assert!((flat[0] / flat[1] - 2.0).abs() < 1e-4);
     }
 }

@@ -9,9 +9,9 @@ use rayon::prelude::*;
 
 use super::luminances::{brightest, logarithmic_mean};
 
-/// Luminance that is shown.
-pub(super) fn shown(light: &[f32], bias: f64) -> Vec<f32> {
-    let mean = logarithmic_mean(light);
+/// Luminance that is shown. `black`: how far noise takes black.
+pub(super) fn shown(light: &[f32], black: f32, bias: f64) -> Vec<f32> {
+    let mean = logarithmic_mean(light, black);
     let max = f64::from(brightest(light)) / mean;
     let exponent = bias.ln() / 0.5f64.ln();
     let scale = 10f64.ln() / max.ln_1p();
@@ -32,12 +32,12 @@ mod tests {
     #[test]
     fn a_bias_of_one_is_the_common_logarithm() {
         let light = [0.1, 1.0, 10.0];
-        for (found, light) in shown(&light, 1.0).iter().zip(light) {
+        for (found, light) in shown(&light, 0.0, 1.0).iter().zip(light) {
             let expected = (f64::from(light) + 1.0).log10() / 11f64.log10();
             assert!((f64::from(*found) - expected).abs() < 1e-6, "{found} {expected}");
         }
         // With b = ½ the base is 2 + 8·L/L_max: by hand, ln(2)/ln(2.8)·ln(10)/ln(11).
-        let found = shown(&light, 0.5)[1];
+        let found = shown(&light, 0.0, 0.5)[1];
         assert!((found - 0.646_449).abs() < 1e-5, "{found}");
     }
 }

@@ -1,7 +1,8 @@
 //! Tone: how scene light becomes the light of a display, one file a curve.
 //!
 //! Filmic bends every component. The others find what luminance is shown of a pixel's luminance, and scale its
-//! components by the ratio of both, so that chromaticities stay.
+//! components by the ratio of both, so that chromaticities stay. None of them shows less than black: what a picture holds
+//! below it is noise, or lies outside its colours.
 
 mod fast_bilateral;
 mod filmic;
@@ -15,6 +16,7 @@ use rayon::prelude::*;
 use super::choices::ToneCurve;
 use super::colour_model::luminance;
 use super::settings::DevelopSettings;
+use luminances::noise_of_black;
 use photosite_core::image::Planes;
 
 /// Applies the part of the tone curve that changes linear light; the encoding of codes comes after it.
@@ -27,26 +29,35 @@ pub(super) fn apply(picture: &mut Planes, settings: &DevelopSettings) {
             }
         }
         ToneCurve::Reinhard => {
-            by_luminance(picture, settings, |light, _| reinhard::shown(light, settings.tone_key(), settings.tone_white))
+            let (key, white) = (settings.tone_key(), settings.tone_white);
+            by_luminance(picture, settings, |light, black, _| reinhard::shown(light, black, key, white));
         }
-        ToneCurve::Log => by_luminance(picture, settings, |light, _| logarithmic::shown(light, settings.tone_bias())),
-        ToneCurve::Local => by_luminance(picture, settings, |light, size| {
+        ToneCurve::Log => {
+            by_luminance(picture, settings, |light, black, _| logarithmic::shown(light, black, settings.tone_bias()));
+        }
+        ToneCurve::Local => by_luminance(picture, settings, |light, black, size| {
             let sigma_px = settings.tone_sigma_px.unwrap_or(0.02 * size[0].max(size[1]) as f64);
-            local::shown(light, size, sigma_px, settings.tone_sigma_range(), settings.tone_contrast())
+            local::shown(light, black, size, [sigma_px, settings.tone_sigma_range()], settings.tone_contrast())
         }),
     }
 }
 
-/// Scales every pixel by what `shown` makes of its luminance. What is dark or no number is black.
-fn by_luminance(picture: &mut Planes, settings: &DevelopSettings, shown: impl FnOnce(&[f32], [usize; 2]) -> Vec<f32>) {
+/// Scales every pixel by what `shown` makes of the luminances, given how far noise takes black. What is dark or no number
+/// is black.
+fn by_luminance(
+    picture: &mut Planes,
+    settings: &DevelopSettings,
+    shown: impl FnOnce(&[f32], f32, [usize; 2]) -> Vec<f32>,
+) {
     let size = [picture.width(), picture.height()];
     let mut light = luminance(picture, settings.colour_space);
+    let black = noise_of_black(&light);
     // Not-a-number becomes 0, too.
     light.par_iter_mut().for_each(|value| *value = if *value > 0.0 { value.min(1e30) } else { 0.0 });
-    let shown = shown(&light, size);
+    let shown = shown(&light, black, size);
     for channel in picture.channels_mut() {
         channel.data.par_iter_mut().zip(&light).zip(&shown).for_each(|((value, light), shown)| {
-            *value = if *light > 0.0 { *value * (shown / light) } else { 0.0 };
+            *value = if *light > 0.0 { (*value * (shown / light)).max(0.0) } else { 0.0 };
         });
     }
 }
@@ -56,6 +67,9 @@ mod tests {
     use super::*;
     use photosite_core::colour::ColourSpace;
     use photosite_core::image::Channel;
+    use photosite_core::math::philox::Philox;
+    use rand::RngExt;
+    use rand_distr::StandardNormal;
 
     /// A picture of four decades, with a black pixel and one that is no number.
     fn picture() -> Planes {
@@ -65,6 +79,38 @@ mod tests {
             Channel { name: name.to_owned(), data }
         };
         Planes::new(7, 6, vec![plane("R", 1.0), plane("G", 0.5), plane("B", 0.25)]).expect("right sizes")
+    }
+
+    /// A picture of 64 × 64 pixels, a quarter of it white at `white`, the rest black with the noise σ of a sensor.
+    fn noisy_black(sigma: f32, white: f32) -> Planes {
+        let plane = |name: &str, key: u64| {
+            let mut random = Philox::new(9, key);
+            let value = |i: usize| {
+                let noise: f32 = random.sample(StandardNormal);
+                if i < 1024 { white } else { sigma * noise }
+            };
+            Channel { name: name.to_owned(), data: (0..4096).map(value).collect() }
+        };
+        Planes::new(64, 64, vec![plane("R", 0), plane("G", 1), plane("B", 2)]).expect("right sizes")
+    }
+
+    #[test]
+    fn noisy_blacks_stay_black() {
+        for tone_curve in [ToneCurve::Filmic, ToneCurve::Reinhard, ToneCurve::Log, ToneCurve::Local] {
+            for sigma in [1e-4, 1e-3, 1e-2] {
+                let settings = DevelopSettings { tone_curve, ..DevelopSettings::default() };
+                let mut found = noisy_black(sigma, 1.0);
+                apply(&mut found, &settings);
+                let white = found.plane("G").expect("there")[500];
+                for value in found.channels().iter().flat_map(|channel| &channel.data[1024..]) {
+                    // A noise of 1 % is 100 : 1 below white; no curve leaves less than a fourth of that contrast by ratios
+                    // of 5 σ to white.
+                    assert!((0.0..white).contains(value), "{tone_curve:?}, σ = {sigma}: {value} of {white}");
+                }
+                let mean = found.plane("G").expect("there")[1024..].iter().sum::<f32>() / 3072.0;
+                assert!(mean < 0.1 * white, "{tone_curve:?}, σ = {sigma}: black is {mean} of {white} on average");
+            }
+        }
     }
 
     #[test]

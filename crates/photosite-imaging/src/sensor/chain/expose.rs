@@ -130,9 +130,7 @@ pub fn expose_after(
     let all = PixelArea { x: 0, y: 0, width: whole.width, height: whole.height };
     let maps = NoiseMaps {
         planes: record.finish(part.unwrap_or(all), names)?,
-        system_gain: sensor.converter.system_gain(exposure.gain)
-            * exposure.digital_gain.factor()
-            * exposure.region.binning.digital_gain(),
+        system_gain: sensor.system_gain(exposure),
         black_level_dn: sensor.converter.black_level_dn.into(),
     };
     let raw = match part {

@@ -5,8 +5,8 @@
 //!
 //! DN = black level + K·Σ (maps in e⁻) + Σ (maps in DN)
 //!
-//! with the system gain K, DN/e⁻, and `photo_electrons_e` among the first. In bins, charge that is added adds the maps;
-//! of numbers that are added, maps in e⁻ are the mean over the pixels of a bin.
+//! with the system gain K, DN/e⁻, and `photo_electrons_e` among the first. Electrons are those of the pixel that is read
+//! out: maps of a bin in e⁻ are sums over its pixels, whether their charge or their numbers are added or averaged.
 
 use std::sync::{Mutex, MutexGuard};
 
@@ -27,7 +27,7 @@ pub struct NoiseMaps {
     /// Maps under their names, with `.` and the channel behind it where every pixel has several; as large as the raw
     /// picture.
     pub planes: Planes,
-    /// System gain K, DN/e⁻.
+    /// System gain K, DN/e⁻: [`SensorModel::system_gain`].
     pub system_gain: f64,
     /// Black level of the sum, DN.
     pub black_level_dn: f64,
@@ -191,7 +191,6 @@ impl Recorder {
         if self.is_off() || binning.method == BinningMethod::Charge || binning.pixels() == 1 {
             return;
         }
-        let mean = 1.0 / binning.pixels() as f64;
         // The black level is that of every number, and of every bin.
         let black = f32::from(sensor.converter.black_level_dn);
         self.reshape(|kind, values, size| match kind {
@@ -199,8 +198,8 @@ impl Recorder {
             Some(_) => (values, size),
         });
         self.bin(binning, &sensor.cfa, |unit| match unit {
-            MapUnit::DigitalNumbers => mean * binning.digital_gain(),
-            MapUnit::Electrons | MapUnit::None => mean,
+            MapUnit::DigitalNumbers => binning.weight(),
+            MapUnit::Electrons | MapUnit::None => 1.0,
         });
         for (y, numbers) in binned.chunks(width.max(1)).enumerate() {
             self.row(y)[SIGNAL].iter_mut().for_each(|signal| *signal += black);

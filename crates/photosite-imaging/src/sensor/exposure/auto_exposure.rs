@@ -148,7 +148,7 @@ pub fn auto_exposure(
         Metering::Mean(level) => time_of_mean(&mosaic, collected, dark, level)?,
     };
     let per_capacity = per_capacity * target.compensation_ev.exp2();
-    let time = per_capacity * sensor.saturation_capacity(wanted).0;
+    let time = per_capacity * sensor.pixel_saturation(wanted).0;
     // Pixels that scan see the next line after one line time.
     let line_time = sensor.shutter.scans().then(|| sensor.shutter.row_time());
     let limits = [(target.max_time, TimeLimit::Longest), (line_time, TimeLimit::Line)];
@@ -158,7 +158,7 @@ pub fn auto_exposure(
         return Ok(AutoExposed { exposure: Exposure { time: Seconds(time), ..*wanted }, limit: None, brightness: 1.0 });
     };
     let limited = |exposure: Exposure| {
-        let brightness = limit.0 / per_capacity / sensor.saturation_capacity(&exposure).0;
+        let brightness = limit.0 / per_capacity / sensor.pixel_saturation(&exposure).0;
         AutoExposed { exposure, limit: Some(what), brightness: brightness.min(1.0) }
     };
     let at_limit = Exposure { time: limit, ..*wanted };

@@ -45,19 +45,25 @@ impl Binning {
         self.pixels() == 1
     }
 
-    /// What the signal of an amplifier is, over that of a single pixel.
-    pub(in crate::sensor) fn charge_gain(&self) -> f64 {
+    /// Columns and rows of converted numbers that become one.
+    pub(in crate::sensor) fn numbers(&self) -> [usize; 2] {
         match self.method {
-            BinningMethod::Charge => self.pixels() as f64,
-            BinningMethod::Sum | BinningMethod::Mean => 1.0,
+            BinningMethod::Charge => [1, 1],
+            BinningMethod::Sum | BinningMethod::Mean => self.factor,
         }
     }
 
-    /// What a number is, over the mean of the numbers of its pixels.
-    pub(in crate::sensor) fn digital_gain(&self) -> f64 {
+    /// Pixels whose charge becomes one number.
+    pub(in crate::sensor) fn pixels_per_number(&self) -> f64 {
+        let [across, down] = self.numbers();
+        (self.pixels() / (across * down)) as f64
+    }
+
+    /// Weight of each converted number in what is read out.
+    pub(in crate::sensor) fn weight(&self) -> f64 {
         match self.method {
-            BinningMethod::Sum => self.pixels() as f64,
-            BinningMethod::Charge | BinningMethod::Mean => 1.0,
+            BinningMethod::Charge | BinningMethod::Sum => 1.0,
+            BinningMethod::Mean => 1.0 / self.pixels() as f64,
         }
     }
 

@@ -15,11 +15,11 @@ impl SensorModel {
     ///
     /// S_sat = 78 lx·s / H_sat,  H_sat = q_sat/r
     ///
-    /// with the saturation capacity q_sat in e⁻ and the electrons r for each lx·s on the sensor in light of illuminant
+    /// with the electrons q_sat at which each pixel saturates and the electrons r for each lx·s on the sensor in light of illuminant
     /// D65. Of the channels it is the one that saturates first. The lens does not count, nor does dark current. `None`
     /// for logarithmic sensors, which have no one speed.
     pub fn iso(&self, exposure: &Exposure) -> Option<f64> {
-        let speed = SATURATION_CONSTANT * self.electrons_per_lux_second() / self.saturation_capacity(exposure).0;
+        let speed = SATURATION_CONSTANT * self.electrons_per_lux_second() / self.pixel_saturation(exposure).0;
         self.logarithmic.is_none().then_some(speed)
     }
 
@@ -44,12 +44,13 @@ impl SensorModel {
         Ok(self.gains_for_capacity(capacity, binning))
     }
 
-    /// The smallest analogue and digital gain at which no more than `capacity` is left of the saturation capacity.
+    /// The smallest analogue and digital gain at which each pixel saturates at no more than `capacity`.
     pub(in crate::sensor) fn gains_for_capacity(&self, capacity: Electrons, binning: Binning) -> [Decibels; 2] {
         let [least, most] = self.converter.gain_range;
-        let signal = self.amplified(capacity.0 * binning.charge_gain());
+        let signal = self.amplified(capacity.0 * binning.pixels_per_number());
         let before_merging = self.converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| dual.low.range_e());
-        let merged = self.converter.range_e() / binning.digital_gain();
+        let [across, down] = binning.numbers();
+        let merged = self.converter.range_e() / (binning.weight() * (across * down) as f64);
         if capacity.0 >= self.full_well.0 {
             return [least, Decibels(0.0)];
         }

@@ -42,7 +42,7 @@ pub fn noise_ratio(rates: &Estimate, sensor: &SensorModel, exposure: &Exposure) 
     let (width, time) = (rates.mean.width(), exposure.time.0);
     let samples = sensor.cfa.samples_per_pixel();
     let row_length = width * samples;
-    let saturation = sensor.saturation_capacity(exposure).0;
+    let saturation = sensor.pixel_saturation(exposure).0;
     let pixels = exposure.region.binning.pixels() as f64;
     let (mut of_light, mut of_sensor) = (0.0, 0.0);
     for i in 0..row_length * rates.mean.height() {
@@ -50,8 +50,8 @@ pub fn noise_ratio(rates: &Estimate, sensor: &SensorModel, exposure: &Exposure) 
         let at = |planes: &Planes| f64::from(planes.channels()[channel].data[i / samples]);
         let mean = at(&rates.mean) * time;
         if mean < saturation && sensor.sees_light([i % row_length / samples, i / row_length]) {
-            of_light += at(&rates.variance) * time * time / pixels;
-            of_sensor += sensor.noise_variance(Electrons(mean), exposure);
+            of_light += at(&rates.variance) * time * time * pixels;
+            of_sensor += sensor.noise_variance(Electrons(mean * pixels), exposure);
         }
     }
     (of_sensor > 0.0).then(|| (of_light / of_sensor).sqrt())
@@ -60,7 +60,7 @@ pub fn noise_ratio(rates: &Estimate, sensor: &SensorModel, exposure: &Exposure) 
 /// How many samples bring the Monte Carlo noise of each pixel down to `target` times the sensor's noise there (standard
 /// deviations), row by row:
 ///
-/// n = s²·t²/(b·target²·σ²(μ·t))
+/// n = b·s²·t²/(target²·σ²(b·μ·t))
 ///
 /// with the variance s² of one sample and the mean μ in the pixel's own channel (the worst of those that it has), the
 /// exposure time t, b pixels in a bin, and the sensor's variance σ² ([`SensorModel::noise_variance`]). Few samples tell
@@ -115,7 +115,7 @@ impl Needed<'_> {
     fn samples(&self, width: usize, mut counted: Vec<f32>) -> Vec<f32> {
         let Self { mean, variance, counts, sensor, exposure, target } = *self;
         let time = exposure.time.0;
-        let saturation = sensor.saturation_capacity(exposure).0;
+        let saturation = sensor.pixel_saturation(exposure).0;
         let pixels = exposure.region.binning.pixels() as f64;
         // One bright sample among a few does not make a pixel that saturates.
         let surely = |(&mean, &variance): (&f32, &f32)| f64::from(mean) - 2.0 * f64::from(variance).sqrt();
@@ -129,8 +129,8 @@ impl Needed<'_> {
             if counted == 0.0 {
                 return 0.0;
             }
-            let of_sensor = sensor.noise_variance(Electrons(f64::from(mean) * time), exposure);
-            (f64::from(of_one) * time * time / (pixels * target * target * of_sensor)) as f32
+            let of_sensor = sensor.noise_variance(Electrons(f64::from(mean) * time * pixels), exposure);
+            (f64::from(of_one) * time * time * pixels / (target * target * of_sensor)) as f32
         };
         mean.iter().zip(&of_one).zip(&counted).map(of_pixel).collect()
     }

@@ -2,15 +2,18 @@
 //! neighbour with less charge moves inwards. Bright spots grow, and neighbours on a flat field share some of their shot
 //! noise: variance stays below the mean and neighbours are correlated.
 //!
-//! While a picture builds up, the boundary between pixels p and q is displaced in proportion to the difference of their
-//! charges and so hands over the part a·(Q_p − Q_q) of the charge that falls near it, (Q_p + Q_q)/2. Both grow with
-//! time, so that half of the final product has been handed over at the end:
+//! While a picture builds up, the boundary between pixels p and q is displaced in proportion to the difference of the
+//! charges that they hold and so hands over that part of what falls near it, (Q_p + Q_q)/2. A pixel holds no more than
+//! its full well F: what it holds on average over the exposure, h/2, is half of the light's charge Q up to F, and tends to
+//! F beyond:
 //!
-//! ΔQ(p → q) = a/4 · (Q_p² − Q_q²)
+//! ΔQ(p → q) = a/4 · (h_p − h_q) · (Q_p + Q_q),  h = Q up to F, 2F − F²/Q beyond
 //!
+//! which is a/4 · (Q_p² − Q_q²) below saturation
 //! ([Antilogus14](photosite_core::references#antilogus14), restricted to nearest neighbours;
-//! [Guyonnet15](photosite_core::references#guyonnet15) eq. 10). What one pixel loses its neighbour gains. On a flat
-//! field of mean μ with shot noise, to first order in a·μ,
+//! [Guyonnet15](photosite_core::references#guyonnet15) eq. 10). What one pixel loses its neighbour gains. A boundary takes
+//! at most a·F of a pixel's charge, and sensors have (a_x + a_y)·F ≤ ½, so that light of any strength leaves charge in
+//! each pixel, and more light more of it. On a flat field of mean μ with shot noise, to first order in a·μ,
 //!
 //! neighbours along x are correlated by a_x·μ, along y by a_y·μ, and Var(Q) = μ·(1 − 2·(a_x + a_y)·μ),
 //!
@@ -26,16 +29,17 @@ use crate::sensor::signal::effects::Stage;
 pub(in crate::sensor) fn apply(frame: &Frame<'_>, charge: &mut ChargePlane) {
     let per_e = frame.sensor.brighter_fatter_per_e;
     if per_e != [0.0; 2] && frame.stages.has(Stage::BrighterFatter) {
-        spread(&mut charge.electrons, charge.width, charge.samples, per_e);
+        spread(&mut charge.electrons, charge.width, charge.samples, per_e, frame.sensor.full_well.0);
     }
 }
 
 /// Hands charge (e⁻, `width` in a row, neighbours `samples` apart) over the boundaries. `per_e`: a_x and a_y, the
-/// correlation of neighbours along x and along y for each electron of a flat field, 1/e⁻; (a_x + a_y)·Q is at most 1
-/// everywhere.
-fn spread(charges: &mut [f32], width: usize, samples: usize, per_e: [f64; 2]) {
+/// correlation of neighbours along x and along y for each electron of a flat field, 1/e⁻; (a_x + a_y)·`full_well_e` is
+/// at most ½.
+fn spread(charges: &mut [f32], width: usize, samples: usize, per_e: [f64; 2], full_well_e: f64) {
     let [along_x, along_y] = per_e.map(|a| a / 4.0);
-    let flow = |a: f64, from: f64, to: f64| a * (from * from - to * to);
+    let held = |q: f64| if q <= full_well_e { q } else { 2.0 * full_well_e - full_well_e * full_well_e / q };
+    let flow = |a: f64, from: f64, to: f64| a * (held(from) - held(to)) * (from + to);
     let before = charges.to_vec();
     let rows: Vec<&[f32]> = before.chunks_exact(width.max(1)).collect();
     charges.par_chunks_exact_mut(width.max(1)).enumerate().for_each(|(y, row)| {
@@ -66,22 +70,43 @@ mod tests {
     fn a_spot_grows_and_keeps_its_charge() {
         let mut plane = vec![0.0f32; 49];
         plane[24] = 40_000.0;
-        spread(&mut plane, 7, 1, [1e-6, 2e-6]);
+        spread(&mut plane, 7, 1, [1e-6, 2e-6], 1e5);
         // a/4·Q²: 400 e⁻ to either side and 800 e⁻ up and down.
         assert_eq!([plane[23], plane[25], plane[17], plane[31]], [400.0, 400.0, 800.0, 800.0]);
         assert_eq!(plane[24], 40_000.0 - 2400.0);
         assert_eq!(plane.iter().sum::<f32>(), 40_000.0);
     }
 
+    /// Integrates a lamp and its dark neighbours in steps of time, each pixel holding no more than its full well.
+    #[test]
+    fn a_lamp_beyond_saturation_loses_what_the_equation_of_motion_says() {
+        const STEPS: u32 = 20_000;
+        let (full_well_e, per_e) = (60_000.0, [3e-6, 5e-6]);
+        for lamp_e in [50_000.0, 100_000.0, 1e6, 1e9] {
+            let mut plane = vec![0.0f32; 25];
+            plane[12] = lamp_e as f32;
+            spread(&mut plane, 5, 1, per_e, full_well_e);
+            for (neighbour, a) in [(11, per_e[0]), (7, per_e[1])] {
+                let arrives = lamp_e / f64::from(STEPS);
+                let held = |step: u32| (arrives * (f64::from(step) + 0.5)).min(full_well_e);
+                let handed_over: f64 = (0..STEPS).map(|step| a * held(step) * arrives / 2.0).sum();
+                // The midpoint rule misses the bend of `held` by less than a step, 1/20 000; f32 rounds to 6e-8.
+                let found = f64::from(plane[neighbour]);
+                assert!((found / handed_over - 1.0).abs() < 1e-4, "{lamp_e}: {found} for {handed_over}");
+            }
+            assert!(f64::from(plane[12]) > 0.5 * lamp_e, "{lamp_e}: {} left", plane[12]);
+        }
+    }
+
     #[test]
     fn a_flat_field_is_left_alone_and_charge_conserved() {
         let mut flat = vec![12_345.0f32; 60];
-        spread(&mut flat, 6, 2, [1e-6, 1e-6]);
+        spread(&mut flat, 6, 2, [1e-6, 1e-6], 1e4);
         assert!(flat.iter().all(|&q| q == 12_345.0));
         let mut plane: Vec<f32> = (0..600).map(|i| (i * 7919 % 30_011) as f32).collect();
         let total = |plane: &[f32]| plane.iter().map(|&q| f64::from(q)).sum::<f64>();
         let before = total(&plane);
-        spread(&mut plane, 20, 1, [2e-6, 1e-6]);
+        spread(&mut plane, 20, 1, [2e-6, 1e-6], 1e4);
         // f32 rounds each of 600 pixels to 2⁻²⁴ of at most 2¹⁵.
         assert!((total(&plane) - before).abs() < 600.0 * 2f64.powi(-10), "{}", total(&plane) - before);
     }
@@ -92,7 +117,7 @@ mod tests {
         let (mean_e, per_e) = (20_000.0, [1e-6, 2e-6]);
         let mut plane: Vec<f32> =
             (0..SIDE * SIDE).map(|i| poisson(mean_e, &mut Philox::new(5, i as u64)) as f32).collect();
-        spread(&mut plane, SIDE, 1, per_e);
+        spread(&mut plane, SIDE, 1, per_e, 1e5);
         let inner = |x: usize, y: usize| f64::from(plane[y * SIDE + x]) - mean_e;
         let covariance = |dx: usize, dy: usize| -> f64 {
             let all = (1..SIDE - 2).flat_map(|y| (1..SIDE - 2).map(move |x| (x, y)));

@@ -6,12 +6,16 @@ use crate::sensor::signal::charge_plane::{Row, RowStage};
 use crate::sensor::{BinningMethod, Exposure, SensorModel};
 
 impl SensorModel {
-    /// System gain K of the numbers that leave the sensor at an exposure's gains, DN/e⁻. Of bins, the electrons are the
-    /// mean of their pixels.
+    /// System gain K of the numbers that leave the sensor at an exposure's gains, DN/e⁻, which photon transfer finds:
+    ///
+    /// K = K_ADC·g_digital·w,
+    ///
+    /// with the gain K_ADC of amplifiers and converter and the weight w of a converted number in what is read out: 1/n
+    /// where the mean of n pixels is taken, else 1. Electrons are those of the pixel that is read out: of a bin, those of all
+    /// its pixels together, whatever the method.
     pub fn system_gain(&self, exposure: &Exposure) -> f64 {
-        let binning = exposure.region.binning;
-        let digital = exposure.digital_gain.factor() * binning.digital_gain();
-        self.converter.system_gain(exposure.gain) * binning.charge_gain() * digital
+        let digital = exposure.digital_gain.factor() * exposure.region.binning.weight();
+        self.converter.system_gain(exposure.gain) * digital
     }
 }
 

@@ -8,17 +8,17 @@ use crate::sensor::signal::effects::Stage;
 use crate::sensor::{Exposure, SensorModel};
 
 impl SensorModel {
-    /// The number above the black level of a signal, e⁻ of the mean pixel of a bin, at an exposure's gains: a digital
+    /// The number above the black level of a signal, e⁻ of the pixel that is read out, at an exposure's gains: a digital
     /// gain multiplies what the curve has bent.
     pub(in crate::sensor) fn number_of_signal(&self, signal_e: f64, exposure: &Exposure) -> f64 {
         let number = signal_e * self.system_gain(exposure);
-        let digital = exposure.digital_gain.factor() * exposure.region.binning.digital_gain();
+        let digital = exposure.digital_gain.factor();
         self.video.curve.map_or(number, |curve| curve.bent(number / digital) * digital)
     }
 
     /// The signal behind a number above the black level, the inverse of [`Self::number_of_signal`].
     pub(in crate::sensor) fn signal_of_number(&self, number_dn: f64, exposure: &Exposure) -> f64 {
-        let digital = exposure.digital_gain.factor() * exposure.region.binning.digital_gain();
+        let digital = exposure.digital_gain.factor();
         let number = self.video.curve.map_or(number_dn, |curve| curve.straightened(number_dn / digital) * digital);
         number / self.system_gain(exposure)
     }
