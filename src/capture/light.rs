@@ -14,6 +14,7 @@ use crate::scene::description::{
     CameraDescription, Colour, EmissionDescription, LightDescription, SceneDescription, look_at, looking, vector,
 };
 use crate::scene::emission_spectrum;
+use photosite_core::spectrum::cie;
 use photosite_core::suggest::{did_you_mean, list};
 use photosite_scene_io::read_ies;
 use photosite_scene_io::read_picture;
@@ -316,7 +317,7 @@ pub(super) fn emission(
 ) -> Result<EmissionDescription, Invalid> {
     let LightSpectrum { colour, is_absolute } = finder.light(colour)?;
     let level = match level {
-        Some((key, level)) => Some(not_negative(key, level)?),
+        Some((key, level)) => Some(level_in_scene(&colour, key, level)?),
         None if is_absolute => None,
         None => {
             let message = "says only the colour of the light, not how much there is";
@@ -324,6 +325,26 @@ pub(super) fn emission(
         }
     };
     Ok(EmissionDescription { colour, level, texture: None })
+}
+
+/// The level that a scene needs for light of the colour to have `level` itself. Scenes state RGB colours as parts of
+/// white, as glTF does; the level of a capture file is that of the light, whatever its colour.
+fn level_in_scene(colour: &Colour, key: &str, level: f64) -> Result<f64, Invalid> {
+    let level = not_negative(key, level)?;
+    let luminous = match colour {
+        Colour::Spectrum(spectrum) => cie::luminous(spectrum),
+        Colour::Rgb(_) => cie::luminous(&emission_spectrum(colour, Some(1.0))),
+    };
+    if level > 0.0 && luminous <= 0.0 {
+        let message = "cannot be reached: the eye sees nothing of light of this colour";
+        return Err(Invalid::new(key, message).help(
+            "give another colour; infrared is stated in watts, as the absolute spectrum of a file or by power_w",
+        ));
+    }
+    Ok(match colour {
+        Colour::Rgb(_) if level > 0.0 => level / luminous,
+        Colour::Rgb(_) | Colour::Spectrum(_) => level,
+    })
 }
 
 fn not_negative(key: &str, value: f64) -> Result<f64, Invalid> {

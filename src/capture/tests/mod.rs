@@ -1,6 +1,7 @@
 //! Whole captures, made here.
 
 mod errors;
+mod levels;
 mod objects;
 mod prescription;
 mod ranges;

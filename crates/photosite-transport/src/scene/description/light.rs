@@ -14,8 +14,8 @@ pub struct EmissionDescription {
     /// Colour (times D65 for RGB) or spectral shape.
     pub colour: Colour,
     /// Photometric level: luminance in nit for surfaces, luminous intensity in candela for point and spot lights,
-    /// illuminance in lux for directional ones. An RGB colour is scaled so that white (1, 1, 1) has this level, a
-    /// spectrum so that it has this level itself. `None`: the spectrum is absolute (W·m⁻²·sr⁻¹·nm⁻¹, W·sr⁻¹·nm⁻¹,
+    /// illuminance in lux for directional ones. An RGB colour is scaled so that white (1, 1, 1) has this level, as
+    /// glTF wants it, a spectrum so that it has this level itself. `None`: the spectrum is absolute (W·m⁻²·sr⁻¹·nm⁻¹, W·sr⁻¹·nm⁻¹,
     /// W·m⁻²·nm⁻¹).
     pub level: Option<f64>,
     /// sRGB-encoded texture on surfaces.
