@@ -73,9 +73,9 @@ fn environment(environment: &EnvironmentDescription, out: &mut Output) -> Elemen
                 out.approximate("the sky beyond 320 to 720 nm, where Mitsuba's is black");
             }
             let [x, y, z] = conditions.towards_sun.to_array();
-            // Up is +z in Mitsuba's sky.
+            // In world space, whereas up is +z in the emitter's own.
             let direction =
-                Element::new("vector").named("sun_direction").attribute("x", x).attribute("y", -z).attribute("z", y);
+                Element::new("vector").named("sun_direction").attribute("x", x).attribute("y", y).attribute("z", z);
             let turned = DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
             Element::object("emitter", "sunsky")
                 .child(direction)

@@ -18,10 +18,20 @@ const SODIUM_NM: f64 = 589.3;
 pub(super) struct ExportedMaterial {
     pub(super) id: String,
     pub(super) bsdf: Element,
+    /// The id and the BSDF for triangles whose bitangent is −n × t, where a normal map makes a difference: Mitsuba's
+    /// is n × t everywhere.
+    pub(super) left_handed: Option<(String, Element)>,
     /// The UVs that its textures want in the mesh: Mitsuba's textures have no choice and no exact transform of their
     /// own.
     pub(super) uv_set: usize,
     pub(super) uv_transform: UvTransform,
+}
+
+impl ExportedMaterial {
+    /// What stands in the scene file.
+    pub(super) fn into_elements(self) -> impl Iterator<Item = Element> {
+        [self.bsdf].into_iter().chain(self.left_handed.map(|(_, bsdf)| bsdf))
+    }
 }
 
 /// All materials, in the order of the scene.
@@ -38,29 +48,152 @@ fn export(index: usize, material: &MaterialDescription, textures: &Textures<'_>,
     if used.any(|t| (t.uv_set, t.transform) != (uv_set, uv_transform)) {
         out.approximate(format!("textures of {name} with UVs of their own: those of the first serve all"));
     }
-    let (mut bsdf, sides) = scattering(&material.model, &name, textures, out);
-    if let Some((texture, scale)) = &material.normal_map {
-        let image = textures.image(texture);
-        let file = textures.file("normal", image, &["R", "G", "B"], out, |i| {
+    let complete = |id: &str, bumps: Option<&Bumps<'_>>, out: &mut Output| {
+        let bsdf = surface(&material.model, bumps, &name, textures, out);
+        masked(bsdf, material, &name, textures, out).attribute("id", id)
+    };
+    let id = format!("material-{index}");
+    let bumps = material.normal_map.as_ref().map(|(texture, scale)| Bumps { texture, scale: *scale, is_left: false });
+    if bumps.is_some() {
+        out.approximate(format!(
+            "the normal map of {name} where its normals are seen from behind: photosite bends them towards the viewer, \
+             Mitsuba's reflect nothing"
+        ));
+    }
+    let bsdf = complete(&id, bumps.as_ref(), out);
+    let left_handed = bumps.map(|bumps| {
+        let id = format!("{id}-left");
+        let bsdf = complete(&id, Some(&Bumps { is_left: true, ..bumps }), out);
+        (id, bsdf)
+    });
+    ExportedMaterial { id, bsdf, left_handed, uv_set, uv_transform }
+}
+
+/// A normal map on triangles of one handedness.
+struct Bumps<'a> {
+    texture: &'a TextureDescription,
+    scale: f32,
+    is_left: bool,
+}
+
+impl Bumps<'_> {
+    /// A BSDF with bumps. Seen from behind, the whole normal is turned over, where "twosided" turns z alone.
+    fn on(&self, bsdf: Element, behind: bool, textures: &Textures<'_>, out: &mut Output) -> Element {
+        let turn = if behind { -1.0 } else { 1.0 };
+        let [along, across] = [turn * self.scale, if self.is_left { -turn } else { turn } * self.scale];
+        let what = match (behind, self.is_left) {
+            (false, false) => "normal",
+            (true, false) => "normal-behind",
+            (false, true) => "normal-left",
+            (true, true) => "normal-left-behind",
+        };
+        let image = textures.image(self.texture);
+        let file = textures.file(what, image, &["R", "G", "B"], out, |i| {
             // Only x and y are scaled; what is stored is (n + 1)/2.
             let [x, y, z, _] = image.linear_texel(i);
-            let scaled = |c: f32| ((2.0 * c - 1.0) * scale + 1.0) / 2.0;
-            [scaled(x), scaled(y), z]
+            let scaled = |c: f32, scale: f32| ((2.0 * c - 1.0) * scale + 1.0) / 2.0;
+            [scaled(x, along), scaled(y, across), z]
         });
-        bsdf = Element::object("bsdf", "normalmap")
+        Element::object("bsdf", "normalmap")
             // Neither softens the terminator.
             .boolean("use_shadowing_function", false)
             .boolean("flip_invalid_normals", false)
-            .child(bitmap("normalmap", &file, true, texture, out))
-            .child(bsdf);
+            .child(bitmap("normalmap", &file, true, self.texture, out))
+            .child(bsdf)
     }
-    // A dielectric has two sides of its own; of everything else we look at both, and Mitsuba at the front alone.
-    if sides == Sides::One {
-        bsdf = Element::object("bsdf", "twosided").child(bsdf);
+}
+
+/// A model as it is seen from both sides, with its bumps. A mix is one of such surfaces: "twosided" takes no halves that
+/// have two sides of their own.
+fn surface(
+    model: &MaterialModel,
+    bumps: Option<&Bumps<'_>>,
+    name: &str,
+    textures: &Textures<'_>,
+    out: &mut Output,
+) -> Element {
+    if let MaterialModel::Mix(mix) = model {
+        if mix.models.iter().any(is_polished) {
+            out.approximate(format!(
+                "the polished half of {name}: Mitsuba's \"blendbsdf\" weighs mirrors and clear glass wrongly"
+            ));
+        }
+        let halves = mix.models.each_ref().map(|model| surface(model, bumps, name, textures, out));
+        return Element::object("bsdf", "blendbsdf").float("weight", f64::from(mix.weight)).with(halves);
     }
-    bsdf = masked(bsdf, material, &name, textures, out);
-    let id = format!("material-{index}");
-    ExportedMaterial { bsdf: bsdf.attribute("id", &id), id, uv_set, uv_transform }
+    let (bsdf, sides) = scattering(model, name, textures, out);
+    match (sides, bumps) {
+        (Sides::Both, None) => bsdf,
+        (Sides::Both, Some(bumps)) => bumps.on(bsdf, false, textures, out),
+        // Of everything but glass we look at both sides, and Mitsuba at the front alone.
+        (Sides::One, None) => Element::object("bsdf", "twosided").child(bsdf),
+        (Sides::One, Some(bumps)) => {
+            let [front, behind] = [false, true].map(|behind| bumps.on(bsdf.clone(), behind, textures, out));
+            Element::object("bsdf", "twosided").child(front).child(behind)
+        }
+    }
+}
+
+/// Whether light leaves a model in single directions.
+fn is_polished(model: &MaterialModel) -> bool {
+    match model {
+        MaterialModel::Conductor(Conductor { distribution, .. })
+        | MaterialModel::Dielectric(Dielectric { distribution, .. }) => distribution.distribution().is_smooth(),
+        MaterialModel::ThinDielectric(_) => true,
+        MaterialModel::Mix(mix) => mix.models.iter().any(is_polished),
+        MaterialModel::Diffuse(_)
+        | MaterialModel::OrenNayar(_)
+        | MaterialModel::Phong(_)
+        | MaterialModel::Translucent(_)
+        | MaterialModel::Retroreflective(_)
+        | MaterialModel::Layered(_) => false,
+    }
+}
+
+/// Whether a model is a pane, wholly or in part.
+fn is_pane(model: &MaterialModel) -> bool {
+    match model {
+        MaterialModel::ThinDielectric(_) => true,
+        MaterialModel::Mix(mix) => mix.models.iter().any(is_pane),
+        MaterialModel::Diffuse(_)
+        | MaterialModel::Conductor(_)
+        | MaterialModel::Dielectric(_)
+        | MaterialModel::OrenNayar(_)
+        | MaterialModel::Phong(_)
+        | MaterialModel::Translucent(_)
+        | MaterialModel::Retroreflective(_)
+        | MaterialModel::Layered(_) => false,
+    }
+}
+
+/// Whether rays pass a surface somewhere as if it were not there.
+pub(super) fn has_holes(scene: &SceneDescription) -> bool {
+    used(scene).any(|material| material.alpha != AlphaMode::Opaque)
+}
+
+/// Notes panes before lamps that they take the light of in Mitsuba.
+pub(super) fn panes(scene: &SceneDescription, out: &mut Output) {
+    for pane in used(scene).filter(|material| is_pane(&material.model)) {
+        let name = quoted("material", &pane.name);
+        if !scene.lights.is_empty() {
+            out.approximate(format!("light of lamps without a surface through {name}: it throws a black shadow"));
+        }
+        if has_holes(scene) {
+            out.approximate(format!(
+                "light through {name} in a scene with holes: \"volpath\", which these want, loses what comes straight \
+                 from the lamps"
+            ));
+        }
+    }
+}
+
+/// Materials of meshes.
+fn used(scene: &SceneDescription) -> impl Iterator<Item = &MaterialDescription> {
+    scene
+        .materials
+        .iter()
+        .enumerate()
+        .filter_map(|(index, material)| scene.meshes.iter().any(|mesh| mesh.material == index).then_some(material))
 }
 
 /// Which sides Mitsuba's model is for: "twosided" refuses those that are for both.
@@ -123,19 +256,16 @@ fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &
             out.approximate(format!("the retroreflection of {name}, for which it has no plugin: it is left out"));
             (textures.diffuse(reflectance, name, out), Sides::One)
         }
-        MaterialModel::Mix(mix) => {
-            let [first, second] = mix.models.each_ref().map(|model| scattering(model, name, textures, out));
-            let blend = Element::object("bsdf", "blendbsdf").float("weight", f64::from(mix.weight));
-            let sides = if [first.1, second.1].contains(&Sides::Both) { Sides::Both } else { Sides::One };
-            (blend.child(first.0).child(second.0), sides)
-        }
+        MaterialModel::Mix(_) => unreachable!("mixes are taken apart above"),
         MaterialModel::Layered(layers) => (principled(layers, name, textures, out), Sides::One),
     }
 }
 
 /// glTF's material. Mitsuba's "principled" is another model with nearly the same keys.
 fn principled(layers: &LayeredDescription, name: &str, textures: &Textures<'_>, out: &mut Output) -> Element {
-    out.approximate(format!("glTF's material model of {name}: it becomes \"principled\""));
+    out.approximate(format!(
+        "the model of {name} (\"plastic\", \"metallic-roughness\" and those of glTF are one): it becomes \"principled\""
+    ));
     let extensions = [
         ("transmission", layers.transmission.value > 0.0),
         ("volume", layers.absorption_per_m.is_some()),
@@ -150,7 +280,10 @@ fn principled(layers: &LayeredDescription, name: &str, textures: &Textures<'_>, 
                 || layers.specular_colour.texture.is_some(),
         ),
         ("specular factor", layers.specular.value != 1.0 || layers.specular.texture.is_some()),
-        ("specular-glossiness", layers.normal_reflectance.is_some()),
+        (
+            "reflectance of 1 before the specular colour (ior 0, specular-glossiness)",
+            layers.normal_reflectance.is_some(),
+        ),
     ];
     for (extension, _) in extensions.into_iter().filter(|(_, used)| *used) {
         out.approximate(format!("the {extension} of {name}: it is left out"));

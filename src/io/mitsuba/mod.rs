@@ -15,10 +15,10 @@
 //!
 //! | here | in Mitsuba | module |
 //! |---|---|---|
-//! | camera, lens, sensor, settings | `perspective` or `thinlens`, `specfilm`, `path` | `sensor.rs` |
+//! | camera, lens, sensor, settings | `perspective` or `thinlens`, `specfilm`, `path`, `volpath` | `sensor.rs` |
 //! | meshes and their instances, spheres, disks, cylinders | `ply`, `shapegroup` and `instance`, `sphere`, `disk`, `cylinder` | `shape.rs` |
-//! | materials | `diffuse`, `conductor`, `dielectric` and their rough kin, `twosided`, `mask`, `normalmap` | `material.rs` |
-//! | lights | `area`, `point`, `spot`, `directional`, `constant`, `envmap` | `light.rs` |
+//! | materials | `diffuse`, `conductor`, `dielectric` and their rough kin, `blendbsdf`, `twosided`, `mask`, `normalmap` | `material.rs` |
+//! | lights | `area`, `point`, `spot`, `directional`, `constant`, `envmap`, `sunsky` | `light.rs` |
 //! | pictures | `bitmap` of an EXR file | `picture.rs` |
 
 mod element;
@@ -36,6 +36,7 @@ use crate::capture::Capture;
 use crate::optics::{Camera, LensKind};
 
 use element::Element;
+use material::ExportedMaterial;
 use output::Output;
 
 /// The version of Mitsuba that the files are written for.
@@ -65,16 +66,17 @@ pub fn export(capture: &Capture, camera: &Camera, approximate: bool) -> Result<M
     let mut out = Output::default();
     let responses = sensor::responses(capture, camera, &mut out);
     out.sees_beyond_cie = responses.iter().any(|(_, response)| sensor::sees_beyond_cie(response));
-    let integrator = sensor::integrator(&capture.render);
+    let integrator = sensor::integrator(&capture.render, material::has_holes(&capture.scene));
     let camera = sensor::sensor(capture, camera, &responses, &mut out);
     let materials = material::materials(&capture.scene, &mut out);
+    material::panes(&capture.scene, &mut out);
     let shapes = shape::shapes(&capture.scene, &materials, &mut out);
     let lights = light::lights(&capture.scene, &mut out);
     let scene = Element::new("scene")
         .attribute("version", MITSUBA)
         .child(integrator)
         .child(camera)
-        .with(materials.into_iter().map(|material| material.bsdf))
+        .with(materials.into_iter().flat_map(ExportedMaterial::into_elements))
         .with(shapes)
         .with(lights);
     if !approximate && !out.approximations.is_empty() {

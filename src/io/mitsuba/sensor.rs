@@ -35,8 +35,10 @@ pub(super) fn sees_beyond_cie(response: &Spectrum) -> bool {
     beyond.integral() > 1e-6 * response.integral()
 }
 
-pub(super) fn integrator(settings: &RenderSettings) -> Element {
-    Element::object("integrator", "path")
+/// `volpath` where there are holes: shadow rays of `path` take them for opaque, and it counts those that a path goes
+/// through as segments.
+pub(super) fn integrator(settings: &RenderSettings, has_holes: bool) -> Element {
+    Element::object("integrator", if has_holes { "volpath" } else { "path" })
         .integer("max_depth", settings.max_depth)
         .integer("rr_depth", settings.roulette_depth)
 }
@@ -57,7 +59,10 @@ pub(super) fn sensor(
         out.approximate("the falloff of [lens]: Mitsuba's cameras have none, as with falloff = \"none\"");
     }
     if !lens.projection.is_flat() {
-        out.approximate(format!("the {} projection of [lens]: it becomes perspective", lens.projection.name()));
+        // A fisheye without distortion is one of Kannala and Brandt's model with coefficients of 0.
+        let is_fisheye = matches!(lens.projection, Projection::KannalaBrandt { .. });
+        let name = if is_fisheye { "fisheye" } else { lens.projection.name() };
+        out.approximate(format!("the {name} projection of [lens]: it becomes perspective"));
     } else if lens.projection != Projection::Perspective {
         out.approximate("the distortion of [lens]: it is left out");
     }
