@@ -228,7 +228,7 @@ fn draft(file: LensFile) -> Read<Draft> {
         Some(unit) => mm_of(unit)
             .ok_or_else(|| at("unit", format!("{unit:?} is not a known unit")).help("write mm, cm, in or m"))?,
     };
-    let mut draft = Draft { name, source, licence, patent, ..Draft::default() };
+    let mut draft = Draft { name, source, licence, patent, keeps_rims: true, ..Draft::default() };
     draft.claims.focal_length_mm = file.focal_length;
     draft.claims.f_number = file.f_number;
     draft.claims.half_field_deg = file.half_field_deg;
