@@ -110,6 +110,7 @@ struct GlassFile {
     polynomial: Option<Vec<[f64; 2]>>,
     conrady: Option<[f64; 3]>,
     cauchy: Option<[f64; 3]>,
+    table: Option<TableFile>,
     n: Option<f64>,
     nd: Option<f64>,
     vd: Option<f64>,
@@ -388,6 +389,13 @@ fn defined_glass(name: &str, file: GlassFile, draft: &mut Draft) -> Result<Glass
         let dispersion = dispersion.validated()?;
         Ok(Glass { name: name.to_owned(), source: source.clone(), dispersion, range_nm: file.range_nm })
     };
+    if let Some(TableFile { wavelength_nm, n, k }) = file.table {
+        let spectrum = interpolated(&wavelength_nm, &n).filter(|_| k.is_none()).ok_or_else(|| {
+            Invalid::new("", "a table whose lists differ in length, whose wavelengths do not rise, or with k")
+                .help("write as many n as wavelengths in nm, from short to long; glasses have no k here")
+        })?;
+        return glass(Dispersion::Table(spectrum));
+    }
     match (file.conrady, file.sellmeier_b.zip(file.sellmeier_c_um2), file.polynomial, file.cauchy, file.n) {
         (Some([a, b_um, c_um35]), ..) => glass(Dispersion::Conrady { a, b_um, c_um35 }),
         (None, Some((b, c_um2)), ..) => glass(Dispersion::Sellmeier { b, c_um2 }),
@@ -396,7 +404,7 @@ fn defined_glass(name: &str, file: GlassFile, draft: &mut Draft) -> Result<Glass
         (None, None, None, None, Some(n)) => glass(Dispersion::constant(n)),
         (None, None, None, None, None) => {
             let Some((nd, vd)) = file.nd.zip(file.vd) else {
-                let help = "write sellmeier_b and sellmeier_c_um2, polynomial, conrady, cauchy, nd and vd, or n";
+                let help = "write sellmeier_b and sellmeier_c_um2, polynomial, conrady, cauchy, table, nd and vd, or n";
                 return Err(Invalid::new("", "nothing says what its index is").help(help));
             };
             let (found, note) = glass::by_numbers(nd, vd)?;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use photosite_core::spectrum::Dispersion;
+use photosite_core::spectrum::{Dispersion, Spectrum};
 
 use super::commands::{Command, fault, is_number};
 use crate::files::draft::Read;
@@ -62,14 +62,17 @@ pub(super) fn glasses(commands: &[Command]) -> Read<Catalogue> {
                 })?;
                 if error > POOR {
                     found.warnings.push(format!(
-                        "the glass {name} of the private catalogue is off its own table by up to {error:.1e}: no formula goes \
-                         through its indices; look for a mistyped index or wavelength"
+                        "the glass {name} of the private catalogue is no smooth curve: a formula is off its table by up to \
+                         {error:.1e}, so that it runs straight between; look for a mistyped index or wavelength"
                     ));
                 }
                 let source = format!(
-                    "private catalogue of the file: {formula} through {} indices, off by {error:.1e} at most",
-                    numbers.len()
+                    "private catalogue of the file: {formula} through {} indices, off by {error:.1e} at most{}",
+                    numbers.len(),
+                    if error > PRECISION { ", which is added, straight from line to line" } else { "" }
                 );
+                let dispersion =
+                    if error > PRECISION { interpolated(&dispersion, &wavelengths, &numbers) } else { dispersion };
                 let ends = [f64::min, f64::max].map(|end| wavelengths.iter().copied().reduce(end).unwrap_or(0.0));
                 let glass = Glass { name: name.clone(), source, dispersion, range_nm: Some(ends) };
                 found.glasses.insert(name.to_ascii_uppercase(), glass);
@@ -121,6 +124,23 @@ fn fitted(wavelengths_nm: &[f64], indices: &[f64]) -> Option<Fit> {
         }
     }
     best
+}
+
+/// A formula and what the indices are off it, which runs straight from line to line and stays as it is beyond them.
+fn interpolated(formula: &Dispersion, wavelengths_nm: &[f64], indices: &[f64]) -> Dispersion {
+    let mut off: Vec<(f64, f64)> =
+        wavelengths_nm.iter().zip(indices).map(|(&nm, n)| (nm, n - formula.index(nm))).collect();
+    off.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let rest = |nm: f64| {
+        let after = off.partition_point(|(known, _)| *known <= nm);
+        match (after.checked_sub(1).map(|before| off[before]), off.get(after)) {
+            (Some((from, a)), Some((to, b))) => a + (nm - from) / (to - from) * (b - a),
+            (Some((_, a)), None) => a,
+            (None, Some((_, b))) => *b,
+            (None, None) => 0.0,
+        }
+    };
+    Dispersion::Table(Spectrum::from_fn(|nm| formula.index(nm) + rest(nm)))
 }
 
 /// The factors of powers of x whose sum has the least squares of differences from `values`, by Gram and Schmidt's
