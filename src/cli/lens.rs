@@ -117,10 +117,15 @@ fn kind(output: &Path) -> Result<Kind> {
 fn reading(lens: &Path, first_number: Option<FirstNumber>) -> Result<Reading> {
     let name = lens.to_string_lossy();
     if !lens.exists()
-        && first_number.is_none()
         && let Some(shipped) = files::shipped(&name)
     {
-        return Ok(shipped);
+        return match first_number {
+            None => Ok(shipped),
+            Some(_) => Err(Error::Usage {
+                message: "--radii and --curvatures are for a .seq file without RDM".to_owned(),
+                help: Some(format!("leave them out: {name} says itself what its numbers are").into()),
+            }),
+        };
     }
     if !lens.exists() && lens.extension().is_none() {
         let near = suggest::did_you_mean(&name, files::names());

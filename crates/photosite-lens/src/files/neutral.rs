@@ -185,14 +185,10 @@ fn check_is_own(value: &Value) -> Read<()> {
             format!("it has {}; its first surface has {}, and no `thickness`", keys(value), keys(surface))
         }
     };
-    let is_of = |names: [&str; 3]| {
-        let is_key = |name: &str| value.get(name).is_some() || surface.is_some_and(|s| s.get(name).is_some());
-        names.into_iter().any(is_key)
-    };
-    let other = if is_of(["foclen", "d_next", "mat2"]) { "; this looks like DeepLens, which is not read" } else { "" };
     let help = "JSON is read as photosite's own (`unit`, and `surfaces` with `radius`, `thickness`, `glass`, \
-                `semi_aperture`, one with `stop`), Optiland's (`surface_group`) and ray-optics' (`optical_model`)";
-    Err(Fault::of_file(format!("not a lens in a form that is read: {has}{other}")).help(help))
+                `semi_aperture`, one with `stop`), Optiland's (`surface_group`), ray-optics' (`optical_model`) and \
+                DeepLens' (`d_next`)";
+    Err(Fault::of_file(format!("not a lens in a form that is read: {has}")).help(help))
 }
 
 /// Keys that a message tells of at most.
