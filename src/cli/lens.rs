@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use photosite_core::{input, suggest};
-use photosite_lens::files::{self, Reading};
+use photosite_lens::files::{self, FirstNumber, Reading};
 
 use super::log::warning;
 use super::print::{print_json, println_out, refuse_existing, write_result};
@@ -22,8 +22,8 @@ Examples:
 /// Show what a lens does: focal length, distortion, MTF …
 ///
 /// Lenses are read from photosite's own .toml and .json files, and from those of OpticStudio (.zmx), CODE V (.seq),
-/// the Optical Bench (.txt), pbrt (.dat), Optiland (.json) and ray-optics (.roa). What a file does not state, and
-/// what is not used of it, is listed.
+/// the Optical Bench (.txt), pbrt (.dat), Optiland (.json), ray-optics (.roa) and DeepLens (.json). What a file does
+/// not state, and what is not used of it, is listed.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct LensArgs {
@@ -40,6 +40,12 @@ pub(super) struct LensArgs {
     /// Half of the angle of view, degrees [default: that of the file].
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     half_field: Option<f64>,
+    /// In a CODE V .seq without RDM, the first number of each surface is its radius.
+    #[arg(long)]
+    radii: bool,
+    /// In a CODE V .seq without RDM, the first number of each surface is its curvature, 1/R.
+    #[arg(long, conflicts_with = "radii")]
+    curvatures: bool,
     /// Overwrite the output if it exists.
     #[arg(long)]
     force: bool,
@@ -60,7 +66,12 @@ pub(super) fn run(args: &LensArgs) -> Result<()> {
     };
     args.output.iter().try_for_each(|output| refuse_existing(output, args.force))?;
     let kinds = args.output.iter().map(|output| kind(output)).collect::<Result<Vec<_>>>()?;
-    let reading = reading(lens)?;
+    let first_number = match (args.radii, args.curvatures) {
+        (true, _) => Some(FirstNumber::Radius),
+        (false, true) => Some(FirstNumber::Curvature),
+        (false, false) => None,
+    };
+    let reading = reading(lens, first_number)?;
     for words in &reading.report.warnings {
         warning!("{}: {words}", lens.display());
     }
@@ -103,12 +114,18 @@ fn kind(output: &Path) -> Result<Kind> {
 }
 
 /// The lens of a file, or the one that ships under this name.
-fn reading(lens: &Path) -> Result<Reading> {
+fn reading(lens: &Path, first_number: Option<FirstNumber>) -> Result<Reading> {
     let name = lens.to_string_lossy();
     if !lens.exists()
         && let Some(shipped) = files::shipped(&name)
     {
-        return Ok(shipped);
+        return match first_number {
+            None => Ok(shipped),
+            Some(_) => Err(Error::Usage {
+                message: "--radii and --curvatures are for a .seq file without RDM".to_owned(),
+                help: Some(format!("leave them out: {name} says itself what its numbers are").into()),
+            }),
+        };
     }
     if !lens.exists() && lens.extension().is_none() {
         let near = suggest::did_you_mean(&name, files::names());
@@ -117,7 +134,7 @@ fn reading(lens: &Path) -> Result<Reading> {
         return Err(Error::Usage { message, help: Some(help.into()) });
     }
     let bytes = input::read_at_most(lens, MOST_BYTES).map_err(|reason| Error::io(lens, "read", reason))?;
-    files::read(&bytes, lens)
+    files::read_with(&bytes, lens, first_number)
 }
 
 fn options(args: &LensArgs) -> Result<Options> {

@@ -8,11 +8,12 @@ use crate::folder::Folder;
 const SEQ: &str =
     "RDM Y\nDIM M\nTITLE 'singlet'\nEPD 10\nYAN 0 5\nSO 0 1e13\nS 50 4 NBK7_SCHOTT\n  STO\nS 0 90\nSI 0 0\nGO\n";
 
-/// The beginning of a lens as DeepLens writes it.
+/// The same lens as DeepLens writes it.
 const DEEPLENS: &str = r#"{
-  "info": "a lens", "foclen": 50.0, "fnum": 1.8, "r_sensor": 21.6, "d_sensor": 74.0,
+  "info": "a lens", "foclen": 96.7, "fnum": 9.67, "r_sensor": 8.5, "d_sensor": 94.0,
   "surfaces": [
-    { "idx": 0, "type": "Spheric", "r": 20.0, "(c)": 0.02, "roc": 50.0, "d": 0.0, "mat2": "1.6727/32.1", "d_next": 5.0 }
+    { "idx": 0, "type": "Spheric", "r": 5.0, "(c)": 0.02, "roc": 50.0, "d": 0.0, "mat2": "bk7", "d_next": 4.0 },
+    { "idx": 1, "type": "Spheric", "r": 6.0, "roc": 0.0, "mat2": "air", "d_next": 90.0 }
   ]
 }"#;
 
@@ -62,22 +63,38 @@ fn a_lens_file_becomes_one_of_ours_and_a_page() {
 }
 
 #[test]
+fn a_sequence_without_rdm_and_a_file_of_deeplens_are_the_same_lens() {
+    let curvatures = SEQ.replace("RDM Y\n", "").replace("S 50 4", "S 0.02 4");
+    let folder = Folder::new([
+        ("radii.seq", SEQ.replace("RDM Y\n", "").into()),
+        ("curvatures.seq", curvatures.into()),
+        ("deeplens.json", DEEPLENS.into()),
+    ]);
+    for (number, line) in ["radii.seq --radii", "curvatures.seq --curvatures", "deeplens.json"].into_iter().enumerate()
+    {
+        folder.succeed(&format!("lens {line} -q -o {number}.toml"));
+        let toml = std::fs::read_to_string(folder.path(&format!("{number}.toml"))).expect("a lens");
+        assert!(toml.contains("radius = 50.0") && toml.contains("thickness = 90.0"), "{line}: {toml}");
+    }
+}
+
+#[test]
 fn what_cannot_be_shown_is_said() {
     let folder = Folder::new([
         ("no-rdm.seq", SEQ.replace("RDM Y\n", "").into()),
         ("glass.seq", SEQ.replace("NBK7_SCHOTT", "NBK77_SCHOTT").into()),
         ("lens.doc", "words".into()),
-        ("deeplens.json", DEEPLENS.into()),
         ("other.json", "{\"lens\": 3}".into()),
         ("list.json", "[1, 2]".into()),
     ]);
     folder.fail("lens no-rdm.seq", 1, &["no-rdm.seq", "RDM Y", "RDM N"]);
     folder.fail("lens glass.seq", 1, &["glass.seq:7", "surface 1", "NBK77", "schott/N-BK7"]);
     folder.fail("lens lens.doc", 1, &["lens.doc", ".zmx"]);
-    let read = ["photosite's own", "`surface_group`", "`optical_model`"];
+    let read = ["photosite's own", "`surface_group`", "`optical_model`", "`d_next`"];
     let with = |words: &[&'static str]| [words, &read[..]].concat();
-    let found = ["deeplens.json", "`d_next`", "no `thickness`", "this looks like DeepLens, which is not read"];
-    folder.fail("lens deeplens.json", 1, &with(&found));
+    folder.fail("lens no-rdm.seq --radii --curvatures", 2, &["--curvatures"]);
+    folder.fail("lens glass.seq --radii -q", 1, &["NBK77"]);
+    folder.fail("lens double-gauss --radii", 2, &["--radii", ".seq"]);
     folder.fail("lens other.json", 1, &with(&["other.json", "the keys `lens`, and none of `surfaces`"]));
     folder.fail("lens list.json", 1, &with(&["list.json", "no keys"]));
     folder.fail("lens missing.seq", 1, &["missing.seq"]);

@@ -175,21 +175,21 @@ fn check_apertures(prescription: &Prescription) -> Result<(), Invalid> {
         if !(semi_aperture.is_finite() && semi_aperture > 0.0) {
             return Err(Invalid::new(key, format!("a semi-aperture must be above 0, got {semi_aperture} mm")));
         }
-        let (c, k1) = (surface.radius_mm.map_or(0.0, f64::recip), 1.0 + surface.conic);
-        let reach = if k1 > 0.0 && c != 0.0 { 1.0 / (k1.sqrt() * c.abs()) } else { f64::INFINITY };
-        if semi_aperture > reach {
-            let of = if surface.conic == 0.0 { "the sphere" } else { "the conic" };
-            let message =
-                format!("the semi-aperture {semi_aperture} mm is wider than {of}, which ends at {reach:.4} mm");
-            return Err(Invalid::new(key, message).help("check the radius, and that this is not a diameter"));
-        }
         check_shape(surface, semi_aperture).map_err(|error| error.within(&at(number)))?;
     }
     Ok(())
 }
 
-/// That an asphere is a surface out to its rim.
-fn check_shape(surface: &Surface, semi_aperture: f64) -> Result<(), Invalid> {
+/// That a surface reaches out to its rim.
+pub(crate) fn check_shape(surface: &Surface, semi_aperture: f64) -> Result<(), Invalid> {
+    let (c, k1) = (surface.radius_mm.map_or(0.0, f64::recip), 1.0 + surface.conic);
+    let reach = if k1 > 0.0 && c != 0.0 { 1.0 / (k1.sqrt() * c.abs()) } else { f64::INFINITY };
+    if semi_aperture > reach {
+        let of = if surface.conic == 0.0 { "the sphere" } else { "the conic" };
+        let message = format!("the semi-aperture {semi_aperture} mm is wider than {of}, which ends at {reach:.4} mm");
+        let help = "check the radius, and that this is not a diameter";
+        return Err(Invalid::new("semi_aperture_mm", message).help(help));
+    }
     if surface.asphere.is_empty() {
         return Ok(());
     }
@@ -311,27 +311,65 @@ fn check_gaps(lens: &Lens) -> Result<(), Invalid> {
             let message = format!("the last gap is {gap} mm: the sensor must be behind the lens");
             return Err(Invalid::new(key, message));
         }
-        if gap < 0.0 {
+        let crossing = crossing(lens, number);
+        let is_of_aperture = is_aperture(lens, number) || is_aperture(lens, number + 1);
+        // What stands in an opening reaches through its plane.
+        if gap < 0.0 && (crossing.is_some() || !is_of_aperture) {
             let filling = if surface.glass.is_some() { "glass" } else { "air" };
             return Err(Invalid::new(key, format!("{filling} cannot be {gap} mm thick")));
         }
-        let next = surfaces.get(number + 1);
-        let rim = next.map_or(surface.semi_aperture_mm, |next| surface.semi_aperture_mm.min(next.semi_aperture_mm));
-        for r in radii(rim) {
-            let sag = |profile: &Profile| profile.sag(r * r).unwrap_or(0.0);
-            let left = gap + next.map_or(0.0, |next| sag(&next.profile)) - sag(&surface.profile);
-            if left < -CONTACT_MM {
-                let behind = if number == last { "the sensor".to_owned() } else { format!("surface {}", number + 1) };
-                let message = format!(
-                    "surface {number} runs through {behind}: at {r:.3} mm from the axis, within both semi-apertures, \
-                     {left:.4} mm are left between them"
-                );
-                let help = format!(
-                    "make the smaller of their semi-apertures less than {r:.3} mm, unless the gap or a radius is wrong"
-                );
-                return Err(Invalid::new(key, message).help(help));
-            }
+        if let Some(Crossing { next, r, left }) = crossing {
+            let behind = if number == last { "the sensor".to_owned() } else { format!("surface {next}") };
+            let message = format!(
+                "surface {number} runs through {behind}: at {r:.3} mm from the axis, within both semi-apertures, \
+                 {left:.4} mm are left between them"
+            );
+            let help = format!(
+                "make the smaller of their semi-apertures less than {r:.3} mm, unless the gap or a radius is wrong"
+            );
+            return Err(Invalid::new(key, message).help(help));
         }
     }
     Ok(())
+}
+
+/// Whether a surface is a flat opening in air, as stops are, which has no glass where light passes: what is in its
+/// opening may reach through its plane.
+fn is_aperture(lens: &Lens, number: usize) -> bool {
+    let surfaces = lens.surfaces();
+    surfaces.get(number).is_some_and(|surface| {
+        let before_is_air = number.checked_sub(1).is_none_or(|before| surfaces[before].glass.is_none());
+        let is_flat = surface.profile.curvature() == 0.0 && surface.profile.polynomial().is_none();
+        is_flat && before_is_air && surface.glass.is_none()
+    })
+}
+
+/// Where a surface runs through one behind it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Crossing {
+    /// That surface; their number for the sensor.
+    pub(crate) next: usize,
+    /// The distance from the axis, mm.
+    pub(crate) r: f64,
+    /// What is left between them there, mm, below 0.
+    pub(crate) left: f64,
+}
+
+/// The crossing of a surface nearest to the axis, within its rim and that of what is behind it. Of an opening in air only
+/// the rim is there.
+pub(crate) fn crossing(lens: &Lens, number: usize) -> Option<Crossing> {
+    let surfaces = lens.surfaces();
+    let surface = &surfaces[number];
+    // What is on both sides of an opening must not meet in it, either.
+    let behind = if is_aperture(lens, number + 1) && !is_aperture(lens, number) { 2 } else { 1 };
+    (number + 1..=number + behind).take_while(|next| *next <= surfaces.len()).find_map(|next| {
+        let gap: f64 = (number..next).map(|i| lens.gap_mm(i)).sum();
+        let other = surfaces.get(next);
+        let rim = other.map_or(surface.semi_aperture_mm, |other| surface.semi_aperture_mm.min(other.semi_aperture_mm));
+        let rim_alone = is_aperture(lens, next) || (is_aperture(lens, number) && other.is_some());
+        let sag = |profile: &Profile, r: f64| profile.sag(r * r).unwrap_or(0.0);
+        let left = |r: f64| gap + other.map_or(0.0, |other| sag(&other.profile, r)) - sag(&surface.profile, r);
+        let runs_through = |r: f64| Some(Crossing { next, r, left: left(r) }).filter(|at| at.left < -CONTACT_MM);
+        if rim_alone { runs_through(rim) } else { radii(rim).find_map(runs_through) }
+    })
 }

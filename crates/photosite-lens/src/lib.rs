@@ -2,7 +2,7 @@
 //!
 //! Lengths are mm, the unit of prescriptions. The axis is z, z = 0 is the vertex of the first surface that light from
 //! the scene meets, and +z points to the sensor. Wavelengths are nm in the medium that catalogues measure in, air, whose
-//! index counts as 1. [`files`] reads prescriptions of six programs' formats from bytes; no file of a disk is touched.
+//! index counts as 1. [`files`] reads prescriptions of seven programs' formats from bytes; no file of a disk is touched.
 
 #![forbid(unsafe_code)]
 

@@ -34,7 +34,7 @@ pub(crate) struct LensTable {
     pub(crate) kind: Option<LensType>,
     /// The surfaces and glasses of a lens, which all rays are traced through exactly: the name of one that ships with
     /// photosite, such as "double-gauss", or a file: photosite's own .toml or .json, .zmx, .seq, Optical Bench .txt, pbrt
-    /// .dat, Optiland .json, .roa. Its distortion, colour errors, vignetting, falloff and breathing are in the picture.
+    /// .dat, Optiland and DeepLens .json, .roa. Its distortion, colour errors, vignetting, falloff and breathing are in the picture.
     /// focus_distance_m counts from the sensor then, and image_distance_mm from the last surface. Paths carry one
     /// wavelength each.
     pub(crate) prescription: Option<String>,

@@ -36,6 +36,40 @@ pub(super) fn radii(lens: &Lens, fields: &[Field]) -> Vec<Option<f64>> {
     radii
 }
 
+/// The part of the stop's radius to which light on the axis fills it: 1 unless rays to its rim miss a surface, as they do
+/// where the stop is wider than the glass.
+pub(super) fn open_part(lens: &Lens) -> f64 {
+    let passes = |part: f64| {
+        let lens = lens.with_stop_radius(part * lens.stop_radius_mm());
+        let axis = Field { angle_deg: 0.0, vignetting: [0.0; 2] };
+        beam(&lens.at(lines::D), &axis).is_some_and(|rays| rays.len() == AZIMUTHS as usize)
+    };
+    // Where nothing passes, something else is wrong, and is found later.
+    if passes(1.0) || !passes(1e-3) {
+        return 1.0;
+    }
+    let (mut passed, mut missed) = (1e-3, 1.0);
+    for _ in 0..STEPS {
+        let middle = 0.5 * (passed + missed);
+        *(if passes(middle) { &mut passed } else { &mut missed }) = middle;
+    }
+    passed
+}
+
+/// The least radius that each surface needs, mm: for the whole beam on the axis, and for the middle of those at these
+/// angles, degrees. Infinite where no such ray comes to the surface.
+pub(super) fn needed(lens: &Lens, angles_deg: &[f64]) -> Vec<f64> {
+    let mut needed: Vec<f64> = radii(lens, &[]).into_iter().map(|radius| radius.unwrap_or(f64::INFINITY)).collect();
+    let at = lens.at(lines::D);
+    for angle in angles_deg.iter().filter(|angle| **angle != 0.0) {
+        let chief = at.chief_ray(angle.to_radians()).and_then(|chief| points(&at, chief.before, needed.len()));
+        for (needed, point) in needed.iter_mut().zip(chief.into_iter().flatten()) {
+            *needed = needed.max(point.truncate().length());
+        }
+    }
+    needed
+}
+
 /// The points at all surfaces of rays through the rim of the stop. `None` where the field has no chief ray.
 fn beam(at: &LensAt, field: &Field) -> Option<Vec<Vec<DVec3>>> {
     let angle = field.angle_deg.to_radians();

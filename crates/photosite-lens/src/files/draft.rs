@@ -164,6 +164,11 @@ pub(super) struct Draft {
     pub(super) derives_apertures: bool,
     /// Whether the last gap is not to be used, so that parallel light is focused.
     pub(super) last_gap_is_unused: bool,
+    /// Whether semi-apertures are as their author means them: what runs through each other within them is an error. In
+    /// other formats they are drawn or estimated, and cut back.
+    pub(super) keeps_rims: bool,
+    /// What looks wrong.
+    pub(super) warnings: Vec<String>,
     /// What had to be assumed.
     pub(super) assumed: Vec<String>,
     /// What was there and is not used.

@@ -10,6 +10,7 @@ use super::draft::{Draft, Fault, Medium, Numbers, Opening, Read, Row};
 use super::format::Format;
 use super::report::glasses_of;
 use super::report::{Reading, Report};
+use super::rims;
 use super::sanity;
 use super::zoom;
 use crate::glass::{self, Found};
@@ -48,15 +49,16 @@ pub(super) fn finish(format: Format, mut draft: Draft) -> Read<Reading> {
         refocus(&mut prescription, &mut draft);
     }
     open(&mut prescription, &mut draft);
-    if draft.derives_apertures {
-        derive_apertures(&mut prescription, &mut draft)?;
+    let derived = if draft.derives_apertures { derive_apertures(&mut prescription, &mut draft)? } else { Vec::new() };
+    if !draft.keeps_rims {
+        rims::cut_back(&mut prescription, &mut draft, &derived);
     }
     if let Some(lens) = provisional(&prescription, None) {
         zoom::assign(&mut prescription, &lens, &mut draft)?;
     }
     let lens = Lens::new(&prescription).map_err(|invalid| of_surface(&draft, invalid))?;
-    let warnings = sanity::warnings(&prescription, &lens);
-    let Draft { assumed, ignored, .. } = draft;
+    let Draft { assumed, ignored, mut warnings, .. } = draft;
+    warnings.extend(sanity::warnings(&prescription, &lens));
     let report = Report { format, glasses: glasses_of(&prescription), assumed, ignored, warnings };
     Ok(Reading { prescription, lens, report })
 }
@@ -142,7 +144,7 @@ fn medium(row: &Row, notes: &mut Vec<String>) -> Read<Option<Glass>> {
 }
 
 /// A number for people: its first digits.
-fn rounded(x: f64) -> f64 {
+pub(super) fn rounded(x: f64) -> f64 {
     photosite_core::math::float::rounded(x, 7)
 }
 
@@ -241,20 +243,29 @@ fn open(prescription: &mut Prescription, draft: &mut Draft) {
     }
 }
 
-/// Gives surfaces the radius of the full beam, where the format leaves it to the beam.
-fn derive_apertures(prescription: &mut Prescription, draft: &mut Draft) -> Read<()> {
+/// Gives surfaces the radius of the full beam, where the format leaves it to the beam. Which ones.
+fn derive_apertures(prescription: &mut Prescription, draft: &mut Draft) -> Read<Vec<usize>> {
     let missing: Vec<usize> =
         (0..prescription.surfaces.len()).filter(|&i| prescription.surfaces[i].semi_aperture_mm.is_none()).collect();
     if missing.is_empty() {
-        return Ok(());
+        return Ok(missing);
     }
     if let Some(&stop) = missing.iter().find(|&&i| prescription.surfaces[i].is_stop) {
         let message = "neither the radius of the stop, nor the entrance pupil or the f-number is given";
         let help = "give one of them: all other radii follow from the beam that it lets through";
         return Err(draft.rows[stop].fault("semi_aperture", Invalid::new("", message).help(help)));
     }
-    let Some(lens) = provisional(prescription, None) else { return Ok(()) };
-    let radii = beam::radii(&lens, &draft.fields);
+    let Some(lens) = provisional(prescription, None) else { return Ok(missing) };
+    let part = beam::open_part(&lens);
+    if part < 1.0 {
+        let radius = lens.stop_radius_mm();
+        draft.warnings.push(format!(
+            "no light fills the stop of the radius {} mm: the beam on the axis reaches {:.4} mm there, where the glass ends",
+            rounded(radius),
+            part * radius
+        ));
+    }
+    let radii = beam::radii(&lens.with_stop_radius(part * lens.stop_radius_mm()), &draft.fields);
     for &i in &missing {
         // Coarser than a hair's breadth, as radii are made.
         prescription.surfaces[i].semi_aperture_mm = radii[i].map(|radius| (radius * 1e4).ceil() / 1e4);
@@ -266,5 +277,5 @@ fn derive_apertures(prescription: &mut Prescription, draft: &mut Draft) -> Read<
         missing.len(),
         prescription.surfaces.len()
     ));
-    Ok(())
+    Ok(missing)
 }

@@ -23,6 +23,8 @@ pub enum Format {
     Optiland,
     /// ray-optics, `.roa`.
     RayOptics,
+    /// DeepLens' JSON.
+    DeepLens,
 }
 
 impl Format {
@@ -37,6 +39,7 @@ impl Format {
             Self::Pbrt => "pbrt (.dat)",
             Self::Optiland => "Optiland JSON",
             Self::RayOptics => "ray-optics (.roa)",
+            Self::DeepLens => "DeepLens JSON",
         }
     }
 
@@ -52,11 +55,12 @@ impl Format {
             "txt" if text.to_ascii_lowercase().contains("[lens data]") => Ok(Self::OpticalBench),
             "json" if text.contains("\"surface_group\"") => Ok(Self::Optiland),
             "json" if text.contains("\"optical_model\"") => Ok(Self::RayOptics),
+            "json" if text.contains("\"d_next\"") => Ok(Self::DeepLens),
             "json" => Ok(Self::Json),
             _ => {
                 let message = format!("a file that ends in {ending:?} is not a lens file");
                 Err(Invalid::new("", message).help(
-                    "lenses are read from .toml and .json (photosite's own, Optiland's, ray-optics'), .zmx, .seq, .txt (Optical Bench, \
+                    "lenses are read from .toml and .json (photosite's own, Optiland's, ray-optics', DeepLens'), .zmx, .seq, .txt (Optical Bench, \
                      with a section [lens data]), .dat (pbrt) and .roa",
                 ))
             }

@@ -1,10 +1,11 @@
-//! Files of lenses: our own form, and those of six optical programs, read into the neutral
+//! Files of lenses: our own form, and those of seven optical programs, read into the neutral
 //! [`Prescription`](crate::Prescription), with a report of what was read, assumed and ignored.
 //!
 //! Nothing here touches a disk: readers get bytes, and the path only for messages and for what its ending says of the
 //! format.
 
 mod beam;
+mod deeplens;
 mod draft;
 mod finish;
 mod format;
@@ -17,6 +18,7 @@ mod pbrt;
 mod rayoptics;
 mod read;
 mod report;
+mod rims;
 mod sanity;
 mod seq;
 mod shipped;
@@ -26,7 +28,8 @@ mod zmx;
 mod zoom;
 
 pub use self::format::Format;
-pub use self::read::read;
+pub use self::read::{read, read_with};
 pub use self::report::{GlassOf, Reading, Report};
+pub use self::seq::FirstNumber;
 pub use self::shipped::{names, shipped};
 pub use self::write::to_toml;

@@ -110,6 +110,7 @@ struct GlassFile {
     polynomial: Option<Vec<[f64; 2]>>,
     conrady: Option<[f64; 3]>,
     cauchy: Option<[f64; 3]>,
+    table: Option<TableFile>,
     n: Option<f64>,
     nd: Option<f64>,
     vd: Option<f64>,
@@ -184,14 +185,10 @@ fn check_is_own(value: &Value) -> Read<()> {
             format!("it has {}; its first surface has {}, and no `thickness`", keys(value), keys(surface))
         }
     };
-    let is_of = |names: [&str; 3]| {
-        let is_key = |name: &str| value.get(name).is_some() || surface.is_some_and(|s| s.get(name).is_some());
-        names.into_iter().any(is_key)
-    };
-    let other = if is_of(["foclen", "d_next", "mat2"]) { "; this looks like DeepLens, which is not read" } else { "" };
     let help = "JSON is read as photosite's own (`unit`, and `surfaces` with `radius`, `thickness`, `glass`, \
-                `semi_aperture`, one with `stop`), Optiland's (`surface_group`) and ray-optics' (`optical_model`)";
-    Err(Fault::of_file(format!("not a lens in a form that is read: {has}{other}")).help(help))
+                `semi_aperture`, one with `stop`), Optiland's (`surface_group`), ray-optics' (`optical_model`) and \
+                DeepLens' (`d_next`)";
+    Err(Fault::of_file(format!("not a lens in a form that is read: {has}")).help(help))
 }
 
 /// Keys that a message tells of at most.
@@ -228,7 +225,7 @@ fn draft(file: LensFile) -> Read<Draft> {
         Some(unit) => mm_of(unit)
             .ok_or_else(|| at("unit", format!("{unit:?} is not a known unit")).help("write mm, cm, in or m"))?,
     };
-    let mut draft = Draft { name, source, licence, patent, ..Draft::default() };
+    let mut draft = Draft { name, source, licence, patent, keeps_rims: true, ..Draft::default() };
     draft.claims.focal_length_mm = file.focal_length;
     draft.claims.f_number = file.f_number;
     draft.claims.half_field_deg = file.half_field_deg;
@@ -388,6 +385,13 @@ fn defined_glass(name: &str, file: GlassFile, draft: &mut Draft) -> Result<Glass
         let dispersion = dispersion.validated()?;
         Ok(Glass { name: name.to_owned(), source: source.clone(), dispersion, range_nm: file.range_nm })
     };
+    if let Some(TableFile { wavelength_nm, n, k }) = file.table {
+        let spectrum = interpolated(&wavelength_nm, &n).filter(|_| k.is_none()).ok_or_else(|| {
+            Invalid::new("", "a table whose lists differ in length, whose wavelengths do not rise, or with k")
+                .help("write as many n as wavelengths in nm, from short to long; glasses have no k here")
+        })?;
+        return glass(Dispersion::Table(spectrum));
+    }
     match (file.conrady, file.sellmeier_b.zip(file.sellmeier_c_um2), file.polynomial, file.cauchy, file.n) {
         (Some([a, b_um, c_um35]), ..) => glass(Dispersion::Conrady { a, b_um, c_um35 }),
         (None, Some((b, c_um2)), ..) => glass(Dispersion::Sellmeier { b, c_um2 }),
@@ -396,7 +400,7 @@ fn defined_glass(name: &str, file: GlassFile, draft: &mut Draft) -> Result<Glass
         (None, None, None, None, Some(n)) => glass(Dispersion::constant(n)),
         (None, None, None, None, None) => {
             let Some((nd, vd)) = file.nd.zip(file.vd) else {
-                let help = "write sellmeier_b and sellmeier_c_um2, polynomial, conrady, cauchy, nd and vd, or n";
+                let help = "write sellmeier_b and sellmeier_c_um2, polynomial, conrady, cauchy, table, nd and vd, or n";
                 return Err(Invalid::new("", "nothing says what its index is").help(help));
             };
             let (found, note) = glass::by_numbers(nd, vd)?;

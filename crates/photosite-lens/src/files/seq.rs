@@ -40,10 +40,12 @@ const REFUSED: &[(&str, &str)] = &[
 /// Tilts and decentres, which may be written down as 0.
 const TILTS: [&str; 6] = ["XDE", "YDE", "ZDE", "ADE", "BDE", "CDE"];
 
-/// How RDM says that the first number of a surface is meant.
+/// How the first number of a surface of a sequence is meant, which its RDM says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum FirstNumber {
+pub enum FirstNumber {
+    /// The radius R, mm.
     Radius,
+    /// The curvature 1/R.
     Curvature,
 }
 
@@ -54,6 +56,7 @@ struct Reader {
     mm: f64,
     has_unit: bool,
     first_number: Option<FirstNumber>,
+    without_rdm: Option<FirstNumber>,
     /// The first numbers of the surfaces, whose meaning may be said later.
     first_numbers: Vec<f64>,
     /// Glasses that the file defines, by name.
@@ -67,11 +70,14 @@ struct Reader {
 }
 
 /// Reads a file.
-pub(super) fn read(text: &str) -> Read<Draft> {
+///
+/// `without_rdm` says what its first numbers are where it does not; an RDM of the file that says otherwise holds.
+pub(super) fn read(text: &str, without_rdm: Option<FirstNumber>) -> Read<Draft> {
     let commands = commands(text);
-    let (glasses, ignored) = private::glasses(&commands)?;
-    let mut reader = Reader { mm: 1.0, glasses, ..Reader::default() };
+    let private::Catalogue { glasses, ignored, warnings } = private::glasses(&commands)?;
+    let mut reader = Reader { mm: 1.0, glasses, without_rdm, ..Reader::default() };
     ignored.into_iter().for_each(|what| reader.draft.ignore(what));
+    reader.draft.warnings = warnings;
     for command in commands.iter().filter(|command| !command.is_private) {
         reader.command(command)?;
     }
@@ -233,7 +239,7 @@ impl Reader {
             }
             "RDY" | "CUY" => {
                 let given = value()?;
-                let wanted = self.first_number.unwrap_or(FirstNumber::Radius);
+                let wanted = self.first_number.or(self.without_rdm).unwrap_or(FirstNumber::Radius);
                 let is_as_wanted = (key == "RDY") == (wanted == FirstNumber::Radius);
                 self.first_numbers[row] = if is_as_wanted || given == 0.0 { given } else { 1.0 / given };
                 self.first_number.get_or_insert(wanted);
@@ -328,15 +334,28 @@ impl Reader {
     }
 
     fn finish(self) -> Read<Draft> {
-        let Some(first_number) = self.first_number else {
+        let Some(first_number) = self.first_number.or(self.without_rdm) else {
             return Err(Fault::of_file("RDM does not say whether surfaces have radii or curvatures").help(
-                "write RDM Y before the surfaces if the first number of each is its radius, RDM N if it is 1/R",
+                "write RDM Y before the surfaces if the first number of each is its radius, RDM N if it is 1/R; or \
+                 convert it by `photosite lens FILE --radii -o lens.toml`, or --curvatures",
             ));
         };
         if !self.has_image {
             return Err(Fault::of_file("there is no SI, the image surface").help("end the surfaces with SI 0 0"));
         }
         let mut draft = self.draft;
+        match (self.first_number, self.without_rdm) {
+            (None, _) => draft.assume(match first_number {
+                FirstNumber::Radius => {
+                    "the first number of each surface is its radius, as you say: the file has no RDM"
+                }
+                FirstNumber::Curvature => "the first number of each surface is 1/R, as you say: the file has no RDM",
+            }),
+            (Some(own), Some(wanted)) if own != wanted => {
+                draft.warnings.push("the RDM of the file holds, which says otherwise than you do".to_owned());
+            }
+            (Some(_), _) => {}
+        }
         for (row, &first) in draft.rows.iter_mut().zip(&self.first_numbers) {
             row.radius_mm = match first_number {
                 _ if first == 0.0 => None,

@@ -150,8 +150,12 @@ fn glass_table(name: &str, glass: &Glass) -> String {
         Dispersion::Conrady { a, b_um, c_um35 } => format!("conrady = [{}]", list(&[*a, *b_um, *c_um35])),
         Dispersion::Cauchy { a, b_um2, c_um4 } if *b_um2 == 0.0 && *c_um4 == 0.0 => format!("n = {}", number(*a)),
         Dispersion::Cauchy { a, b_um2, c_um4 } => format!("cauchy = [{}]", list(&[*a, *b_um2, *c_um4])),
-        // No reader makes one: its index at the d line.
-        Dispersion::Table(spectrum) => format!("n = {}", number(f64::from(spectrum.eval(587.56)))),
+        Dispersion::Table(spectrum) => {
+            // All that a spectrum holds, with the digits of its single precision.
+            let row = |part: &dyn Fn((f64, f64)) -> String| spectrum.iter().map(part).collect::<Vec<_>>().join(", ");
+            let (wavelengths, n) = (row(&|(nm, _)| number(nm)), row(&|(_, n)| format!("{:?}", n as f32)));
+            format!("table = {{ wavelength_nm = [{wavelengths}], n = [{n}] }}")
+        }
     };
     toml += &formula;
     toml.push('\n');

@@ -85,6 +85,13 @@ fn texts_that_are_no_lens() {
         ("lens.json", "{\n\"surfaces\": [}\n", "lens.json:2"),
         ("lens.json", "{\"surface_group\": {}}", "surfaces"),
         ("lens.json", "{\"surface_group\": {\"surfaces\": [1, 2, 3]}}", "surfaces[0]"),
+        ("lens.json", "{\"surfaces\": [{\"type\": \"Spheric\", \"d_next\": 1.0}]}", "surfaces[0]"),
+        ("lens.json", "{\"surfaces\": [{\"type\": \"Fresnel\", \"d_next\": 1.0}]}", "surfaces[0]: \"Fresnel\""),
+        (
+            "lens.json",
+            "{\"surfaces\": [{\"type\": \"Plane\", \"r\": 1, \"d_next\": 1}, {\"type\": \"DOE\"}]}",
+            "surfaces[1]: \"DOE\"",
+        ),
         ("lens.roa", "{\"optical_model\": {\"attributes\": {}}}", "seq_model"),
         ("lens.zmx", "", "UNIT"),
         ("lens.zmx", "UNIT MM\nSURF 0\n", "1 surfaces"),

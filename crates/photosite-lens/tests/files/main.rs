@@ -2,8 +2,10 @@
 //! written in each format, the traps of each, and bad files.
 
 mod bad;
+mod deeplens;
 mod formats;
 mod real;
+mod rims;
 mod traps;
 
 use std::path::Path;

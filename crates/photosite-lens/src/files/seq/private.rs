@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::{DMat3, DVec3};
-use photosite_core::spectrum::Dispersion;
+use photosite_core::spectrum::{Dispersion, Spectrum};
 
 use super::commands::{Command, fault, is_number};
 use crate::files::draft::Read;
@@ -13,9 +12,27 @@ use crate::prescription::Glass;
 /// Most wavelengths of a table.
 const MOST: usize = 100;
 
-/// The glasses by name in capitals, and what is to be said of them.
-pub(super) fn glasses(commands: &[Command]) -> Read<(BTreeMap<String, Glass>, Vec<String>)> {
-    let (mut found, mut ignored) = (BTreeMap::new(), Vec::new());
+/// The most that a formula may be off the table, and above which that is warned of.
+const PRECISION: f64 = 1e-5;
+const POOR: f64 = 1e-4;
+
+/// Exponents of λ in the terms of n²: Schott's, then one more at either end. Glasses are read with as few as do.
+const EXPONENTS: [f64; 8] = [0.0, -2.0, 2.0, -4.0, -6.0, -8.0, 4.0, -10.0];
+
+/// What a private catalogue holds.
+#[derive(Debug, Default)]
+pub(super) struct Catalogue {
+    /// The glasses by name in capitals.
+    pub(super) glasses: BTreeMap<String, Glass>,
+    /// What is there and not used.
+    pub(super) ignored: Vec<String>,
+    /// Tables that no formula goes through.
+    pub(super) warnings: Vec<String>,
+}
+
+/// The private catalogue of a sequence.
+pub(super) fn glasses(commands: &[Command]) -> Read<Catalogue> {
+    let mut found = Catalogue::default();
     let mut wavelengths: Vec<f64> = Vec::new();
     for command in commands.iter().filter(|command| command.is_private) {
         let numbers: Vec<f64> = command.words[1..].iter().filter_map(|word| number(word)).take(MOST + 1).collect();
@@ -33,51 +50,137 @@ pub(super) fn glasses(commands: &[Command]) -> Read<(BTreeMap<String, Glass>, Ve
             _ => {
                 let name = &command.words[0];
                 if !command.words.get(1).is_some_and(|word| is_number(word)) {
-                    ignored.push(format!("{name} of the private catalogue, which is not a table of indices"));
+                    found.ignored.push(format!("{name} of the private catalogue, which is not a table of indices"));
                     continue;
                 }
                 if numbers.len() != wavelengths.len() || numbers.is_empty() {
                     let message = format!("{} indices at {} wavelengths (PWL)", numbers.len(), wavelengths.len());
                     return Err(fault(command, &message));
                 }
-                let (dispersion, error) = fitted(&wavelengths, &numbers).ok_or_else(|| {
+                let Fit { dispersion, formula, error } = fitted(&wavelengths, &numbers).ok_or_else(|| {
                     fault(command, "no formula goes through these indices").help("check them and the wavelengths")
                 })?;
+                if error > POOR {
+                    found.warnings.push(format!(
+                        "the glass {name} of the private catalogue is no smooth curve: a formula is off its table by up to \
+                         {error:.1e}, so that it runs straight between; look for a mistyped index or wavelength"
+                    ));
+                }
                 let source = format!(
-                    "private catalogue of the file: Conrady's formula through {} indices, off by {error:.1e} at most",
-                    numbers.len()
+                    "private catalogue of the file: {formula} through {} indices, off by {error:.1e} at most{}",
+                    numbers.len(),
+                    if error > PRECISION { ", which is added, straight from line to line" } else { "" }
                 );
+                let dispersion =
+                    if error > PRECISION { interpolated(&dispersion, &wavelengths, &numbers) } else { dispersion };
                 let ends = [f64::min, f64::max].map(|end| wavelengths.iter().copied().reduce(end).unwrap_or(0.0));
                 let glass = Glass { name: name.clone(), source, dispersion, range_nm: Some(ends) };
-                found.insert(name.to_ascii_uppercase(), glass);
+                found.glasses.insert(name.to_ascii_uppercase(), glass);
             }
         }
     }
-    Ok((found, ignored))
+    Ok(found)
 }
 
-/// Conrady's formula by least squares, a constant where there are fewer than three indices, and the largest error at
-/// the wavelengths given.
-fn fitted(wavelengths_nm: &[f64], indices: &[f64]) -> Option<(Dispersion, f64)> {
-    let terms = |nm: f64| {
-        let um = nm * 1e-3;
-        DVec3::new(1.0, 1.0 / um, um.powf(-3.5))
+/// A formula of the index, what it is called, and its largest error at the wavelengths given.
+struct Fit {
+    dispersion: Dispersion,
+    formula: String,
+    error: f64,
+}
+
+/// The formula of fewest terms that is within 1e-5 of the table, else the best: Conrady's, then n² as a sum of powers of λ.
+/// Of one index it is constant.
+fn fitted(wavelengths_nm: &[f64], indices: &[f64]) -> Option<Fit> {
+    let of = |dispersion: Dispersion, formula: String| {
+        let dispersion = dispersion.validated().ok()?;
+        let error = |(&nm, &n): (&f64, &f64)| (dispersion.index(nm) - n).abs();
+        let error = wavelengths_nm.iter().zip(indices).map(error).fold(0.0, f64::max);
+        error.is_finite().then_some(Fit { dispersion, formula, error })
     };
-    let dispersion = if indices.len() < 3 {
-        Dispersion::constant(indices.iter().sum::<f64>() / indices.len() as f64)
-    } else {
-        // The normal equations of least squares.
-        let (mut products, mut right) = (DMat3::ZERO, DVec3::ZERO);
-        for (&nm, &n) in wavelengths_nm.iter().zip(indices) {
-            let terms = terms(nm);
-            products += DMat3::from_cols(terms * terms.x, terms * terms.y, terms * terms.z);
-            right += terms * n;
+    let micrometres: Vec<f64> = wavelengths_nm.iter().map(|nm| nm * 1e-3).collect();
+    let conrady = || {
+        let [a, b_um, c_um35] = least_squares(&micrometres, indices, &[0.0, -1.0, -3.5])?[..] else { return None };
+        of(Dispersion::Conrady { a, b_um, c_um35 }, "Conrady's formula".to_owned())
+    };
+    let squares: Vec<f64> = indices.iter().map(|n| n * n).collect();
+    let powers = |terms: usize| {
+        let exponents = EXPONENTS.get(..terms)?;
+        let factors = least_squares(&micrometres, &squares, exponents)?;
+        let terms = factors.into_iter().zip(exponents).map(|(a, e)| [a, *e]).collect();
+        of(Dispersion::Polynomial { terms }, format!("n² by powers of λ, {} terms,", exponents.len()))
+    };
+    let fewest = indices.len().min(4);
+    let fits = conrady().into_iter().chain((fewest..=indices.len().min(EXPONENTS.len())).filter_map(powers));
+    let mut best: Option<Fit> = None;
+    for fit in fits {
+        let is_better = best.as_ref().is_none_or(|best| fit.error < best.error);
+        let is_enough = fit.error <= PRECISION;
+        if is_better {
+            best = Some(fit);
         }
-        let DVec3 { x: a, y: b_um, z: c_um35 } = products.inverse() * right;
-        Dispersion::Conrady { a, b_um, c_um35 }
+        if is_enough {
+            break;
+        }
+    }
+    best
+}
+
+/// A formula and what the indices are off it, which runs straight from line to line and stays as it is beyond them.
+fn interpolated(formula: &Dispersion, wavelengths_nm: &[f64], indices: &[f64]) -> Dispersion {
+    let mut off: Vec<(f64, f64)> =
+        wavelengths_nm.iter().zip(indices).map(|(&nm, n)| (nm, n - formula.index(nm))).collect();
+    off.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let rest = |nm: f64| {
+        let after = off.partition_point(|(known, _)| *known <= nm);
+        match (after.checked_sub(1).map(|before| off[before]), off.get(after)) {
+            (Some((from, a)), Some((to, b))) => a + (nm - from) / (to - from) * (b - a),
+            (Some((_, a)), None) => a,
+            (None, Some((_, b))) => *b,
+            (None, None) => 0.0,
+        }
     };
-    let error = |(&nm, &n): (&f64, &f64)| (dispersion.index(nm) - n).abs();
-    let largest = wavelengths_nm.iter().zip(indices).map(error).fold(0.0, f64::max);
-    let dispersion = dispersion.validated().ok()?;
-    Some((dispersion, largest))
+    Dispersion::Table(Spectrum::from_fn(|nm| formula.index(nm) + rest(nm)))
+}
+
+/// The factors of powers of x whose sum has the least squares of differences from `values`, by Gram and Schmidt's
+/// orthogonal columns, twice for the sake of digits. `None` where there are fewer values than powers.
+fn least_squares(x: &[f64], values: &[f64], exponents: &[f64]) -> Option<Vec<f64>> {
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let less = |from: &mut [f64], factor: f64, column: &[f64]| {
+        from.iter_mut().zip(column).for_each(|(value, part)| *value -= factor * part);
+    };
+    let count = exponents.len();
+    let mut columns: Vec<Vec<f64>> = Vec::new();
+    // Row by row, what of each power is along each column.
+    let mut triangle = vec![vec![0.0; count]; count];
+    for (j, exponent) in exponents.iter().enumerate() {
+        let mut column: Vec<f64> = x.iter().map(|x| x.powf(*exponent)).collect();
+        let size = dot(&column, &column).sqrt();
+        for _ in 0..2 {
+            for (i, known) in columns.iter().enumerate() {
+                let part = dot(known, &column);
+                triangle[i][j] += part;
+                less(&mut column, part, known);
+            }
+        }
+        let length = dot(&column, &column).sqrt();
+        if x.len() < count || length.is_nan() || length <= 1e-13 * size {
+            return None;
+        }
+        triangle[j][j] = length;
+        column.iter_mut().for_each(|value| *value /= length);
+        columns.push(column);
+    }
+    let mut rest = values.to_vec();
+    let mut factors = vec![0.0; count];
+    for (factor, column) in factors.iter_mut().zip(&columns) {
+        *factor = dot(column, &rest);
+        less(&mut rest, *factor, column);
+    }
+    for i in (0..count).rev() {
+        let known: f64 = (i + 1..count).map(|j| triangle[i][j] * factors[j]).sum();
+        factors[i] = (factors[i] - known) / triangle[i][i];
+    }
+    Some(factors)
 }

@@ -1,0 +1,18 @@
+//! DeepLens files.
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use photosite_lens::files;
+
+fuzz_target!(|data: &[u8]| {
+    // What tells DeepLens' JSON from ours.
+    let text = [b"{\"d_next\": 0, \"surfaces\": ", data, b"}"].concat();
+    if let Ok(reading) = files::read(&text, Path::new("lens.json")) {
+        // What was read is written, and read again.
+        let toml = files::to_toml(&reading.prescription);
+        let again = files::read(toml.as_bytes(), Path::new("again.toml"));
+        assert!(again.is_ok(), "{again:?}\n{toml}");
+    }
+});
