@@ -53,11 +53,11 @@ impl Wavefront {
     /// The picture of the point, |FT of exp(2πi·W/λ)|², about where the best plane of W leads.
     pub fn point_spread(&self) -> PointSpread {
         let wavelength_mm = self.wavelength_nm * 1e-6;
-        let of_path = |path: Option<f64>| {
-            path.map_or(Complex64::default(), |path| Complex64::from_polar(1.0, TAU * path / wavelength_mm))
+        let of_path = |(path, covered): (Option<f64>, &f64)| {
+            path.map_or(Complex64::default(), |path| Complex64::from_polar(*covered, TAU * path / wavelength_mm))
         };
-        let field: Vec<Complex64> = self.levelled().into_iter().map(of_path).collect();
-        let middle_mm = self.plane(|_| true).map_or(DVec2::ZERO, |plane| plane.tilt_mm);
+        let field: Vec<Complex64> = self.levelled().into_iter().zip(&self.covered).map(of_path).collect();
+        let middle_mm = self.plane(|number| self.covered[number]).map_or(DVec2::ZERO, |plane| plane.tilt_mm);
         let spread = PointSpread::of_field(&field, PADDING * self.size, wavelength_mm / self.spacing);
         PointSpread { middle_mm, farthest_mm: self.steepest_mm(|_| true, middle_mm), ..spread }
     }
@@ -77,7 +77,7 @@ impl LensAt<'_> {
         let passing = self.pupil_region(chief.image_height_mm, FIRST_DIRECTIONS)?;
         let [low, high] = passing.bounds();
         let beyond = BEYOND * (high - low).max_element();
-        let traced = rays.wavefront([low - beyond, high + beyond], TRACED, Apertures::Ignore)?;
+        let traced = rays.wavefront([low - beyond, high + beyond], TRACED, |point, _| (1.0, point))?;
 
         // What passes of all that comes from the point
         let exact = rays.landing_from_chief();
@@ -85,7 +85,7 @@ impl LensAt<'_> {
         let region = rays.region(landing, DIRECTIONS)?;
         let [low, high] = region.bounds();
         let width = (high - low).max_element();
-        let plane = traced.plane(|cosines| region.depth(cosines) >= 0.0)?;
+        let plane = traced.plane(|number| region.cell(traced.cosines[number], traced.spacing).0)?;
         let wavelength_mm = self.wavelength_nm * 1e-6;
 
         // As fine as half a wave from a point to the next at most
@@ -97,9 +97,9 @@ impl LensAt<'_> {
         let spacing = width / fine as f64;
         let first = 0.5 * (low + high) - 0.5 * spacing * (fine as f64 - 1.0);
         let at = |i: usize| {
-            let cosines = first + spacing * DVec2::new((i % fine) as f64, (i / fine) as f64);
-            let covered = (region.depth(cosines) / spacing + 0.5).clamp(0.0, 1.0);
-            let traced_here = || Some(rays.path(exact(cosines)?, cosines, Apertures::Clip)? - traced.zero_mm);
+            let point = first + spacing * DVec2::new((i % fine) as f64, (i / fine) as f64);
+            let (covered, cosines) = region.cell(point, spacing);
+            let traced_here = || Some(rays.path(exact(cosines)?, cosines, Apertures::Ignore)? - traced.zero_mm);
             let path = || traced.between(cosines).map(|(path, _)| path).or_else(traced_here);
             match if covered > 0.0 { path() } else { None } {
                 Some(path) => Complex64::from_polar(covered, TAU * (path - plane.at(cosines)) / wavelength_mm),

@@ -72,18 +72,25 @@ impl Region {
         self.centre + DVec2::from_angle(angle(i, self.radii.len())) * self.radii[i]
     }
 
-    /// How far inside the boundary a point is along the radius, below 0 outside; between the directions the boundary is
-    /// straight.
+    /// How far inside the boundary a point is along the radius, below 0 outside; between the directions the boundary is a
+    /// cubic of the angle through four of them.
     pub(crate) fn depth(&self, point: DVec2) -> f64 {
         let from_centre = point - self.centre;
         let directions = self.radii.len();
         let turn = from_centre.to_angle().rem_euclid(TAU) / TAU * directions as f64;
         let sector = (turn as usize).min(directions - 1);
-        let [a, b] =
-            [sector, (sector + 1) % directions].map(|i| DVec2::from_angle(angle(i, directions)) * self.radii[i]);
-        let radius = from_centre.length();
-        let crossing = from_centre.perp_dot(b - a);
-        if crossing == 0.0 { a.length() - radius } else { radius * (a.perp_dot(b - a) / crossing - 1.0) }
+        let t = turn - sector as f64;
+        let [a, b, c, d] = [directions - 1, 0, 1, 2].map(|i| self.radii[(sector + i) % directions]);
+        let boundary = b + 0.5 * t * (c - a + t * (2.0 * a - 5.0 * b + 4.0 * c - d + t * (3.0 * (b - c) + d - a)));
+        boundary - from_centre.length()
+    }
+
+    /// How much of a square of this side about a point lies within the boundary, from 0 to 1, and the middle of that part,
+    /// as if the boundary were a straight edge along the square: what the corners get wrong evens out along the boundary.
+    pub(crate) fn cell(&self, point: DVec2, side: f64) -> (f64, DVec2) {
+        let covered = (self.depth(point) / side + 0.5).clamp(0.0, 1.0);
+        let inwards = (self.centre - point).normalize_or_zero();
+        (covered, point + inwards * (0.5 * side * (1.0 - covered)))
     }
 
     /// Corners of the smallest rectangle along the axes that holds the boundary.

@@ -11,12 +11,16 @@ use crate::region::Region;
 use crate::trace::{Apertures, LensAt, Ray, Step};
 
 /// Directions in which the edge of the pupil is looked for.
-const DIRECTIONS: usize = 64;
+const DIRECTIONS: usize = 96;
 /// Newton's method for the sensor point has come to the object's direction where it is this near, rad.
 const TOLERANCE: f64 = 1e-9;
-/// Most steps of it, and what a step must leave of the distance at most.
+/// Most steps of it, what a step leaves of the distance at most before derivatives are taken anew, and how often a step
+/// that comes no nearer, or leads past the lens, is halved.
 const MOST_STEPS: usize = 30;
 const SLOW: f64 = 0.2;
+const HALVINGS: i32 = 8;
+/// Steps from the chief ray's direction to one that is not reached at once.
+const STRIDES: u32 = 8;
 /// The step of its derivatives, mm.
 const STEP_MM: f64 = 1e-4;
 
@@ -31,8 +35,15 @@ pub struct Wavefront {
     pub first: DVec2,
     /// Distance of the points of the grid in direction cosines.
     pub spacing: f64,
-    /// W at the points of the grid, mm, row by row (p fastest, q up); `None` where an aperture cuts the ray off.
+    /// W at the points of the grid, mm, row by row (p fastest, q up), and of cells that the edge of the pupil cuts in the
+    /// middle of what is inside; `None` where no light of the cell around the point passes.
     pub path_mm: Vec<Option<f64>>,
+    /// How much of each cell lies in the pupil, from 0 to 1.
+    pub covered: Vec<f64>,
+    /// The direction cosines that W belongs to.
+    pub cosines: Vec<DVec2>,
+    /// Cells of the pupil whose ray was not found, as the sum of what is covered of them: 0 unless the lens folds its pupil.
+    pub lost: f64,
     /// Where their rays land, mm; not a number where there is none.
     pub(crate) landing_mm: Vec<DVec2>,
     /// W of the chief ray, which is taken off.
@@ -78,32 +89,53 @@ impl<'a> Rays<'a> {
         Some(DVec2::new(miss.dot(self.across[0]), miss.dot(self.across[1])))
     }
 
-    /// The sensor point at which the object's light arrives with these direction cosines, by Newton's method with the
-    /// derivatives of a ray nearby, which are taken anew where that comes no nearer.
-    fn landing(&self, start: DVec2, cosines: DVec2, derivatives: &mut Option<DMat2>) -> Option<DVec2> {
+    /// The sensor point at which the object's light arrives with these direction cosines: from the first of some places
+    /// that leads there, or else from direction to direction, from the chief ray's on.
+    fn landing(&self, starts: &[DVec2], cosines: DVec2, derivatives: &mut Option<DMat2>) -> Option<DVec2> {
+        let found = starts.iter().find_map(|start| self.nearing(*start, cosines, derivatives));
+        found.or_else(|| {
+            let from = self.chief_cosines();
+            let stride = |i: u32| from.lerp(cosines, f64::from(i) / f64::from(STRIDES));
+            (1..=STRIDES).try_fold(self.chief_landing(), |point, i| self.nearing(point, stride(i), derivatives))
+        })
+    }
+
+    /// That point by Newton's method with the derivatives of a ray nearby, which are taken anew where they serve badly. A
+    /// step that comes no nearer even so is halved: rays near the rim of fast lenses bend, and a whole step may lead to
+    /// where there are none.
+    fn nearing(&self, start: DVec2, cosines: DVec2, derivatives: &mut Option<DMat2>) -> Option<DVec2> {
         let mut point = start;
-        let mut last = f64::INFINITY;
+        let mut miss = self.miss(point, cosines)?;
         for _ in 0..MOST_STEPS {
-            let miss = self.miss(point, cosines)?;
             if miss.length() < TOLERANCE {
                 return Some(point);
             }
-            if miss.length() > SLOW * last {
-                *derivatives = None;
-            }
-            last = miss.length();
-            let inverse = match derivatives {
-                Some(inverse) => *inverse,
+            let (inverse, halvings) = match derivatives {
+                Some(inverse) => (*inverse, 0),
                 None => {
                     let along = |step: DVec2| Some((self.miss(point + step, cosines)? - miss) / STEP_MM);
                     let jacobian = DMat2::from_cols(along(DVec2::X * STEP_MM)?, along(DVec2::Y * STEP_MM)?);
-                    *derivatives.insert(jacobian.inverse())
+                    (*derivatives.insert(jacobian.inverse()), HALVINGS)
                 }
             };
-            point -= inverse * miss;
-            if !point.is_finite() {
-                *derivatives = None;
-                return None;
+            let nearer = (0..=halvings).find_map(|halving| {
+                let next = point - inverse * miss * 0.5_f64.powi(halving);
+                let miss_there = self.miss(next, cosines)?;
+                (miss_there.length() < miss.length()).then_some((next, miss_there))
+            });
+            match nearer {
+                Some((next, miss_there)) => {
+                    if miss_there.length() > SLOW * miss.length() {
+                        *derivatives = None;
+                    }
+                    (point, miss) = (next, miss_there);
+                }
+                None => {
+                    *derivatives = None;
+                    if halvings > 0 {
+                        return None;
+                    }
+                }
             }
         }
         None
@@ -148,47 +180,54 @@ impl<'a> Rays<'a> {
         let near = Cell::new(None);
         move |cosines: DVec2| {
             let mut derivatives = near.get();
-            let point = self.landing(self.chief_landing(), cosines, &mut derivatives);
+            let point = self.landing(&[self.chief_landing()], cosines, &mut derivatives);
             near.set(derivatives);
             point
         }
     }
 
-    /// The path differences on a grid of `size`² points between two corners, to the chief ray's.
-    pub(crate) fn wavefront(&self, corners: [DVec2; 2], size: usize, apertures: Apertures) -> Option<Wavefront> {
-        let [low, high] = corners;
-        // A rim that the grid just misses is found by half a cell more.
+    /// The path differences, to the chief ray's, on a grid of `size`² points between two corners, whatever apertures cut
+    /// off. `cell` says how much of the cell about some direction cosines, of a given side, lies in the pupil, and where.
+    pub(crate) fn wavefront(
+        &self,
+        [low, high]: [DVec2; 2],
+        size: usize,
+        cell: impl Fn(DVec2, f64) -> (f64, DVec2),
+    ) -> Option<Wavefront> {
         let spacing = (high - low).max_element() / (size as f64 - 1.0);
         let first = 0.5 * (low + high) - 0.5 * spacing * (size as f64 - 1.0);
-        let landed = self.chief_landing();
-        let zero = self.path(landed, self.chief_cosines(), Apertures::Ignore)?;
+        let zero = self.path(self.chief_landing(), self.chief_cosines(), Apertures::Ignore)?;
         let mut wavefront = Wavefront {
             wavelength_nm: self.at.wavelength_nm,
             size,
             first,
             spacing,
             path_mm: vec![None; size * size],
+            covered: vec![0.0; size * size],
+            cosines: vec![DVec2::NAN; size * size],
+            lost: 0.0,
             landing_mm: vec![DVec2::NAN; size * size],
             zero_mm: zero,
         };
         let mut derivatives = None;
-        for row in 0..size {
-            // Neighbours land near each other, and nearer to where two of them lead.
-            let [mut last, mut before_last] = [landed; 2];
-            for column in 0..size {
-                let number = row * size + column;
-                let cosines = wavefront.cosines(number);
-                let start = 2.0 * last - before_last;
-                let is_direction = cosines.length_squared() < 1.0;
-                let point = if is_direction { self.landing(start, cosines, &mut derivatives) } else { None };
-                let Some(point) = point else {
-                    [last, before_last] = [landed; 2];
-                    continue;
-                };
-                before_last = if column == 0 { point } else { last };
-                last = point;
-                wavefront.landing_mm[number] = point;
-                wavefront.path_mm[number] = self.path(point, cosines, apertures).map(|path| path - zero);
+        for number in 0..size * size {
+            let point = first + spacing * DVec2::new((number % size) as f64, (number / size) as f64);
+            let (covered, cosines) = cell(point, spacing);
+            wavefront.cosines[number] = cosines;
+            if covered == 0.0 {
+                continue;
+            }
+            let starts = wavefront.near(number, self.chief_landing());
+            let is_direction = cosines.length_squared() < 1.0;
+            let point = if is_direction { self.landing(&starts, cosines, &mut derivatives) } else { None };
+            let path = point.and_then(|point| Some((point, self.path(point, cosines, Apertures::Ignore)?)));
+            match path {
+                Some((point, path)) => {
+                    wavefront.landing_mm[number] = point;
+                    wavefront.path_mm[number] = Some(path - zero);
+                    wavefront.covered[number] = covered;
+                }
+                None => wavefront.lost += covered,
             }
         }
         wavefront.path_mm.iter().any(Option::is_some).then_some(wavefront)
@@ -210,7 +249,7 @@ impl LensAt<'_> {
     pub fn wavefront_of(&self, chief: ChiefRay, distance_mm: f64, size: usize) -> Option<Wavefront> {
         let rays = Rays::new(self, chief, distance_mm);
         let region = rays.region(rays.landing_from_chief(), DIRECTIONS)?;
-        rays.wavefront(region.bounds(), size, Apertures::Clip)
+        rays.wavefront(region.bounds(), size, |point, side| region.cell(point, side))
     }
 }
 
@@ -218,17 +257,30 @@ impl Wavefront {
     /// Root mean square of the path differences in waves, about the plane that fits them best: a tilt only moves the
     /// picture.
     pub fn rms_waves(&self) -> f64 {
-        let levelled = self.levelled();
-        let count = levelled.iter().flatten().count() as f64;
-        let square = levelled.iter().flatten().map(|path| path * path).sum::<f64>() / count;
-        square.sqrt() / (self.wavelength_nm * 1e-6)
+        let square = |(path, covered): (&Option<f64>, &f64)| path.map(|path| covered * path * path);
+        let squares: f64 = self.levelled().iter().zip(&self.covered).filter_map(square).sum();
+        (squares / self.covered.iter().sum::<f64>()).sqrt() / (self.wavelength_nm * 1e-6)
     }
 
     /// W less its best plane.
     pub(crate) fn levelled(&self) -> Vec<Option<f64>> {
-        let Some(plane) = self.plane(|_| true) else { return self.path_mm.clone() };
-        let level = |(i, path): (usize, &Option<f64>)| path.map(|path| path - plane.at(self.cosines(i)));
+        let Some(plane) = self.plane(|number| self.covered[number]) else { return self.path_mm.clone() };
+        let level = |(i, path): (usize, &Option<f64>)| path.map(|path| path - plane.at(self.cosines[i]));
         self.path_mm.iter().enumerate().map(level).collect()
+    }
+
+    /// Places near which a point's light lands: that to which two neighbours of its row lead, those of its neighbours, and
+    /// the chief ray's.
+    fn near(&self, number: usize, chief: DVec2) -> [DVec2; 4] {
+        let known = |back: usize, is_inside: bool| {
+            let place = if is_inside { number.checked_sub(back) } else { None };
+            place.map(|place| self.landing_mm[place]).filter(|landing| landing.is_finite())
+        };
+        let column = number % self.size;
+        let (left, below) = (known(1, column >= 1), known(self.size, true));
+        let ahead = left.zip(known(2, column >= 2)).map(|(left, before)| 2.0 * left - before);
+        let nearest = ahead.or(left).or(below).unwrap_or(chief);
+        [nearest, left.unwrap_or(nearest), below.unwrap_or(nearest), chief]
     }
 
     /// W and where light lands between the points of the grid, by Lagrange's cubics through four of them each way; `None`
@@ -257,34 +309,29 @@ impl Wavefront {
     pub(crate) fn steepest_mm(&self, counts: impl Fn(DVec2) -> bool, tilt_mm: DVec2) -> f64 {
         let step = |i: usize, to: usize| Some((self.path_mm[to]? - self.path_mm[i]?) / self.spacing);
         let slope = |i: usize| {
-            let is_inner = i % self.size + 1 < self.size && i / self.size + 1 < self.size && counts(self.cosines(i));
+            let is_inner = i % self.size + 1 < self.size && i / self.size + 1 < self.size && counts(self.cosines[i]);
             is_inner.then(|| Some(DVec2::new(step(i, i + 1)?, step(i, i + self.size)?)))?
         };
         (0..self.path_mm.len()).filter_map(slope).map(|slope| slope.distance(tilt_mm)).fold(0.0, f64::max)
     }
 
-    /// The direction cosines of a point of the grid.
-    pub(crate) fn cosines(&self, number: usize) -> DVec2 {
-        self.first + self.spacing * DVec2::new((number % self.size) as f64, (number / self.size) as f64)
-    }
-
-    /// The plane that fits W best where `counts` says so of the direction cosines; `None` where nothing does.
-    pub(crate) fn plane(&self, counts: impl Fn(DVec2) -> bool) -> Option<Plane> {
-        let of_point = |(i, path): (usize, &Option<f64>)| path.map(|path| (self.cosines(i), path));
-        let known: Vec<(DVec2, f64)> =
-            self.path_mm.iter().enumerate().filter_map(of_point).filter(|(point, _)| counts(*point)).collect();
+    /// The plane that fits W best by the weights of the grid's points; `None` where all are 0.
+    pub(crate) fn plane(&self, weight: impl Fn(usize) -> f64) -> Option<Plane> {
+        let of_point = |(i, path): (usize, &Option<f64>)| path.map(|path| (self.cosines[i], path, weight(i)));
+        let known: Vec<(DVec2, f64, f64)> =
+            self.path_mm.iter().enumerate().filter_map(of_point).filter(|(_, _, weight)| *weight > 0.0).collect();
         if known.is_empty() {
             return None;
         }
-        let count = known.len() as f64;
-        let middle = known.iter().map(|(point, _)| point).sum::<DVec2>() / count;
-        let mean = known.iter().map(|(_, path)| path).sum::<f64>() / count;
+        let total = known.iter().map(|(_, _, weight)| weight).sum::<f64>();
+        let middle = known.iter().map(|(point, _, weight)| *point * *weight).sum::<DVec2>() / total;
+        let mean = known.iter().map(|(_, path, weight)| path * weight).sum::<f64>() / total;
         // Normal equations of w = s·(x, y) about the means.
         let (mut squares, mut products) = (DMat2::ZERO, DVec2::ZERO);
-        for (point, path) in &known {
+        for (point, path, weight) in &known {
             let d = *point - middle;
-            squares += DMat2::from_cols(d * d.x, d * d.y);
-            products += d * (path - mean);
+            squares += DMat2::from_cols(d * d.x, d * d.y) * *weight;
+            products += d * (path - mean) * *weight;
         }
         let tilt_mm = if squares.determinant() > 0.0 { squares.inverse() * products } else { DVec2::ZERO };
         Some(Plane { middle, mean, tilt_mm })
@@ -310,3 +357,6 @@ fn cubic_weights(x: f64) -> [f64; 4] {
     let [a, b, c, d] = [x, x - 1.0, x - 2.0, x - 3.0];
     [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
 }
+
+#[cfg(test)]
+mod tests;

@@ -94,7 +94,7 @@ fn path_differences_of_a_near_object_are_those_of_rays_from_it() {
         let mut largest = 0.0_f64;
         for (i, path) in wavefront.path_mm.iter().enumerate().step_by(7) {
             let Some(path) = path else { continue };
-            let cosines = wavefront.first + wavefront.spacing * DVec2::new((i % 32) as f64, (i / 32) as f64);
+            let cosines = wavefront.cosines[i];
             worst = worst.max((path - (w(cosines) - zero)).abs());
             largest = largest.max(path.abs());
         }
