@@ -104,7 +104,18 @@ const PAINT: &str = "type = \"diffuse\"\nreflectance = 0.5";
 #[case::model(
     PAINT,
     "type = \"metallic-roughness\"\nbase_colour = 0.5\nroughness = 0.5",
-    "glTF's material model of material"
+    "the model of material \"paint\" (\"plastic\""
+)]
+#[case::fisheye("[lens]", "[lens]\nprojection = \"fisheye\"", "the fisheye projection of [lens]")]
+#[case::polished_half(
+    PAINT,
+    "type = \"mix\"\nweight = 0.5\nfirst = { type = \"diffuse\", reflectance = 0.5 }\nsecond = { type = \"conductor\", metal = \"Au\" }",
+    "the polished half of material \"paint\""
+)]
+#[case::pane_before_a_lamp(
+    PAINT,
+    "type = \"thin-dielectric\"\nindex = 1.5\n[[lights]]\ntype = \"point\"\nposition_m = [0, 1, 1]\nintensity_cd = 100",
+    "light of lamps without a surface through material \"paint\""
 )]
 fn what_has_no_counterpart_is_refused_by_name_or_listed(#[case] from: &str, #[case] to: &str, #[case] named: &str) {
     let folder = triangle();

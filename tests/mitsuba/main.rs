@@ -4,6 +4,7 @@
 //! of each pixel and channel follows N(0, 1) where both renderers mean the same. Neither Python nor Mitsuba is needed
 //! here.
 
+mod branches;
 mod irradiance;
 
 use std::path::Path;
