@@ -3,11 +3,17 @@
 use glam::Vec3;
 
 use super::sample::{BsdfEval, BsdfSample};
+use photosite_core::spectrum::SampledSpectrum;
 
 /// What light transport asks of a model before it traces a path.
 pub trait SceneTraits {
     /// Whether it may leave a path with one wavelength.
     fn disperses(&self) -> bool {
+        false
+    }
+
+    /// Whether some light may go straight on through it ([`Bsdf::straight`](super::Bsdf::straight)).
+    fn may_pass_straight(&self) -> bool {
         false
     }
 
@@ -45,4 +51,9 @@ pub(super) trait Lobe {
 
     /// What is known of its lobes.
     fn traits(&self) -> Traits;
+
+    /// The part of the light from `wo` that goes straight on.
+    fn straight(&self, _wo: Vec3) -> SampledSpectrum {
+        SampledSpectrum::ZERO
+    }
 }

@@ -51,6 +51,7 @@ use glam::Vec3;
 use directions::mirrored;
 use lobe::Lobe as _;
 use photosite_core::math::{Pdf, SolidAngle};
+use photosite_core::spectrum::SampledSpectrum;
 
 pub(crate) use directions::{EDGE_ON_COSINE, GRAZING, MIN_SHADING_COSINE};
 pub use form::{Form, Map, MapAll, RelativeIndex, Sampled, TableForm};

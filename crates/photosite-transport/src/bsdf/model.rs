@@ -118,6 +118,17 @@ macro_rules! models {
                 }
             }
 
+            /// The part of the light from `wo` that goes straight on through a pane, to −`wo`: that of the lobe of this
+            /// single direction.
+            #[inline]
+            pub fn straight(&self, wo: Vec3) -> SampledSpectrum {
+                match self {
+                    $(Self::$model(model) => model.straight(wo),)*
+                    Self::Layered(layered) => layered.straight(wo),
+                    Self::Mix(never) => match *never {},
+                }
+            }
+
             /// Whether both sides are of different media, so that the frame stays on its side, whichever is seen.
             #[inline]
             pub fn refracts(&self) -> bool {

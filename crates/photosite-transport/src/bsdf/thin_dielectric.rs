@@ -37,6 +37,10 @@ impl<F: TableForm> SceneTraits for ThinDielectric<F> {
     fn may_cast_caustics(&self) -> bool {
         true
     }
+
+    fn may_pass_straight(&self) -> bool {
+        true
+    }
 }
 
 impl ThinDielectric {
@@ -77,6 +81,11 @@ impl Lobe for ThinDielectric {
         }
         let straight = BsdfSample { is_transmission: true, ..BsdfSample::mirrored(passed, -wo, 1.0 - part) };
         (straight.pdf.0 > 0.0).then_some(straight)
+    }
+
+    #[inline]
+    fn straight(&self, wo: Vec3) -> SampledSpectrum {
+        if is_above(wo) { self.parts(wo.z.min(1.0)).1 } else { SampledSpectrum::ZERO }
     }
 
     #[inline]

@@ -428,3 +428,69 @@ fn a_flat_surface_does_not_shadow_itself() {
         assert_eq!(shadowed, 0, "tilt {tilt}, offset {offset}, side {side}");
     }
 }
+
+#[test]
+fn triangles_of_every_aspect_and_size_are_met_where_exact_arithmetic_meets_them() {
+    let mut numbers = Numbers(51);
+    let mut met = 0;
+    for size in [1e-3f32, 1.0, 1e3, 1e5] {
+        for aspect in [1.0f32, 1e2, 1e4, 1e5] {
+            for distance in [1e-4f32, 1e-2, 1.0, 1e2] {
+                let turn = Quat::from_rotation_x(numbers.next()) * Quat::from_rotation_y(6.0 * numbers.next());
+                let corner = |x: f32, y: f32| turn * (Vec3::new(x / aspect, y, 0.0) * size);
+                let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(0.5, 1.0)];
+                let g = geometry(&[corners]);
+                let scanned = in_world(&g);
+                let mut hierarchy = scanned.clone();
+                hierarchy.linear_scan = None;
+                let far = distance * size;
+                for _ in 0..200 {
+                    // Towards a point well inside, from as near to the plane as one in ten of the distance.
+                    let b = [0.2 + 0.3 * numbers.next(), 0.2 + 0.3 * numbers.next()];
+                    let target = crate::geometry::mesh::interpolate(corners, b);
+                    let up = turn * Vec3::new(0.0, 1.0 - 2.0 * numbers.next(), 0.1 + numbers.next()).normalize();
+                    let origin = target + up * far;
+                    let ray = Ray::new(origin, (target - origin) * (0.1 + numbers.next()));
+                    let Some((_, t)) = brute_force(&g, &ray) else { continue };
+                    // Where half a unit in the last place of origin and corners does not move the ray past an edge.
+                    let rounding = 64.0 * f32::EPSILON * (far + size);
+                    if rounding > 0.1 * size / aspect {
+                        continue;
+                    }
+                    let (mut hits, mut occluded) = (vec![], vec![]);
+                    scanned.closest_each(&[ray], &AcceptAll, &mut hits);
+                    scanned.occluded_each(&[ray], &AcceptAll, &mut occluded);
+                    let alone = hierarchy.closest(&ray, &AcceptAll);
+                    assert!(
+                        alone.is_some() && hits[0] == alone && occluded == [true],
+                        "size {size}, aspect {aspect}, distance {distance}: {alone:?} {hits:?}, exactly {t}"
+                    );
+                    met += 1;
+                }
+            }
+        }
+    }
+    assert!(met > 5000, "{met}");
+}
+
+#[test]
+fn a_road_of_any_length_is_seen_along() {
+    for [width, length] in [[10.0f32, 1e4], [1.0, 3e3], [10.0, 1e5], [0.1, 1e3]] {
+        for turn in [0.0f32, 0.4, 0.785] {
+            let turn = Quat::from_rotation_z(turn);
+            let corner = |x: f32, y: f32| turn * Vec3::new(0.5 * x * width, 0.5 * y * length, 0.0);
+            let (a, b, c, d) = (corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0));
+            let g = geometry(&[[a, b, c], [a, c, d]]);
+            let accel = in_world(&g);
+            for distance in [2.0f32, 15.0, 60.0, 0.3 * length] {
+                let target = turn * Vec3::new(0.1 * width, distance, 0.0);
+                let ray = Ray::new(Vec3::Z * 1.5, target - Vec3::Z * 1.5);
+                let hit = accel.closest(&ray, &AcceptAll);
+                assert!(hit.is_some_and(|hit| hit.t > 0.0), "{width} × {length}, {distance}");
+                let mut hits = vec![];
+                accel.closest_each(&[ray], &AcceptAll, &mut hits);
+                assert_eq!(hits[0], hit, "{width} × {length}, {distance}");
+            }
+        }
+    }
+}

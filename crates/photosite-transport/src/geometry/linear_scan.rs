@@ -9,14 +9,16 @@ mod primitives;
 mod query;
 
 use super::accel::HitFilter;
+use super::near_hit::near_hit;
 use super::triangle_block::{distance_error, double_area};
 use super::{Primitive, Ray};
 use crate::tuning::{LINEAR_SCAN_BATCH, LINEAR_SCAN_MAX};
 use packet::{ByAxis, RayPacket, ShearedVertices};
 use photosite_core::math::{Real, Vector};
-use photosite_simd::{LaneMask, Simd, WideLanes};
+use photosite_simd::{LaneMask, MAX_LANES, Simd, WideLanes};
 
 pub(super) use primitives::LinearScan;
+use primitives::PackedTriangle;
 pub(super) use query::{ClosestLanes, LaneQuery, OccludedLanes};
 
 impl LinearScan {
@@ -80,15 +82,25 @@ impl LinearScan {
             let sum = u + v + w;
             let along = u * a[2] + v * b[2] + w * c[2];
             // NaN for a triangle that is seen edge on: no comparison holds.
-            let t = along / sum;
+            let mut t = along / sum;
             let mut hit = inside & zero.lt(t) & t.lt(query.t_max());
+            let [mut v, mut w, mut sum] = [v, w, sum];
+            // Hits nearer than rounding can tell from 0 may be those of the surface that the ray leaves. Most need no
+            // closer look.
+            if (inside & along.abs().le(sheared.sure)).bits() != 0 {
+                let near = inside & t.abs().le(distance_error([a, b, c], [u, v, w], sum, packet.inverse_scale));
+                if near.bits() != 0 {
+                    let closer = self.look_closer(triangle, packet, near.bits(), &query.t_max().store_wide());
+                    let is_hit = zero.lt(packet.simd.load_wide(&closer.t));
+                    hit = hit & !near | is_hit;
+                    t = Real::select(is_hit, packet.simd.load_wide(&closer.t), t);
+                    v = Real::select(is_hit, packet.simd.load_wide(&closer.weights[0]), v);
+                    w = Real::select(is_hit, packet.simd.load_wide(&closer.weights[1]), w);
+                    sum = Real::select(is_hit, packet.simd.broadcast_wide(1.0), sum);
+                }
+            }
             if hit.bits() == 0 {
                 continue;
-            }
-            // Hits nearer than rounding can tell from 0 are those of the surface that the ray leaves. Most need no
-            // closer look.
-            if (hit & !sheared.sure.lt(along.abs())).bits() != 0 {
-                hit = hit & distance_error([a, b, c], [u, v, w], sum, packet.inverse_scale).lt(t);
             }
             if !F::ACCEPTS_ALL {
                 let uv = [(v / sum).store_wide(), (w / sum).store_wide()];
@@ -99,6 +111,34 @@ impl LinearScan {
                 return;
             }
         }
+    }
+}
+
+/// Hits near the origins of rays: t where there is one, 0 elsewhere, with the weights of the second and third corner.
+struct NearHits {
+    t: [f32; MAX_LANES],
+    weights: [[f32; MAX_LANES]; 2],
+}
+
+impl LinearScan {
+    /// Decides about lanes whose hits of a triangle are near the origin of the ray.
+    #[inline(never)]
+    fn look_closer<S: Simd>(
+        &self,
+        triangle: &PackedTriangle,
+        packet: &RayPacket<'_, S>,
+        near: u32,
+        t_max: &[f32; MAX_LANES],
+    ) -> NearHits {
+        let corners = triangle.vertices.map(|vertex| self.vertices[usize::from(vertex)]);
+        let mut hits = NearHits { t: [0.0; MAX_LANES], weights: [[0.0; MAX_LANES]; 2] };
+        for (lane, &member) in packet.members.iter().enumerate().filter(|(lane, _)| near >> lane & 1 != 0) {
+            let ray = &packet.rays[usize::from(member)];
+            let hit = near_hit(corners, ray.origin, ray.direction).filter(|(t, _)| *t < t_max[lane]);
+            let Some((t, [b1, b2])) = hit else { continue };
+            (hits.t[lane], hits.weights[0][lane], hits.weights[1][lane]) = (t, b1, b2);
+        }
+        hits
     }
 }
 

@@ -17,6 +17,7 @@ mod collapse;
 mod linear_scan;
 mod mesh;
 mod motion;
+mod near_hit;
 mod point;
 mod primitive;
 mod quadric;

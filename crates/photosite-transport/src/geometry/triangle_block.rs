@@ -8,6 +8,7 @@
 
 use glam::Vec3;
 
+use super::near_hit::near_hit;
 use photosite_core::math::Real;
 use photosite_core::math::float::gamma;
 use photosite_simd::{LaneMask, Lanes, Simd};
@@ -111,18 +112,46 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
         }
         let sum = u + v + w;
         let t = (u * a[2] + v * b[2] + w * c[2]) / sum;
-        let edge_on = sum.le(zero) & zero.le(sum);
-        let mut mask = inside & (!edge_on & zero.lt(t) & t.le(simd.broadcast(t_max))).bits();
-        if mask == 0 {
+        let passes = inside & (!(sum.le(zero) & zero.le(sum))).bits();
+        if passes == 0 {
             return None;
         }
-        // Hits nearer than rounding can tell from 0 are those of the surface that the ray leaves.
+        // Hits nearer than rounding can tell from 0 may be those of the surface that the ray leaves.
         let inverse_scale = simd.broadcast(1.0 / ray.shear[2].abs());
-        mask &= distance_error([a, b, c], [u, v, w], sum, inverse_scale).lt(t).bits();
-        if mask == 0 {
+        let error = distance_error([a, b, c], [u, v, w], sum, inverse_scale);
+        let near = passes & t.abs().le(error).bits();
+        let mask = passes & !near & (zero.lt(t) & t.le(simd.broadcast(t_max))).bits();
+        if mask | near == 0 {
             return None;
         }
-        Some(BlockHits { mask, t: t.store(), weights: [v.store(), w.store()], sum: sum.store() })
+        let mut hits = BlockHits { mask, t: t.store(), weights: [v.store(), w.store()], sum: sum.store() };
+        if near != 0 {
+            self.look_closer(near, ray, part, t_max, &mut hits);
+        }
+        (hits.mask != 0).then_some(hits)
+    }
+
+    /// Decides about lanes whose hits are near the origin of the ray.
+    #[inline(never)]
+    fn look_closer(&self, mut near: u32, ray: &ShearedRay, part: f32, t_max: f32, hits: &mut BlockHits) {
+        while near != 0 {
+            let lane = near.trailing_zeros() as usize;
+            near &= near - 1;
+            let corners = [0, 1, 2].map(|corner| self.vertex(usize::from(self.corners[corner][lane]), part));
+            let hit = near_hit(corners, Vec3::from(ray.origin), ray.direction).filter(|(t, _)| *t <= t_max);
+            let Some((t, [b1, b2])) = hit else { continue };
+            hits.mask |= 1 << lane;
+            hits.t[lane] = t;
+            (hits.weights[0][lane], hits.weights[1][lane], hits.sum[lane]) = (b1, b2, 1.0);
+        }
+    }
+
+    /// A vertex, as [`Self::along`] has its coordinates.
+    fn vertex(&self, index: usize, part: f32) -> Vec3 {
+        Vec3::from([0, 1, 2].map(|axis| {
+            let from = self.vertices[0][axis][index];
+            if SHAPES == 1 { from } else { from * (1.0 - part) + self.vertices[1][axis][index] * part }
+        }))
     }
 }
 
@@ -185,13 +214,14 @@ pub(super) fn longest_axis(direction: Vec3) -> usize {
 /// A ray with the shear and the axis order that turn its direction into +Z of length 1, made once per ray.
 pub(super) struct ShearedRay {
     origin: [f32; 3],
+    direction: Vec3,
     /// Where x, y and z of the sheared space come from; z is the direction's largest component.
     axes: [usize; 3],
     shear: [f32; 3],
 }
 
 impl ShearedRay {
-    pub(super) const NONE: Self = Self { origin: [0.0; 3], axes: [0; 3], shear: [0.0; 3] };
+    pub(super) const NONE: Self = Self { origin: [0.0; 3], direction: Vec3::ZERO, axes: [0; 3], shear: [0.0; 3] };
 
     #[inline(always)]
     pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
@@ -199,6 +229,6 @@ impl ShearedRay {
         let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
         let scale = 1.0 / direction[kz];
         let shear = [direction[kx] * scale, direction[ky] * scale, scale];
-        Self { origin: origin.to_array(), axes: [kx, ky, kz], shear }
+        Self { origin: origin.to_array(), direction, axes: [kx, ky, kz], shear }
     }
 }

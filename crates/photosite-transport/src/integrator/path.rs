@@ -88,8 +88,8 @@ pub(super) enum Sharing {
 pub(super) struct Queues {
     /// Shadow rays from surfaces to lights.
     pub(super) shadow_rays: Vec<Ray>,
-    /// Index of the path and contribution of each shadow ray, if that is not occluded.
-    pub(super) contributions: Vec<(u32, SampledSpectrum)>,
+    /// What each shadow ray is for.
+    pub(super) contributions: Vec<Contribution>,
     /// Branches of paths that have split, and their rays.
     pub(super) branches: Vec<(Path, Ray)>,
     /// First and second surfaces to be shared.
@@ -97,6 +97,16 @@ pub(super) struct Queues {
     pub(super) seconds: Vec<SecondSurface>,
     /// Light that branches have gathered before their second surfaces, with the index of the path that they come from.
     pub(super) before: Vec<(u32, SampledSpectrum)>,
+}
+
+/// What a path gathers if nothing is in the way of a shadow ray.
+#[derive(Clone, Copy)]
+pub(super) struct Contribution {
+    /// Index of the path.
+    pub(super) path: u32,
+    pub(super) light: SampledSpectrum,
+    /// Whether it comes from a light without a surface, which panes let through.
+    pub(super) is_delta: bool,
 }
 
 /// What paths need to advance.
@@ -218,10 +228,7 @@ impl Path {
         tracing.sampler.resume(self.position);
         if !shading.bsdf.is_delta() {
             // Sample direct illumination, and queue its shadow ray
-            if let Some((ray, light)) = self.sample_direct_light(&vertex, tracing) {
-                tracing.queues.shadow_rays.push(ray);
-                tracing.queues.contributions.push((index, self.throughput * light));
-            }
+            self.sample_direct_light(index, &vertex, tracing);
             // Split at the first surface that is no mirror
             let splits = tracing.limits.splitting > 1 || matches!(self.sharing, Sharing::Group(_));
             if splits && self.origin.is_none() {
@@ -414,14 +421,32 @@ impl Path {
         }
     }
 
-    /// Samples a light, and returns the shadow ray with the radiance that the surface scatters back along the path if
-    /// nothing occludes it; pbrt's `SampleLd`.
+    /// Samples a light, and queues the shadow ray with what the path of this index gathers if nothing occludes it;
+    /// pbrt's `SampleLd`.
     #[inline]
-    fn sample_direct_light(&self, vertex: &Vertex<'_>, tracing: &mut Tracing<'_>) -> Option<(Ray, SampledSpectrum)> {
+    fn sample_direct_light(&self, index: u32, vertex: &Vertex<'_>, tracing: &mut Tracing<'_>) {
         let Vertex { point, ctx, .. } = vertex;
         let u = tracing.sampler.next_2d();
-        let light = tracing.scene.sample_light(ctx, point.time, u, &self.wavelengths)?;
-        self.direct_light(tracing.scene, vertex, &light)
+        if let Some(light) = tracing.scene.sample_light(ctx, point.time, u, &self.wavelengths) {
+            self.queue_direct_light(index, vertex, &light, tracing.scene, tracing.queues);
+        }
+    }
+
+    /// Queues the shadow ray of a light sample.
+    #[inline]
+    fn queue_direct_light(
+        &self,
+        index: u32,
+        vertex: &Vertex<'_>,
+        sample: &LightSample,
+        scene: &Scene,
+        queues: &mut Queues,
+    ) {
+        if let Some((ray, light)) = self.direct_light(scene, vertex, sample) {
+            queues.shadow_rays.push(ray);
+            let light = self.throughput * light;
+            queues.contributions.push(Contribution { path: index, light, is_delta: sample.is_delta });
+        }
     }
 
     /// The shadow ray and contribution of a light sample.

@@ -3,7 +3,7 @@
 //! paths before the next one does. Paths that have come to diffuse surfaces advance eight at a time.
 
 use super::mis_ratio::MisRatio;
-use super::path::{DiffuseBatch, Path, PathLimits, Queues, Sharing, Tracing};
+use super::path::{Contribution, DiffuseBatch, Path, PathLimits, Queues, Sharing, Tracing};
 use super::reuse::Connections;
 use crate::geometry::{Geometry, Hit, Ray};
 use crate::sampler::{SamplePosition, Sampler};
@@ -194,9 +194,14 @@ impl Wavefront {
     fn trace_shadow_rays(&mut self, scene: &Scene) {
         let Self { paths, queues: Queues { shadow_rays, contributions, .. }, occluded, .. } = self;
         scene.occluded_each(shadow_rays, occluded);
-        for ((index, light), occluded) in contributions.drain(..).zip(&*occluded) {
+        for ((Contribution { path, light, is_delta }, ray), occluded) in
+            contributions.drain(..).zip(&*shadow_rays).zip(&*occluded)
+        {
+            let path = &mut paths[path as usize];
             if !occluded {
-                paths[index as usize].light += light;
+                path.light += light;
+            } else if is_delta && scene.has_panes() {
+                path.light += light * scene.through_panes(ray, &path.wavelengths);
             }
         }
         shadow_rays.clear();
@@ -225,9 +230,9 @@ mod tests {
     use crate::scene::description::{
         Colour, Conductor, Dielectric, Diffuse, EmissionDescription, EnvironmentDescription, InstanceDescription,
         LightDescription, LightKind, MaterialDescription, MaterialModel, MeshDescription, Roughness, SceneDescription,
-        TexturedColour,
+        TexturedColour, ThinDielectric,
     };
-    use photosite_core::spectrum::{Spectrum, library};
+    use photosite_core::spectrum::{Dispersion, Spectrum, library};
 
     /// Adds a mesh with a material of its own.
     fn add(scene: &mut SceneDescription, material: MaterialDescription, mesh: MeshDescription) {
@@ -360,6 +365,54 @@ mod tests {
                 assert_eq!(lit > 0, max_depth > 0, "{limits:?}");
                 wavefront.clear();
             }
+        }
+    }
+
+    #[test]
+    fn panes_let_the_light_of_lamps_without_a_surface_through() {
+        // At normal incidence a pane of index 1.5 lets (1 − R)/(1 + R) through, R = 0.04, times what its glass leaves.
+        let clear = 0.96 / 1.04;
+        let tinted = 0.96f64.powi(2) * 0.5 / (1.0 - (0.04f64 * 0.5).powi(2));
+        let seen = |panes: &[f64]| {
+            let mut scene = SceneDescription::default();
+            let square = |z: f32| MeshDescription {
+                positions: [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+                    .map(|[x, y]| Vec3::new(x, y, z))
+                    .to_vec(),
+                triangles: vec![[0, 1, 2], [0, 2, 3]],
+                ..MeshDescription::default()
+            };
+            let white = MaterialModel::Diffuse(Diffuse { reflectance: TexturedColour::plain(Colour::Rgb([0.7; 3])) });
+            add(&mut scene, MaterialDescription::new("floor", white), square(0.0));
+            for (i, &transmittance) in panes.iter().enumerate() {
+                let pane = MaterialModel::ThinDielectric(ThinDielectric {
+                    index: Dispersion::constant(1.5),
+                    transmittance: Spectrum::constant(transmittance as f32),
+                });
+                add(&mut scene, MaterialDescription::new(format!("pane {i}"), pane), square(1.0 + i as f32));
+            }
+            scene.lights.push(LightDescription {
+                name: "point".into(),
+                to_world: DAffine3::from_translation(DVec3::new(0.1, 0.2, 4.0)),
+                later: vec![],
+                kind: LightKind::Point(PointLight),
+                emission: EmissionDescription { colour: Colour::Rgb([1.0; 3]), level: Some(20.0), texture: None },
+            });
+            let scene = build(scene, &Spectrum::constant(1.0));
+            let mut sampler = Sampler::new(SamplerKind::Sobol, 5);
+            sampler.start(0, 0);
+            let mut wavelengths = Wavelengths::new([450.0, 520.0, 590.0, 660.0], [0.01; 4]);
+            // Below the lamp, seen from beneath the panes.
+            let ray = Ray::new(Vec3::new(0.6, 0.2, 0.5), Vec3::new(-0.5, 0.0, -0.5).normalize());
+            let limits = PathLimits { max_depth: 1 + 1, roulette_depth: 9, splitting: 1 };
+            f64::from(radiance(&scene, ray, &mut wavelengths, &mut sampler, limits)[0])
+        };
+        let open = seen(&[]);
+        for (panes, expected) in
+            [(&[1.0][..], clear), (&[1.0, 1.0], clear * clear), (&[0.5], tinted), (&[0.5, 1.0], tinted * clear)]
+        {
+            let part = seen(panes) / open;
+            assert!((part - expected).abs() < 1e-4, "{panes:?}: {part}, {expected}");
         }
     }
 }

@@ -13,7 +13,7 @@ use super::{
     Alpha, AnisotropySource, CoatSource, ColourSource, FactorSource, FilmSource, LayeredMaterial, Material, NormalMap,
     Scene, Tabled,
 };
-use crate::bsdf::{Ggx, Map, MapAll, Mix, Model, RelativeIndex};
+use crate::bsdf::{Ggx, Map, MapAll, Mix, Model, RelativeIndex, SceneTraits};
 use crate::geometry::{Geometry, MeshRange, Motion, Primitive};
 use crate::light::{
     DeltaLight, Environment, EnvironmentPicture, Light, LightPose, Lights, Sky, SurfaceEmission, Tint, TriangleLight,
@@ -82,6 +82,11 @@ pub fn build_after(description: SceneDescription, importance: &Spectrum, earlier
     let environment = environment.map(|e| builder.environment(&e, radius, &mut all));
     let LightList { lights, motions, powers, spectrum } = all;
     let lights = Lights::new(lights, motions, &powers, disk_m2(radius), &geometry, environment);
+    let has_panes = {
+        let models = table.iter().map(|m| &m.model).chain(builder.mixes.iter().flat_map(|mix| &mix.models));
+        let layered = builder.layered.iter().map(|layers| layers as &dyn SceneTraits);
+        models.filter_map(Model::scene_traits).chain(layered).any(SceneTraits::may_pass_straight)
+    };
     let has_media = table.iter().any(|m| m.absorption.is_some());
     let diffuse =
         |mesh: &MeshRange| table[mesh.material as usize].only_reflectance().filter(|_| !has_media && mesh.is_plain());
@@ -95,6 +100,7 @@ pub fn build_after(description: SceneDescription, importance: &Spectrum, earlier
         places: OnceLock::new(),
         has_alpha: table.iter().any(|m| !matches!(m.alpha, Alpha::Opaque)),
         has_media,
+        has_panes,
         materials: table,
         layered: builder.layered,
         mixes: builder.mixes,

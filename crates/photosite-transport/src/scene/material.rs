@@ -119,6 +119,13 @@ impl SceneTraits for LayeredMaterial {
         self.dispersive
     }
 
+    fn may_pass_straight(&self) -> bool {
+        // A texture may make it polished.
+        let is_smooth = |roughness: f32| Ggx::new(roughness * roughness, roughness * roughness).is_smooth();
+        let may_be_smooth = self.roughness.texture.is_some() || is_smooth(self.roughness.value);
+        !self.has_volume && self.transmission.value > 0.0 && may_be_smooth
+    }
+
     fn may_cast_caustics(&self) -> bool {
         // Textures only make it smoother.
         let may_be_near_specular = |roughness: FactorSource| {

@@ -52,6 +52,7 @@ use super::directions::{is_grazing, mirrored};
 use super::lobe::Traits;
 use super::refraction;
 use super::sample::{BsdfEval, BsdfSample};
+use photosite_core::spectrum::SampledSpectrum;
 use view::View;
 
 pub use layers::{Coat, Layered, Sheen, Volume};
@@ -83,6 +84,16 @@ impl Layered {
             return BsdfEval::ZERO;
         }
         View::new(self, wo, is_inside).map_or(BsdfEval::ZERO, |view| view.eval(wi))
+    }
+
+    #[inline]
+    pub(super) fn straight(&self, wo: Vec3) -> SampledSpectrum {
+        let passes = self.transmission > 0.0 && self.is_two_sided() && self.distribution.is_smooth();
+        if !passes || is_grazing(wo) || wo.z < 0.0 {
+            return SampledSpectrum::ZERO;
+        }
+        let sample = View::new(self, wo, false).and_then(|view| view.pass_undisturbed());
+        sample.map_or(SampledSpectrum::ZERO, |sample| sample.f * sample.wi.z.abs())
     }
 
     #[inline]

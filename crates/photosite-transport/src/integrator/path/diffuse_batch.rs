@@ -15,7 +15,7 @@ use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 
-use super::{Path, Tracing, Vertex};
+use super::{Contribution, Path, Tracing, Vertex};
 use crate::bsdf::{Bsdf, Diffuse, GRAZING, MIN_SHADING_COSINE};
 use crate::geometry::{Geometry, Hit, Primitive, Ray, SurfacePoint, interpolate, offset, on_triangle};
 use crate::integrator::interaction::towards_light;
@@ -267,10 +267,7 @@ impl DiffuseBatch {
             let frame = Frame::from_normal(points.normal.get(lane));
             let shading = Shading { frame, bsdf: Bsdf::Diffuse(Diffuse { reflectance }) };
             let vertex = Vertex::new(arrival.hit.t, &point, &shading, self.hits.wo.get(lane));
-            if let Some((ray, light)) = path.direct_light(scene, &vertex, &light) {
-                queues.shadow_rays.push(ray);
-                queues.contributions.push((arrival.index, path.throughput * light));
-            }
+            path.queue_direct_light(arrival.index, &vertex, &light, scene, queues);
             return;
         };
         if !has_lane(direct.is_lit, lane) {
@@ -284,7 +281,8 @@ impl DiffuseBatch {
         }
         let (origin, direction) = (direct.shadow_origin.get(lane), direct.shadow_direction.get(lane));
         queues.shadow_rays.push(Ray { origin, direction, t_max: 1.0, time: arrival.ray.time });
-        queues.contributions.push((arrival.index, path.throughput * (contribution * direct.weight[lane])));
+        let light = path.throughput * (contribution * direct.weight[lane]);
+        queues.contributions.push(Contribution { path: arrival.index, light, is_delta: false });
     }
 }
 

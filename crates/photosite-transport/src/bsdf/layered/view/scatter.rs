@@ -230,7 +230,7 @@ impl View<'_> {
 
     /// Straight on, or refracted by a polished surface.
     #[inline]
-    pub(super) fn pass_undisturbed(&self) -> Option<BsdfSample> {
+    pub(in crate::bsdf::layered) fn pass_undisturbed(&self) -> Option<BsdfSample> {
         let layers = self.layers;
         let [_, _, clear] = layers.parts();
         let cos = self.wo.z.min(1.0);
