@@ -1,13 +1,14 @@
 //! Where points appear in the picture of a camera, and what its pixels look at, in OpenCV's coordinates: pixels are column
-//! and row with whole numbers at the centres, of the sensor before regions and binning; those of a camera are x right, y
+//! and row with whole numbers at the centres, those of ground truth (`pixel_grid` in reports); those of a camera are x right, y
 //! down, z forward.
 
 use glam::{DVec2, DVec3};
+use photosite_core::image_grid::ImageGrid;
 
 use crate::calibration::truth::project;
 use crate::capture::Capture;
 use crate::optics::{Camera, LensKind};
-use crate::pipeline::standalone_recording_camera;
+use crate::pipeline::{image_grid, standalone_recording_camera};
 use crate::{Invalid, Result};
 
 /// What points and directions are measured in.
@@ -23,6 +24,7 @@ pub enum Space {
 /// the exposure of its row.
 pub struct Sight {
     camera: Camera,
+    grid: ImageGrid,
     space: Space,
 }
 
@@ -37,7 +39,9 @@ impl Sight {
             let message = "no point has a place on a bare sensor: each of its pixels sees everything";
             return Err(capture.source.error(Invalid::new("lens.type", message).help("use a lens")));
         }
-        Ok(Self { camera: standalone_recording_camera(capture)?, space })
+        let camera = standalone_recording_camera(capture)?;
+        let grid = image_grid(capture, &camera);
+        Ok(Self { camera, grid, space })
     }
 
     /// Where a point appears; not-a-number where the lens does not show it.
@@ -47,7 +51,7 @@ impl Sight {
             Space::Camera => self.camera.project_camera(flipped(point)),
             Space::World => project(&self.camera, point),
         };
-        (pixel.unwrap_or(DVec2::NAN) - 0.5).to_array()
+        (self.grid.in_image(pixel.unwrap_or(DVec2::NAN)) - 0.5).to_array()
     }
 
     /// The unit vector of what a pixel looks at; not-a-number where it sees nothing.
@@ -59,7 +63,7 @@ impl Sight {
     /// nothing. Lines go through the camera's place, but for those of a lens from a prescription, each of which goes through
     /// the entrance pupil of its own field.
     pub fn line(&self, pixel: [f64; 2]) -> [[f64; 3]; 2] {
-        let pixel = DVec2::from_array(pixel) + 0.5;
+        let pixel = self.grid.on_sensor(DVec2::from_array(pixel) + 0.5);
         let line = match (self.camera.line_of_sight(pixel), self.space) {
             (None, _) => [DVec3::NAN; 2],
             (Some((origin, direction)), Space::Camera) => [flipped(origin), flipped(direction)],

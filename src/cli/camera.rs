@@ -24,9 +24,10 @@ Example:
 
 /// Describe the camera to OpenCV, ROS, Kalibr or COLMAP.
 ///
-/// It has all pixels of the sensor, before exposure.region_px and exposure.binning, and the distortion of the lens,
-/// which image.png only keeps with develop.distortion = false and develop.square_pixels = false. What a format
-/// cannot express is refused. For a lens from a prescription it is the model closest to the chief rays of points at
+/// It has the pixels of image.png, or of the raw image with output.image = false: those of exposure.region_px,
+/// exposure.binning, sensor.frame_grabber and develop.resize_px, where they are given. It has the distortion of the
+/// lens; where image.png is freed of that, which develop.distortion = false prevents, it has the pixels of the raw
+/// image. What a format cannot express is refused. For a lens from a prescription it is the model closest to the chief rays of points at
 /// the focus distance, by least squares over the picture; how close is said. A camera that moves is described
 /// halfway through its first picture, as in `capture.json` (`pose_time_s`).
 #[derive(Args)]
@@ -79,10 +80,13 @@ pub(super) fn run(args: &CameraArgs, sandbox: &Sandbox) -> Result<()> {
         return Err(capture.source.error(Invalid::new("lens.type", message).help("use a lens")));
     }
     let placed = standalone_recording_camera(&capture)?.halfway();
-    let seen = LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.region);
-    if let Some(done) = seen.resampled(&capture.develop) {
+    let seen =
+        LensSeen::new(&capture.lens, &placed, &capture.sensor, &capture.exposure.region, capture.exposure.stages);
+    let grid = seen.image_grid(capture.output.image.then_some(&capture.develop));
+    let undistorts = seen.resampling(&capture.develop).is_some_and(|resampling| resampling.undistorts());
+    if let Some(done) = seen.resampled(&capture.develop).filter(|_| undistorts && capture.output.image) {
         say!(
-            "warning: image.png is {}, and this is the camera of the sensor; that of image.png is in capture.json, or write {}",
+            "warning: image.png is {}, and this is the camera of the raw image; that of image.png is in capture.json, or write {}",
             done.what,
             done.keys
         );
@@ -92,6 +96,7 @@ pub(super) fn run(args: &CameraArgs, sandbox: &Sandbox) -> Result<()> {
         LensKind::Prescription => camera.with_fitted(&fitted(&capture, &placed, args.format)?),
         LensKind::Thin | LensKind::Pinhole | LensKind::Hole | LensKind::Bare => camera,
     };
+    let camera = camera.on_grid(&grid);
     let one = std::slice::from_ref(&camera);
     let text = match args.format {
         Format::Opencv => opencv(&camera),

@@ -18,10 +18,9 @@ Example:
 /// Project points to pixels, or pixels to lines of sight.
 ///
 /// Input and output are lines of numbers separated by commas. Pixels are those of OpenCV: column and row, whole
-/// numbers at the centres. They are those of the sensor, before exposure.region_px, exposure.binning and a frame
-/// grabber (for hexagonal cells, those of the rows that are not shifted: the cells of the others are at columns and
-/// a half); image.png only keeps their grid and distortion with develop.distortion = false and
-/// develop.square_pixels = false. What the lens does not show is `nan,nan`. A camera that moves sees each point,
+/// numbers at the centres. They are those of image.png, or of the raw image with output.image = false or where
+/// image.png is freed of the distortion of the lens, which develop.distortion = false prevents (for hexagonal cells
+/// that stay so, those of the rows that are not shifted: the cells of the others are at columns and a half). What the lens does not show is `nan,nan`. A camera that moves sees each point,
 /// and each pixel, in the middle of the exposure of its row of the first picture, as in ground truth.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]

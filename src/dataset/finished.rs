@@ -15,7 +15,7 @@ use crate::calibration::camera_files::CalibratedCamera;
 use crate::calibration::layouts::{EPOCH_NS, PictureSet, RollingShutter, SceneObject, SeenPoint, SeenTarget, Shot};
 use crate::io::file_sum::FileSum;
 use crate::optics::{Projection, Recording};
-use crate::report::{REPORT, Report, TargetReport, TracedReport};
+use crate::report::{PixelGridReport, REPORT, Report, TargetReport, TracedReport};
 use crate::{Error, Invalid, Result};
 
 /// The list of pictures in the folder of a data set, a line each.
@@ -126,11 +126,14 @@ pub(super) fn shot(path: &Path, report: Report, line: Line, camera: usize) -> Re
     // Short against any change of a velocity, and long against the last bits of a position.
     const STEP_S: f64 = 1e-4;
     let velocity = (pose(time_s + STEP_S).translation - pose(time_s).translation) / STEP_S;
-    let rows = f64::from(reported.resolution_px[1]);
+    // Earlier versions had truth on all pixels of the sensor, whatever the picture showed.
+    let grid = report.pixel_grid.as_ref().map_or_else(|| reported.resolution_px.into(), PixelGridReport::grid);
+    let rows = f64::from(grid.resolution[1]);
+    let sensor_row = |row: f64| grid.on_sensor(DVec2::new(0.0, row + 0.5)).y - 0.5;
     let shutter = recording.as_ref().filter(|recording| recording.motion.is_some() && recording.row_time_s != 0.0);
     let shutter = shutter.filter(|_| rows > 1.0).map(|recording| RollingShutter {
-        rows: [0.0, rows - 1.0].map(|row| pose(recording.time_s(row, 0.5))),
-        exposure: recording.exposure_s / ((rows - 1.0) * recording.row_time_s),
+        rows: [0.0, rows - 1.0].map(|row| pose(recording.time_s(sensor_row(row), 0.5))),
+        exposure: recording.exposure_s / ((rows - 1.0) * grid.per_pixel.y * recording.row_time_s),
         is_downwards: recording.first_row == 0.0,
     });
     let since_start_s = line.time_s.unwrap_or(f64::from(line.frame)) + time_s;
@@ -140,7 +143,12 @@ pub(super) fn shot(path: &Path, report: Report, line: Line, camera: usize) -> Re
             && report.capture["develop"]["distortion"] != Value::Bool(false)
     };
     let has_image = report.files.iter().any(|file| file == PICTURE);
-    let is_resampled = has_image && report.image.as_ref().map_or_else(undid_distortion, |image| image.is_resampled);
+    let is_resampled = has_image
+        && match (&report.image, &report.pixel_grid) {
+            (None, _) => undid_distortion(),
+            (Some(image), None) => image.is_resampled,
+            (Some(image), Some(grid)) => !grid.is_of(image, &projection),
+        };
     Ok(Shot {
         folder: line.folder,
         frame: line.frame,
@@ -148,9 +156,9 @@ pub(super) fn shot(path: &Path, report: Report, line: Line, camera: usize) -> Re
         stamp_ns: EPOCH_NS + (since_start_s * 1e9).round() as u64,
         calibrated: CalibratedCamera {
             name: line.camera,
-            intrinsics: reported.intrinsics(),
+            intrinsics: grid.intrinsics(&reported.intrinsics()),
             projection,
-            resolution: reported.resolution_px,
+            resolution: grid.resolution,
             to_world: pose(time_s),
         },
         start: pose(0.0),

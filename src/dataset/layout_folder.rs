@@ -6,7 +6,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::calibration::layouts::{LayoutFiles, Shot};
+use crate::calibration::layouts::{LayoutFiles, SeenPoint, Shot};
 use crate::calibration::truth::TruthLayer;
 use crate::capture::Capture;
 use crate::image::Planes;
@@ -16,7 +16,7 @@ use crate::io::npy::write_planes;
 use crate::io::output::{create_folder, write_unsynced};
 use crate::io::plain_png::{is_grey, picture_size, read_grey, write_grey8, write_grey16};
 use crate::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
-use crate::report::{REPORT, Report};
+use crate::report::{ObjectsReport, REPORT, Report};
 use crate::scene::description::SceneDescription;
 use crate::{Error, Invalid, Result, Sandbox};
 use serde_json::Value;
@@ -25,6 +25,8 @@ use serde_json::Value;
 pub(super) const PICTURE: &str = "image.png";
 /// Its ground truth.
 pub(super) const TRUTH: &str = "truth.exr";
+/// What is known of its objects.
+pub(super) const OBJECTS: &str = "objects.json";
 
 /// A folder that is being filled. One that is given up is removed.
 pub struct LayoutFolder {
@@ -112,6 +114,20 @@ impl LayoutFolder {
         Err(Invalid::new("", "is missing").help(help).in_file(&path))
     }
 
+    /// Says once that key points of objects are left out, where the capture has any.
+    fn warn_of_key_points(&mut self, shot: &Shot) -> Result<()> {
+        let capture = Report::read(&self.of_shot(shot, REPORT))?.capture;
+        let objects = capture["scene"]["objects"].as_array();
+        let has_points = |object: &Value| object.get("keypoints").is_some();
+        let message = "objects have key points, and the data set holds no objects.json that says where they appear: make it \
+                       with output.objects = true";
+        if objects.is_some_and(|objects| objects.iter().any(has_points)) && !self.warnings.iter().any(|w| w == message)
+        {
+            self.warnings.push(message.to_owned());
+        }
+        Ok(())
+    }
+
     /// The developed picture, which has the pixels of the camera.
     pub(super) fn picture(&self, shot: &Shot) -> Result<PathBuf> {
         let help = "make the data set with output.image = true, and a develop.colour_space whose pictures are PNG files, not xyz";
@@ -128,7 +144,7 @@ pub(super) fn check_size([width, height]: [u32; 2], shot: &Shot, path: &Path) ->
         return Ok(());
     }
     let message = format!("has {width} × {height} pixels, and the camera {columns} × {rows}");
-    let help = "make the data set without exposure.binning, exposure.region_px and sensor.frame_grabber";
+    let help = "make the data set again: earlier versions knew the camera of all pixels of the sensor alone";
     Err(Invalid::new("", message).help(help).in_file(path))
 }
 
@@ -200,6 +216,18 @@ impl LayoutFiles for LayoutFolder {
             return Err(Invalid::new("", "is not of the size of the picture").in_file(&path));
         }
         Ok(planes)
+    }
+
+    fn object_points(&mut self, shot: &Shot) -> Result<Vec<(u32, Vec<SeenPoint>)>> {
+        let path = self.of_shot(shot, OBJECTS);
+        if !path.is_file() {
+            return self.warn_of_key_points(shot).map(|()| Vec::new());
+        }
+        let text = fs::read_to_string(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+        let report: ObjectsReport = serde_json::from_str(&text)
+            .map_err(|error| Invalid::new("", format!("is damaged: {error}")).in_file(&path))?;
+        let objects = report.objects.into_iter().filter(|object| !object.keypoints.is_empty());
+        Ok(objects.map(|object| (object.number, object.seen_points())).collect())
     }
 
     fn scene(&mut self, shot: &Shot) -> Result<Arc<SceneDescription>> {

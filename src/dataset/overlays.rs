@@ -9,7 +9,7 @@ use serde::Serialize;
 
 use super::epipolar_lines::original_curves;
 use super::finished::{Line, refuse_resampled, shot};
-use super::layout_folder::TRUTH;
+use super::layout_folder::{OBJECTS, TRUTH};
 use super::sheet::Sheet;
 use crate::calibration::camera_files::StereoPair;
 use crate::calibration::layouts::{SceneObject, SeenPoint, SeenTarget, Shot};
@@ -17,8 +17,6 @@ use crate::io::exr::read_exr_file;
 use crate::report::{ObjectReport, ObjectsReport, REPORT, Report, RunLengths};
 use crate::{Error, Invalid, Result};
 
-/// What is known of each object, where a data set was asked for it.
-const OBJECTS: &str = "objects.json";
 /// Epipolar lines of a picture.
 const LINES: u32 = 12;
 

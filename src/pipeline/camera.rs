@@ -12,7 +12,7 @@ pub fn pixels(capture: &Capture) -> [u32; 2] {
     in_u32(capture.sensor.resolution)
 }
 
-fn in_u32(resolution: [usize; 2]) -> [u32; 2] {
+pub(super) fn in_u32(resolution: [usize; 2]) -> [u32; 2] {
     resolution.map(|n| u32::try_from(n).expect("resolutions are checked when they are read"))
 }
 

@@ -21,8 +21,9 @@ use crate::spectrum::{Spectrum, illuminant};
 use crate::units::{Decibels, Seconds};
 use crate::{Error, Invalid, Result};
 
-use super::lens_corrections::{LensSeen, SeenLens};
-use crate::report::{ExposureReport, ImageReport, NoiseReport, SensorReport};
+use super::lens_corrections::{LensSeen, SeenLens, read_out_grid};
+use crate::report::{ExposureReport, ImageReport, NoiseReport, PixelGridReport, SensorReport};
+use photosite_core::image_grid::ImageGrid;
 
 /// What the chain needs of a capture.
 #[derive(Clone, Copy)]
@@ -153,7 +154,7 @@ impl<'a> Chain<'a> {
     /// whether the report says where points of targets appear.
     pub(super) fn picture_warnings(&self, has_targets: bool) -> Vec<String> {
         let Settings { sensor, output, exposure, develop, .. } = self.settings;
-        let seen = self.lens.map(|lens| LensSeen::knowing(lens, sensor, &exposure.region));
+        let seen = self.lens.map(|lens| LensSeen::knowing(lens, sensor, &exposure.region, exposure.stages));
         let mut warnings = seen.map_or_else(Vec::new, |seen| seen.warnings(develop, output, has_targets));
         if !output.image {
             return warnings;
@@ -174,12 +175,30 @@ impl<'a> Chain<'a> {
     pub(super) fn image_report(&self) -> Option<ImageReport> {
         let Settings { sensor, exposure, develop, output, .. } = self.settings;
         let lens = self.lens.filter(|_| output.image);
-        lens.map(|lens| LensSeen::knowing(lens, sensor, &exposure.region).image_report(develop))
+        lens.map(|lens| LensSeen::knowing(lens, sensor, &exposure.region, exposure.stages).image_report(develop))
+    }
+
+    /// The pixels of the image that is delivered, which ground truth and points have.
+    pub(super) fn image_grid(&self) -> ImageGrid {
+        let Settings { sensor, exposure, develop, output, .. } = self.settings;
+        let ExposureSettings { region, stages, .. } = exposure;
+        match self.lens {
+            Some(lens) => LensSeen::knowing(lens, sensor, region, *stages).image_grid(output.image.then_some(develop)),
+            None => read_out_grid(sensor, region, *stages),
+        }
+    }
+
+    /// Where these lie on the sensor, where the lens is known.
+    pub(super) fn grid_report(&self) -> Option<PixelGridReport> {
+        let Settings { sensor, exposure, develop, output, .. } = self.settings;
+        let seen = LensSeen::knowing(self.lens?, sensor, &exposure.region, exposure.stages);
+        Some(seen.grid_report(output.image.then_some(develop)))
     }
 
     /// How the grid of the whole sensor becomes that of the ideal picture, where it does not stay.
     pub(super) fn ideal_resampling(&self) -> Option<Resampling> {
-        LensSeen::knowing(self.lens?, self.settings.sensor, &RegionOfInterest::WHOLE).resampling(self.settings.develop)
+        let Settings { sensor, exposure, develop, .. } = self.settings;
+        LensSeen::knowing(self.lens?, sensor, &RegionOfInterest::WHOLE, exposure.stages).resampling(develop)
     }
 
     /// Names of the sensor's channels, of which films and stored rows have the electron rates (e⁻/s).
@@ -259,7 +278,7 @@ impl<'a> Chain<'a> {
         }
         raw.metadata.baseline_exposure_ev = self.settings.output.dng_baseline_exposure_ev;
         if let Some(lens @ (_, _, known)) = self.lens {
-            LensSeen::knowing(lens, sensor, &exposure.region).write_to(&mut raw.metadata, known);
+            LensSeen::knowing(lens, sensor, &exposure.region, *stages).write_to(&mut raw.metadata, known);
         }
         Ok((raw, maps))
     }

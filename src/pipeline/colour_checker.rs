@@ -79,7 +79,8 @@ impl Grid {
     /// not, that of the sensor.
     fn of_picture(capture: &Capture, camera: &Camera, size: [usize; 2]) -> Result<Self, Invalid> {
         let sensor = pixels(capture).map(|n| n as usize);
-        let seen = LensSeen::new(&capture.lens, camera, &capture.sensor, &RegionOfInterest::WHOLE);
+        let seen =
+            LensSeen::new(&capture.lens, camera, &capture.sensor, &RegionOfInterest::WHOLE, capture.exposure.stages);
         let resampling = seen.resampling(&capture.develop);
         let developed = resampling.as_ref().map_or(sensor, Resampling::size_px);
         if size == developed || size == sensor {

@@ -196,6 +196,14 @@ impl ReadySensor {
         let known_gains = gains.filter(|_| same);
         let ready = Self { stored, white, optics, colours, placed, corrections: Arc::default(), known_gains };
         warnings.extend(ready.chain().picture_warnings(false));
+        let has_targets = ready.stored.traced.targets.as_ref().is_some_and(|targets| !targets.is_empty());
+        if has_targets && ready.stored.grid.is_some_and(|before| before != ready.chain().image_grid()) {
+            warnings.push(
+                "the points of targets are brought to the pixels of this image; points_visible is false of all that the \
+                 rendered one did not show"
+                    .to_owned(),
+            );
+        }
         let Stored { capture, recorded, traced, .. } = &ready.stored;
         if let Some(recorded) = recorded.as_ref().filter(|r| r.sensor.pixel_pitch_m != capture.sensor.pixel_pitch_m) {
             warnings.push(other_pitch(&recorded.sensor, &capture.sensor));
@@ -225,6 +233,11 @@ impl ReadySensor {
         let (capture, chain) = (&self.stored.capture, self.chain());
         let mut exposure_report = chain.exposure_report(exposure, gains);
         exposure_report.frame = (frame > 0).then_some(frame);
+        let mut traced = self.stored.traced.clone();
+        if let Some(before) = &self.stored.grid {
+            let now = chain.image_grid();
+            traced.targets.iter_mut().flatten().for_each(|target| target.move_points(before, &now));
+        }
         Ok(Report {
             schema_version: SCHEMA_VERSION,
             photosite_version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -233,9 +246,10 @@ impl ReadySensor {
             capture: capture.to_json(folder)?,
             fingerprint: None,
             seed: capture.seed,
-            traced: self.stored.traced.clone(),
+            traced,
             sensor: chain.sensor_report(exposure, raw),
             image: chain.image_report(),
+            pixel_grid: chain.grid_report(),
             exposure: exposure_report,
             files: Vec::new(),
             sums: BTreeMap::new(),

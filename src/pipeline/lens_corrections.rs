@@ -1,15 +1,17 @@
 //! What raw files say of the lens, so that developers can correct it, and what becomes of the picture when they do.
 
 use crate::calibration::camera_files::{FittedLens, Models};
-use crate::capture::{OutputSettings, RawFormat};
+use crate::capture::{Capture, OutputSettings, RawFormat};
 use crate::develop::{DevelopSettings, Resampling};
 use crate::optics::{Camera, Falloff, Intrinsics, LensDescription, LensKind, Projection};
 use crate::raw::{Distortion, GainMap, LensModel, PixelArea, RawMetadata, Warp};
-use crate::sensor::{RegionOfInterest, SensorModel};
+use crate::sensor::{BinningMethod, RegionOfInterest, SensorModel, Stage, Stages};
 use glam::DVec2;
+use photosite_core::image_grid::ImageGrid;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-use crate::report::ImageReport;
+use super::camera::in_u32;
+use crate::report::{ImageReport, PixelGridReport};
 
 /// Points of the gain map along each side: straight lines between so many miss 1/cos⁴θ by less than 0.3 % up to 45°
 /// from the axis.
@@ -24,16 +26,47 @@ pub struct LensSeen<'a> {
     camera: &'a Camera,
     /// What stands for a lens from a prescription, which developers have no words for; `None` of other lenses.
     fitted: Option<FittedLens>,
-    /// The part of the sensor that is read out, px.
-    area: PixelArea,
-    /// Columns and rows of the raw picture.
-    size_px: [usize; 2],
-    /// Pixels of the sensor in one of the raw picture.
-    factor: [f64; 2],
-    /// Pixel pitch of the raw picture, m.
+    /// The pixels of the raw image.
+    grid: ImageGrid,
+    /// Columns and rows of the sensor.
+    sensor_px: [u32; 2],
+    /// Pixel pitch of the raw image, m.
     pitch_m: [f64; 2],
-    /// Whether every second row lies half a pixel farther to the right.
-    is_staggered: bool,
+}
+
+/// The pixels of a raw image on those of the sensor: a region, bins, samples of a frame grabber. A video line shows things
+/// later along the row.
+pub(super) fn read_out_grid(sensor: &SensorModel, region: &RegionOfInterest, stages: Stages) -> ImageGrid {
+    let [width, height] = sensor.resolution;
+    let area = region.pixels.unwrap_or(PixelArea { x: 0, y: 0, width, height });
+    let ([width, height], factor) = match &sensor.frame_grabber {
+        Some(grabber) => (grabber.size, grabber.pixels_per_sample(sensor.resolution)),
+        None => {
+            let [across, down] = region.binning.factor;
+            ([area.width / across, area.height / down], [across, down].map(|n| n as f64))
+        }
+    };
+    // The line carries pixels, or the charge of bins.
+    let on_line = match region.binning.method {
+        BinningMethod::Charge => factor[0],
+        BinningMethod::Sum | BinningMethod::Mean => 1.0,
+    };
+    let on_line = if sensor.frame_grabber.is_some() { 1.0 } else { on_line };
+    let low_pass = sensor.video.low_pass.filter(|_| stages.has(Stage::VideoBandwidth));
+    let delay = low_pass.map_or(0.0, |low_pass| low_pass.delay_px() * on_line);
+    ImageGrid {
+        resolution: in_u32([width, height]),
+        first: DVec2::new(area.x as f64 - delay, area.y as f64),
+        per_pixel: DVec2::from_array(factor),
+        is_staggered: sensor.cells.is_staggered(),
+    }
+}
+
+/// The pixels that ground truth, points and camera files of a capture have.
+pub fn image_grid(capture: &Capture, camera: &Camera) -> ImageGrid {
+    let exposure = &capture.exposure;
+    let seen = LensSeen::new(&capture.lens, camera, &capture.sensor, &exposure.region, exposure.stages);
+    seen.image_grid(capture.output.image.then_some(&capture.develop))
 }
 
 /// A lens, where it stands, and what is known of it.
@@ -71,8 +104,14 @@ pub struct Resampled {
 
 impl<'a> LensSeen<'a> {
     /// A lens as a window of a sensor sees through it.
-    pub fn new(lens: &'a LensDescription, camera: &'a Camera, sensor: &SensorModel, region: &RegionOfInterest) -> Self {
-        Self::knowing((lens, camera, &KnownCorrections::default()), sensor, region)
+    pub fn new(
+        lens: &'a LensDescription,
+        camera: &'a Camera,
+        sensor: &SensorModel,
+        region: &RegionOfInterest,
+        stages: Stages,
+    ) -> Self {
+        Self::knowing((lens, camera, &KnownCorrections::default()), sensor, region, stages)
     }
 
     /// As [`new`](Self::new), with what is known of this lens.
@@ -80,20 +119,13 @@ impl<'a> LensSeen<'a> {
         (lens, camera, known): SeenLens<'a, '_>,
         sensor: &SensorModel,
         region: &RegionOfInterest,
+        stages: Stages,
     ) -> Self {
-        let [width, height] = sensor.resolution;
-        let area = region.pixels.unwrap_or(PixelArea { x: 0, y: 0, width, height });
-        let (size_px, factor) = match &sensor.frame_grabber {
-            Some(grabber) => (grabber.size, grabber.pixels_per_sample(sensor.resolution)),
-            None => {
-                let [across, down] = region.binning.factor;
-                ([area.width / across, area.height / down], [across, down].map(|n| n as f64))
-            }
-        };
-        let pitch_m = [0, 1].map(|axis| sensor.pixel_pitch_m[axis] * factor[axis]);
+        let grid = read_out_grid(sensor, region, stages);
+        let pitch_m = [0, 1].map(|axis| sensor.pixel_pitch_m[axis] * grid.per_pixel[axis]);
         let fit = || FittedLens::new(camera, Models::Rational);
         let fitted = if lens.kind == LensKind::Prescription { *known.fitted.get_or_init(fit) } else { None };
-        Self { lens, camera, fitted, area, size_px, factor, pitch_m, is_staggered: sensor.cells.is_staggered() }
+        Self { lens, camera, fitted, grid, sensor_px: in_u32(sensor.resolution), pitch_m }
     }
 
     /// Writes falloff and distortion into the metadata of a raw image of this window. `known` is of this lens.
@@ -107,7 +139,33 @@ impl<'a> LensSeen<'a> {
 
     /// How a developer resamples the picture; `None` where it stays as it is.
     pub fn resampling(&self, settings: &DevelopSettings) -> Option<Resampling> {
-        Resampling::new(&self.metadata(), self.size_px, settings)
+        Resampling::new(&self.metadata(), self.size_px(), settings)
+    }
+
+    /// The pixels of the image that is delivered, which ground truth and points have: those of image.png where the settings
+    /// say how one is developed, else those of the raw image. Where image.png is freed of a distortion, no scale and shift
+    /// lead to its pixels, and they are those of the raw image, too.
+    pub fn image_grid(&self, settings: Option<&DevelopSettings>) -> ImageGrid {
+        let resampling = settings.and_then(|settings| self.resampling(settings));
+        let Some(resampling) = resampling.filter(|resampling| !resampling.undistorts()) else { return self.grid };
+        let (first, per_pixel) = resampling.on_sensor();
+        ImageGrid {
+            resolution: in_u32(resampling.size_px()),
+            first: self.grid.on_sensor(DVec2::from_array(first)),
+            per_pixel: self.grid.per_pixel * DVec2::from_array(per_pixel),
+            is_staggered: resampling.is_staggered(),
+        }
+    }
+
+    /// Where [`image_grid`](Self::image_grid) lies, for a report.
+    pub(super) fn grid_report(&self, settings: Option<&DevelopSettings>) -> PixelGridReport {
+        let grid = self.image_grid(settings);
+        PixelGridReport::new(&grid, &grid.intrinsics(&self.whole_intrinsics()))
+    }
+
+    /// Columns and rows of the raw image.
+    fn size_px(&self) -> [usize; 2] {
+        self.grid.resolution.map(|n| n as usize)
     }
 
     /// What is corrected and changed, in words.
@@ -155,7 +213,7 @@ impl<'a> LensSeen<'a> {
                 warnings.push(format!("image.png keeps the distortion of the {name} lens: {why}"));
             }
             Some(model) if has_dng => {
-                if Warp::of_lens(&model, self.size_px, self.metadata().pixel_aspect()).is_none() {
+                if Warp::of_lens(&model, self.size_px(), self.metadata().pixel_aspect()).is_none() {
                     warnings.push(format!(
                         "of the {name} lens, raw.dng tells photosite alone: what DNG has for all developers comes no nearer to \
                          it than {} px",
@@ -172,21 +230,27 @@ impl<'a> LensSeen<'a> {
                  beside it; capture.json has the figures (camera.fitted)"
             ));
         }
-        if self.is_staggered && has_dng {
+        if self.grid.is_staggered && has_dng {
             let how = "by CFALayout, which most programs pass over: they take the rows for columns";
             warnings.push(format!("raw.dng tells that every second row lies half a pixel to the right {how}"));
         }
+        let truth = match (!output.truth.layers.is_empty() || output.objects, has_targets) {
+            (true, true) => Some("ground truth and the points of targets are"),
+            (true, false) => Some("ground truth is"),
+            (false, true) => Some("the points of targets in capture.json are"),
+            (false, false) => None,
+        };
         if let Some(Resampled { what, keys }) = self.resampled(settings).filter(|_| output.image) {
-            let truth = match (!output.truth.layers.is_empty(), has_targets) {
-                (true, true) => Some("ground truth and the points of targets are"),
-                (true, false) => Some("ground truth is"),
-                (false, true) => Some("the points of targets in capture.json are"),
-                (false, false) => None,
-            };
-            if let Some(truth) = truth {
-                warnings.push(format!(
+            let undistorts = self.resampling(settings).is_some_and(|resampling| resampling.undistorts());
+            match truth {
+                Some(truth) if undistorts => warnings.push(format!(
                     "image.png is {what}, but {truth} not; write {keys}, and both show things in the same places"
-                ));
+                )),
+                Some(truth) if !output.raw.is_empty() => warnings.push(format!(
+                    "image.png is {what}, and {truth} in its pixels, not in those of the raw files; write {keys}, and all \
+                     show things in the same places"
+                )),
+                Some(_) | None => {}
             }
             if !has_dng && !output.raw.is_empty() {
                 warnings.push(format!(
@@ -194,6 +258,13 @@ impl<'a> LensSeen<'a> {
                      and pixels"
                 ));
             }
+        }
+        let whole = ImageGrid { is_staggered: self.grid.is_staggered, ..self.sensor_px.into() };
+        if let (Some(truth), true) = (truth, self.grid != whole && (output.electrons || output.irradiance.is_some())) {
+            warnings.push(format!(
+                "{truth} in the pixels that are read out; electrons.exr and irradiance.exr have all pixels of the sensor, and \
+                 pixel_grid in capture.json says where those lie on it"
+            ));
         }
         warnings
     }
@@ -209,7 +280,7 @@ impl<'a> LensSeen<'a> {
         let resampling = self.resampling(settings);
         let (size, (first, per_pixel)) = match &resampling {
             Some(resampling) => (resampling.size_px(), resampling.on_sensor()),
-            None => (self.size_px, ([0.0; 2], [1.0; 2])),
+            None => (self.size_px(), ([0.0; 2], [1.0; 2])),
         };
         let intrinsics = on_grid.on_grid(first, per_pixel);
         let aspect = settings.pixel_aspect(&metadata);
@@ -223,9 +294,12 @@ impl<'a> LensSeen<'a> {
 
     /// The matrix of the lens on the grid of the raw picture.
     fn intrinsics(&self) -> Intrinsics {
-        let first = [self.area.x, self.area.y].map(|n| n as f64);
-        let whole = self.fitted.map_or(self.camera.intrinsics(), |fitted| fitted.intrinsics);
-        whole.on_grid(first, self.factor)
+        self.grid.intrinsics(&self.whole_intrinsics())
+    }
+
+    /// The same on that of the sensor.
+    fn whole_intrinsics(&self) -> Intrinsics {
+        self.fitted.map_or(self.camera.intrinsics(), |fitted| fitted.intrinsics)
     }
 
     /// The model of the lens, or what stands for it.
@@ -237,7 +311,7 @@ impl<'a> LensSeen<'a> {
     fn metadata(&self) -> RawMetadata {
         RawMetadata {
             pixel_pitch_m: Some(self.pitch_m),
-            is_staggered: self.is_staggered,
+            is_staggered: self.grid.is_staggered,
             distortion: self.model().map(Distortion::Lens),
             ..RawMetadata::default()
         }
@@ -255,14 +329,14 @@ impl<'a> LensSeen<'a> {
             projection: self.projection(),
             max_angle_rad: self.lens.max_angle_rad,
         };
-        let can_correct = self.is_distorted() && !self.camera.scans() && model.is_within_a_half_space(self.size_px);
+        let can_correct = self.is_distorted() && !self.camera.scans() && model.is_within_a_half_space(self.size_px());
         can_correct.then_some(model)
     }
 
     /// The window on the grid of the sensor: left, top, width, height.
     fn window_px(&self) -> [f64; 4] {
-        let [width, height] = [0, 1].map(|axis| self.size_px[axis] as f64 * self.factor[axis]);
-        [self.area.x as f64, self.area.y as f64, width, height]
+        let size = self.grid.per_pixel * DVec2::from_array(self.grid.resolution.map(f64::from));
+        [self.grid.first.x, self.grid.first.y, size.x, size.y]
     }
 
     /// 1 over the relative illumination. Where distortion leaves a pixel without light, there is nothing to correct.
@@ -311,9 +385,13 @@ mod tests {
     ) -> LensSeen<'a> {
         let area = region.pixels.unwrap_or(PixelArea { x: 0, y: 0, width: 640, height: 480 });
         let [across, down] = region.binning.factor;
-        let (size_px, factor) = ([area.width / across, area.height / down], [across, down].map(|n| n as f64));
-        let pitch_m = [0, 1].map(|axis| pitch_m[axis] * factor[axis]);
-        LensSeen { lens, camera, fitted: None, area, size_px, factor, pitch_m, is_staggered: false }
+        let grid = ImageGrid {
+            first: DVec2::new(area.x as f64, area.y as f64),
+            per_pixel: DVec2::new(across as f64, down as f64),
+            ..ImageGrid::from([area.width / across, area.height / down].map(|n| n as u32))
+        };
+        let pitch_m = [0, 1].map(|axis| pitch_m[axis] * grid.per_pixel[axis]);
+        LensSeen { lens, camera, fitted: None, grid, sensor_px: SIZE, pitch_m }
     }
 
     #[test]

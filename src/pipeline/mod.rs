@@ -58,7 +58,7 @@ pub use earlier::Place;
 pub use exposed_render::ExposedRender;
 pub use file_names::PART;
 pub use focusing::{place_camera, standalone_camera, standalone_recording_camera};
-pub use lens_corrections::{LensSeen, Resampled};
+pub use lens_corrections::{LensSeen, Resampled, image_grid};
 pub use light::Light;
 pub(crate) use monitor::go_on;
 pub use monitor::{Event, GrowingPicture, MadeIn, Monitor, PictureOfFrame, Silent};

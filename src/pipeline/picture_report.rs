@@ -68,6 +68,7 @@ pub(super) fn picture_report(prepared: &Prepared, made: Made<'_>) -> Result<Repo
         traced,
         sensor: chain.sensor_report(&exposure, &first),
         image: chain.image_report(),
+        pixel_grid: chain.grid_report(),
         exposure: exposure_report,
         files,
         sums,
@@ -115,7 +116,7 @@ impl Prepared {
     /// The calibration targets of the scene, as the first picture shows them.
     fn target_reports(&self, not_found: &NotFound) -> Vec<TargetReport> {
         let camera = self.camera();
-        let view = View::of(&self.scene, &camera, pixels(&self.capture)).counting(not_found);
+        let view = View::of(&self.scene, &camera, self.chain().image_grid()).counting(not_found);
         let report = |target: &PlacedTarget| TargetReport::new(target, &view);
         self.capture.targets.iter().map(report).collect()
     }

@@ -99,7 +99,7 @@ impl Series<'_> {
             return self.picture((first_scene, objects), &first.camera, next, frames, folder, timings, state);
         }
         let Some(recording) = &capture.recording else {
-            let of_series = View::of(first_scene, still, pixels(capture));
+            let of_series = View::of(first_scene, still, self.prepared.chain().image_grid());
             let next = self.views.next(capture, first_scene, of_series);
             return self.picture(
                 (first_scene, objects),
@@ -128,7 +128,7 @@ impl Series<'_> {
             let (scene, objects) =
                 now.scene.as_ref().map_or((&**first_scene, objects), |(scene, objects)| (scene, objects));
             let next_scene = next.as_ref().and_then(|next| Some(&next.scene.as_ref()?.0)).unwrap_or(scene);
-            let of_series = View::of(next_scene, &next_camera, pixels(capture));
+            let of_series = View::of(next_scene, &next_camera, self.prepared.chain().image_grid());
             let view = self.views.next(capture, scene, of_series);
             let frames = Frames::One { number, of: count };
             let recorded = self.picture((scene, objects), &camera, view, frames, folder, timings, &mut state)?;
@@ -196,11 +196,11 @@ impl Series<'_> {
         if let LightSource::Part(samples) = &self.request.light {
             settings.part = Some(samples.clone());
         }
-        let resolution = pixels(capture);
+        let grid = chain.image_grid();
         let partner = self.views.partner_of(camera);
         let partner =
-            partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, resolution, not_found: None });
-        let truth_job = TruthJob { view: View::of(scene, camera, resolution), objects, next, partner };
+            partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, grid, not_found: None });
+        let truth_job = TruthJob { view: View::of(scene, camera, grid), objects, next, partner };
         let mut warnings = check_png(&truth_job, &capture.output.truth)
             .map_err(|invalid| capture.source.error(invalid.within("output")))?;
         warnings.iter().for_each(|warning| monitor.report(Event::Warning(warning)));

@@ -3,17 +3,19 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use super::camera::in_u32;
 use super::file_names::PART;
 use super::same_light::{same_cells, same_times};
 use super::stored_light::StoredLight;
 use crate::capture::{ExposureTime, StoredCapture, StoredReport};
 use crate::develop::SensorCalibration;
 use crate::image::{Estimate, Planes};
-use crate::report::{LightReport, REPORT, Report, TracedReport};
+use crate::report::{LightReport, PixelGridReport, REPORT, Report, TracedReport};
 use crate::sensor::{PictureUnit, picture_electrons};
 use crate::spectrum::illuminant;
 use crate::units::{Decibels, Seconds};
 use crate::{Error, Invalid, Result};
+use photosite_core::image_grid::ImageGrid;
 use photosite_core::{Remedy, Sandbox};
 
 /// What the numbers of a picture of another program are on the sensor.
@@ -41,6 +43,8 @@ pub(super) struct Stored {
     pub(super) calibration: Option<SensorCalibration>,
     /// What the report says of the light.
     pub(super) traced: TracedReport,
+    /// The pixels that its points have; `None` where nothing was traced.
+    pub(super) grid: Option<ImageGrid>,
 }
 
 impl Stored {
@@ -85,6 +89,9 @@ impl Stored {
             return Err(no_irradiance(folder));
         }
         light.check(&capture)?;
+        // Earlier versions had points on the pixels of the sensor.
+        let grid = report.pixel_grid.as_ref().map(PixelGridReport::grid);
+        let grid = grid.unwrap_or_else(|| in_u32(recorded.sensor.resolution).into());
         let gains = [report.exposure.gain_db, report.exposure.digital_gain_db].map(Decibels);
         let stored = Self {
             capture,
@@ -93,6 +100,7 @@ impl Stored {
             gains: Some(gains),
             calibration: report.sensor.calibration,
             traced: report.traced,
+            grid: Some(grid),
         };
         Ok((stored, light))
     }
@@ -117,7 +125,7 @@ impl Stored {
         let capture = StoredCapture::of_picture(sandbox, input, light.resolution(), overrides)?;
         light.check(&capture)?;
         let (later, traced) = (Vec::new(), TracedReport::default());
-        Ok(Self { capture, later, recorded: None, gains: None, calibration: None, traced })
+        Ok(Self { capture, later, recorded: None, gains: None, calibration: None, traced, grid: None })
     }
 }
 
@@ -162,7 +170,7 @@ impl Stored {
         };
         let traced = TracedReport { scene_light, ..TracedReport::default() };
         let later = Vec::new();
-        Ok((Self { capture, later, recorded: None, gains: None, calibration: None, traced }, light))
+        Ok((Self { capture, later, recorded: None, gains: None, calibration: None, traced, grid: None }, light))
     }
 }
 

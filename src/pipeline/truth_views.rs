@@ -10,9 +10,11 @@ use crate::{Invalid, Result};
 use glam::DAffine3;
 use std::sync::Arc;
 
-use super::camera::{camera_of, pixels};
+use super::camera::camera_of;
 use super::focusing::{focus_camera, place_camera};
+use super::lens_corrections::image_grid;
 use super::prepare::Prepared;
+use photosite_core::image_grid::ImageGrid;
 
 /// What ground truth needs besides the picture that it is of.
 pub(super) struct TruthViews<'a> {
@@ -67,12 +69,12 @@ impl Prepared {
         }
         let views = TruthViews::new(self, layers)?;
         let first = FirstViews::new(self, &views)?;
-        let resolution = pixels(capture);
+        let grid = self.chain().image_grid();
         let partner = views.partner_of(&first.camera);
         let partner =
-            partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, resolution, not_found: None });
+            partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, grid, not_found: None });
         let next = views.next(capture, scene, first.next(self));
-        let view = View::of(scene, &first.camera, resolution);
+        let view = View::of(scene, &first.camera, grid);
         Ok(truth(&TruthJob { view, objects: &self.objects, next, partner }, layers))
     }
 }
@@ -105,7 +107,7 @@ impl FirstViews {
 
     pub(super) fn next<'b>(&'b self, prepared: &'b Prepared) -> View<'b> {
         let scene = self.next_scene.as_ref().unwrap_or(&prepared.scene);
-        View::of(scene, &self.next_camera, pixels(&prepared.capture))
+        View::of(scene, &self.next_camera, prepared.chain().image_grid())
     }
 }
 
@@ -137,7 +139,7 @@ struct ChangedPicture {
     /// `None`: as in this one.
     scene: Option<Scene>,
     camera: Camera,
-    resolution: [u32; 2],
+    grid: ImageGrid,
 }
 
 impl ChangedPicture {
@@ -152,11 +154,12 @@ impl ChangedPicture {
             Some(recording) => placed.recording(recording.clone()),
             None => placed,
         };
-        Ok(Some(Self { scene: built, camera, resolution: pixels(&next) }))
+        let grid = image_grid(&next, &camera);
+        Ok(Some(Self { scene: built, camera, grid }))
     }
 
     fn view<'a>(&'a self, scene: &'a Scene) -> View<'a> {
-        View::of(self.scene.as_ref().unwrap_or(scene), &self.camera, self.resolution)
+        View::of(self.scene.as_ref().unwrap_or(scene), &self.camera, self.grid)
     }
 }
 

@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::camera::camera_matrix;
 use crate::optics::{Intrinsics, Projection};
+use glam::DVec2;
+use photosite_core::image_grid::ImageGrid;
 
 /// The camera that `image.png` is a picture of, in the same conventions: that of `camera`, where the distortion of the
 /// lens is left in, pixels keep their shape, and all of the sensor is read out pixel by pixel; else the one that a
@@ -45,6 +47,50 @@ impl ImageReport {
             distortion: projection.coefficients(),
             xi: projection.xi(),
             is_resampled,
+        }
+    }
+}
+
+/// The pixels that ground truth, points of targets and objects, and camera files have: those of `image.png`, or of the raw
+/// image where none is developed or where `image.png` is freed of the distortion of the lens.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+pub struct PixelGridReport {
+    /// Columns and rows.
+    pub resolution_px: [u32; 2],
+    /// The matrix of `camera` (of the fitted model, for a lens that is traced) on these pixels.
+    pub camera_matrix: [[f64; 3]; 3],
+    /// Where the top-left corner of the first pixel lies on the sensor, pixels of the sensor from its own corner.
+    pub corner_px: [f64; 2],
+    /// Pixels of the sensor in one of these, across and down.
+    pub sensor_px: [f64; 2],
+    /// Whether every second row lies half a pixel farther to the right.
+    pub is_staggered: bool,
+}
+
+impl PixelGridReport {
+    /// Of a grid, with the matrix of the camera on it.
+    pub fn new(grid: &ImageGrid, intrinsics: &Intrinsics) -> Self {
+        Self {
+            resolution_px: grid.resolution,
+            camera_matrix: camera_matrix(intrinsics),
+            corner_px: grid.first.to_array(),
+            sensor_px: grid.per_pixel.to_array(),
+            is_staggered: grid.is_staggered,
+        }
+    }
+
+    /// Whether `image.png` has these pixels and the projection that the lens, or what is fitted to it, has.
+    pub fn is_of(&self, image: &ImageReport, projection: &Projection) -> bool {
+        image.projection == projection.name() && image.resolution_px == self.resolution_px.map(|n| n as usize)
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> ImageGrid {
+        ImageGrid {
+            resolution: self.resolution_px,
+            first: DVec2::from_array(self.corner_px),
+            per_pixel: DVec2::from_array(self.sensor_px),
+            is_staggered: self.is_staggered,
         }
     }
 }

@@ -26,7 +26,7 @@ use serde::{Deserialize, Serialize};
 pub use camera::{CameraReport, FieldOfViewReport};
 pub use comparison::{ComparedFile, ComparisonReport, DifferencePicture, UntestedChannels};
 pub use exposed::{ExposureReport, SensorReport};
-pub use image::ImageReport;
+pub use image::{ImageReport, PixelGridReport};
 pub use lens::{FocusStepReport, LensFiguresReport, LensReport};
 pub(crate) use listing::{Listing, Look, damage_of_file};
 pub use motion::{MotionReport, PathReport, PoseReport};
@@ -76,6 +76,10 @@ pub struct Report {
     /// The developed image; `null` where nothing is known of the lens.
     #[serde(default)]
     pub image: Option<ImageReport>,
+    /// The pixels of ground truth, points and camera files; left out where nothing is known of the lens, and in reports of
+    /// earlier versions, whose ground truth has all pixels of the sensor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pixel_grid: Option<PixelGridReport>,
     /// The exposure.
     pub exposure: ExposureReport,
     /// File names in the output folder.

@@ -4,7 +4,8 @@ use glam::{DAffine3, DVec2, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::matrix::rows;
+use super::matrix::{from_rows, rows};
+use crate::calibration::layouts::SeenPoint;
 use crate::calibration::truth::{Correspondence, Mask, Silhouettes, TruthObject, View, silhouettes};
 
 /// The objects of a picture. Pixels are those of ground truth; integer coordinates are at their centres.
@@ -50,7 +51,8 @@ pub struct ObjectReport {
     pub alone: MaskReport,
     /// Part of the pixels that would see it alone that see it; `null` where none would.
     pub visible_part: Option<f64>,
-    /// Whether its box reaches beyond the picture, so that more of it may be outside.
+    /// Whether its box reaches beyond what of the picture sees light (its edges, the image circle of sensor and lens), so
+    /// that more of it may be outside.
     pub is_cut_off: bool,
     /// Points of it.
     pub keypoints: Vec<KeypointReport>,
@@ -94,7 +96,10 @@ impl ObjectsReport {
     pub fn new(view: &View<'_>, objects: &[TruthObject]) -> Self {
         let found = silhouettes(view, objects);
         let report = |(number, (object, found))| ObjectReport::new(number, object, &found, view);
-        Self { resolution_px: view.resolution, objects: (1..).zip(objects.iter().zip(found)).map(report).collect() }
+        Self {
+            resolution_px: view.grid.resolution,
+            objects: (1..).zip(objects.iter().zip(found)).map(report).collect(),
+        }
     }
 }
 
@@ -108,9 +113,11 @@ impl ObjectReport {
         let appears = |point: DVec3| view.moving_landmark(|time| object.to_world(time).transform_point3(point));
         let px = |found: &Correspondence| (found.pixel - DVec2::splat(0.5)).to_array();
         let corners = object.corners().map(&appears);
-        let [width, height] = view.resolution.map(f64::from);
-        let is_inside =
-            |found: &Correspondence| (0.0..=width).contains(&found.pixel.x) && (0.0..=height).contains(&found.pixel.y);
+        let [width, height] = view.grid.resolution.map(f64::from);
+        let is_inside = |found: &Correspondence| {
+            let within = (0.0..=width).contains(&found.pixel.x) && (0.0..=height).contains(&found.pixel.y);
+            within && view.camera.is_lit(found.on_sensor)
+        };
         let of_point = |(name, point): &(String, DVec3)| {
             let found = appears(*point);
             KeypointReport {
@@ -120,7 +127,7 @@ impl ObjectReport {
                 visible: found.is_some_and(|found| found.visible),
             }
         };
-        let [seen, all] = [visible, alone].map(|mask| MaskReport::new(mask, view.resolution));
+        let [seen, all] = [visible, alone].map(|mask| MaskReport::new(mask, view.grid.resolution));
         Self {
             number,
             name: object.name.clone(),
@@ -140,6 +147,20 @@ impl ObjectReport {
             is_cut_off: !corners.iter().all(|corner| corner.as_ref().is_some_and(is_inside)),
             keypoints: object.keypoints.iter().map(of_point).collect(),
         }
+    }
+}
+
+impl ObjectReport {
+    /// Its key points as the picture shows them.
+    pub fn seen_points(&self) -> Vec<SeenPoint> {
+        let to_world = from_rows(&self.rotation_to_world);
+        let seen = |point: &KeypointReport| SeenPoint {
+            name: point.name.clone(),
+            world: to_world * DVec3::from_array(point.position_m) + DVec3::from_array(self.position_m),
+            pixel: point.px.map(DVec2::from_array),
+            is_visible: point.visible,
+        };
+        self.keypoints.iter().map(seen).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 //! What a report says of ground truth and of calibration targets.
 
 use glam::{DAffine3, DVec2, DVec3};
+use photosite_core::image_grid::ImageGrid;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -93,7 +94,8 @@ impl TargetReport {
     /// Of a target in the world, as a view shows it.
     pub fn new(placed: &PlacedTarget, view: &View<'_>) -> Self {
         let found: Vec<_> = placed.points().map(|(_, point)| view.landmark(point)).collect();
-        let is_vignetted = |place: &Option<Correspondence>| place.is_some_and(|at| view.camera.is_vignetted(at.pixel));
+        let is_vignetted =
+            |place: &Option<Correspondence>| place.is_some_and(|at| view.camera.is_vignetted(at.on_sensor));
         let vignetted: Vec<bool> = found.iter().map(is_vignetted).collect();
         let px = |place: &Correspondence| (place.pixel - DVec2::splat(0.5)).to_array();
         Self {
@@ -105,6 +107,17 @@ impl TargetReport {
             rotation: rows(placed.to_world.matrix3),
             translation_m: placed.to_world.translation.to_array(),
             points_world_m: placed.points().map(|(_, point)| point.to_array()).collect(),
+        }
+    }
+
+    /// Takes the points from the pixels of one image to those of another. Nothing is known of what lies before the points
+    /// that the first one does not show: they stay hidden.
+    pub fn move_points(&mut self, from: &ImageGrid, to: &ImageGrid) {
+        for (place, visible) in self.points_px.iter_mut().zip(&mut self.points_visible) {
+            let Some(px) = place else { continue };
+            let moved = to.in_image(from.on_sensor(DVec2::from_array(*px) + 0.5));
+            *visible = *visible && to.contains(moved);
+            *px = (moved - 0.5).to_array();
         }
     }
 

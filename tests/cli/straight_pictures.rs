@@ -128,7 +128,7 @@ fn the_grid_of_the_sensor_is_kept_where_it_is_asked_for_and_told_of() {
 }
 
 #[rstest]
-#[case::truth("--set output.truth=['depth']", &["brought to square pixels", "develop.square_pixels = false"])]
+#[case::truth("--set output.truth=['depth']", &["brought to square pixels, and ground truth is in its pixels", "develop.square_pixels = false"])]
 #[case::both(
     "--set output.truth=['depth'] --set lens.distortion={model='division',k=[-0.1]}",
     &["freed of the distortion of the lens and brought to square pixels", "develop.distortion = false and develop.square_pixels = false"]
@@ -159,8 +159,70 @@ fn what_is_not_as_expected_is_said_once(#[case] arguments: &str, #[case] wanted:
 #[test]
 fn cameras_of_the_raw_picture_are_told_from_those_of_the_developed_one() {
     let folder = lamp([0.2, 0.1], WIDE);
-    let outcome = folder.succeed("camera capture.toml --format colmap");
-    assert!(outcome.text().contains("image.png is brought to square pixels"), "{}", outcome.stderr);
-    let outcome = folder.succeed("camera capture.toml --format colmap --set develop.square_pixels=false");
-    assert_eq!(outcome.stderr, "");
+    let barrel = "--set lens.distortion={model='brown-conrady',k=[-0.3]}";
+    let outcome = folder.succeed(&format!("camera capture.toml --format colmap {barrel}"));
+    assert!(outcome.text().contains("image.png is freed of the distortion"), "{}", outcome.stderr);
+    for keeps in ["--set develop.distortion=false", "--set output.image=false"] {
+        let outcome = folder.succeed(&format!("camera capture.toml --format colmap {barrel} {keeps}"));
+        assert_eq!(outcome.stderr, "");
+    }
+}
+
+/// The image of a lamp is the second route: `project`, the camera file, ground truth and the report lead to where image.png
+/// shows it, whatever changes its pixels.
+#[rstest]
+#[case::whole("", [64, 48])]
+#[case::region("--set exposure.region_px=[20,4,40,32]", [40, 32])]
+#[case::binning("--set exposure.binning=[2,2]", [32, 24])]
+#[case::binned_region("--set exposure.region_px=[20,4,40,32] --set exposure.binning=[2,1]", [20, 32])]
+#[case::frame_grabber("--set sensor.frame_grabber={size_px=[90,40]}", [90, 40])]
+#[case::resized("--set develop.resize_px=[96,96]", [96, 96])]
+#[case::zoomed("--set develop.digital_zoom=1.5", [64, 48])]
+#[case::zoomed_region("--set exposure.region_px=[20,4,40,32] --set develop.digital_zoom=1.25 --set develop.resize_px=[50,50]", [50, 50])]
+#[case::wide_pixels("--set sensor.pixel_pitch_um=[150,100]", [96, 48])]
+#[case::masked_pixels("--set sensor.masked_columns=[8,4] --set sensor.masked_rows=[2,6]", [64, 48])]
+#[case::video_line("--set sensor.video={bandwidth_mhz=8,pixel_clock_mhz=40}", [64, 48])]
+fn truth_has_the_pixels_of_the_image(#[case] options: &str, #[case] size: [u32; 2]) {
+    let capture = "[lens]\ntype = 'pinhole'\nfocal_length_mm = 8\nf_number = 8\nfocus_distance_m = 'infinity'\n[sensor]\n\
+                   preset = 'sony-imx249-mono'\nresolution_px = [64, 48]\npixel_pitch_um = [100, 100]\n[exposure]\n\
+                   time_s = 0.003\n";
+    let place = [0.3, 0.2];
+    let folder = lamp(place, capture);
+    folder.add("point.csv", format!("{},{},0\n", place[0], place[1]));
+    let truth = "--set output.truth=['depth'] --set output.objects=true";
+    folder.succeed(&format!("render capture.toml -o out {truth} {options}"));
+    let [width, height] = size;
+    assert_eq!(picture_size(&folder, "out/image.png"), size);
+    let seen = centroid(&folder, "out/image.png");
+    let is_near = |what: &str, at: [f64; 2]| {
+        let off = (at[0] - seen[0]).abs().max((at[1] - seen[1]).abs());
+        // Noise of some 2 % of the lamp's signal in some 8 × 8 pixels about it moves its centroid by less than 0.1 px; a
+        // sharp edge moves the mean of pixel centres by less than 0.2.
+        assert!(off < 0.3, "{what} at {at:?}, image.png at {seen:?}");
+    };
+    let projected = folder.succeed(&format!("project capture.toml --points point.csv {options}")).stdout;
+    let numbers: Vec<f64> = projected.trim().split(',').map(|n| n.parse().expect("a number")).collect();
+    is_near("project", [numbers[0], numbers[1]]);
+    let file = folder.succeed(&format!("camera capture.toml --format colmap {options}")).stdout;
+    let line = file.lines().find(|line| line.contains("PINHOLE")).expect("a camera");
+    let words: Vec<f64> = line.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let [_, columns, rows, fx, fy, cx, cy] = words[..] else { panic!("{line}") };
+    assert_eq!([columns, rows], size.map(f64::from));
+    // COLMAP counts from the corner. The camera stands 3 m away and looks along −z.
+    is_near("camera", [fx * place[0] / 3.0 + cx - 0.5, cy - 0.5 - fy * place[1] / 3.0]);
+    let bytes = std::fs::read(folder.path("out/truth.exr")).expect("truth.exr");
+    let planes = photosite::io::exr::read_exr(std::io::Cursor::new(bytes)).expect("EXR").planes;
+    assert_eq!([planes.width(), planes.height()], size.map(|n| n as usize));
+    let depth = planes.plane("depth").expect("a layer");
+    let on_it: Vec<usize> = (0..depth.len()).filter(|&i| depth[i].is_finite() && depth[i] > 0.0).collect();
+    let mean = |of: &dyn Fn(usize) -> usize| on_it.iter().map(|&i| of(i) as f64).sum::<f64>() / on_it.len() as f64;
+    let (columns, rows) = (width as usize, height);
+    // Half the pitch of the coarser grid is as far as the mean of few pixels may lie beside.
+    let at = [mean(&|i| i % columns), mean(&|i| i / columns)];
+    assert!((at[0] - seen[0]).abs() < 0.6 && (at[1] - seen[1]).abs() < 0.6, "depth at {at:?}, image.png at {seen:?}");
+    let objects: Value =
+        serde_json::from_slice(&std::fs::read(folder.path("out/objects.json")).expect("a file")).expect("JSON");
+    assert_eq!(objects["resolution_px"], serde_json::json!([width, rows]));
+    let corners = objects["objects"][0]["box_corners_px"].as_array().expect("eight corners").clone();
+    is_near("box", [0, 1].map(|axis| corners.iter().map(|c| c[axis].as_f64().expect("seen")).sum::<f64>() / 8.0));
 }

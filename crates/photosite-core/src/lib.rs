@@ -14,6 +14,7 @@ pub mod error;
 pub mod fail_point;
 pub mod help;
 pub mod image;
+pub mod image_grid;
 pub mod input;
 pub mod json;
 pub mod key_path;

@@ -190,9 +190,9 @@ pub(crate) struct OutputTable {
     pub(crate) ideal: Option<bool>,
     /// What is really there at each pixel: true for all layers, or a list of "depth" and "distance" (m), "position"
     /// (world, m), "normal", "shading-normal", "uv", "albedo", "object-position" (m), "nocs", "instance", "material", "flow" (px to the next picture),
-    /// "disparity" (px, left picture less right one). Of all pixels of the sensor, before exposure.region_px and
-    /// exposure.binning and sensor.frame_grabber, at their centres; where something moves, in the middle of the exposure
-    /// of each row. Left out: false.
+    /// "disparity" (px, left picture less right one). At the centres of the pixels of image.png, or of the raw image where
+    /// none is developed or image.png is freed of distortion; where something moves, in the middle of the exposure of each
+    /// row. Left out: false.
     pub(crate) truth: Option<TruthSource>,
     /// Formats of that: "exr" for one file truth.exr; "npy" or "png" (16 bits) for one file a layer. Left out: ["exr"].
     pub(crate) truth_formats: Option<Vec<TruthFormat>>,

@@ -41,6 +41,7 @@ pub use rectified_view::RectifiedView;
 pub use ros::{ros, ros_distortion, ros_name, ros_pair};
 
 use photosite_core::Invalid;
+use photosite_core::image_grid::ImageGrid;
 use photosite_transport::optics::{BrownConrady, Camera, Intrinsics, Projection};
 
 /// A camera as other tools know it.
@@ -74,6 +75,12 @@ impl CalibratedCamera {
     #[must_use]
     pub fn with_fitted(self, fitted: &FittedLens) -> Self {
         Self { intrinsics: fitted.intrinsics, projection: fitted.projection, ..self }
+    }
+
+    /// The same camera as an image of these pixels shows it.
+    #[must_use]
+    pub fn on_grid(self, grid: &ImageGrid) -> Self {
+        Self { intrinsics: grid.intrinsics(&self.intrinsics), resolution: grid.resolution, ..self }
     }
 
     /// World → camera with the axes of OpenCV (x right, y down, z forward).

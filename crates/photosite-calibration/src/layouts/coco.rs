@@ -9,14 +9,14 @@
 //! lengths, column by column, with their count as the area; `iscrowd` is 0, as each is one object. Boxes are x, y,
 //! width, height, where 0, 0, 1, 1 encloses the first pixel.
 //!
-//! The points of a target are key points of its category, x, y, v each, with integer coordinates at pixel centres, as
+//! The points of a target, and the key points of an object, are key points of its category, x, y, v each, with integer coordinates at pixel centres, as
 //! COCO's annotations have them: v is 2 for one that is visible, 1 for one that is hidden, and all three are 0 for one
 //! beyond the picture. What no pixel sees is not annotated.
 
 use serde_json::{Value, json};
 
 use super::objects::{SceneObject, object_of_pixel};
-use super::picture_set::{LayoutFiles, PictureSet, SeenTarget, Shot};
+use super::picture_set::{LayoutFiles, PictureSet, SeenPoint, SeenTarget, Shot};
 use crate::truth::TruthLayer;
 use photosite_core::Result;
 
@@ -29,10 +29,13 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
         let [width, height] = shot.calibrated.resolution;
         images.push(json!({ "id": image, "width": width, "height": height, "file_name": name }));
         let truth = files.truth(shot, &[TruthLayer::Instance])?;
+        let of_objects = files.object_points(shot)?;
         let regions = regions(&object_of_pixel(&truth, &shot.objects), shot);
         for (object, region) in shot.objects.iter().zip(regions).filter(|(_, region)| region.area > 0) {
             let target = shot.targets.iter().find(|target| is_of(target, object));
-            let category = Category::new(object, target);
+            let own = of_objects.iter().find(|(number, _)| object.numbers.contains(number));
+            let points = target.map(|target| &target.points).or(own.map(|(_, points)| points));
+            let category = Category::new(object, target.is_some(), points.map(Vec::as_slice));
             let known = categories.iter().position(|other| *other == category).unwrap_or_else(|| {
                 categories.push(category);
                 categories.len() - 1
@@ -46,9 +49,8 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
                 "bbox": region.bounds(),
                 "segmentation": { "size": [height, width], "counts": region.counts(width * height) },
             });
-            if let Some(target) = target {
-                let points = target.points.iter().map(|point| key_point(point, shot));
-                let points: Vec<[f64; 3]> = points.collect();
+            if let Some(points) = points {
+                let points: Vec<[f64; 3]> = points.iter().map(|point| key_point(point, shot)).collect();
                 annotation["num_keypoints"] = points.iter().filter(|point| point[2] > 0.0).count().into();
                 annotation["keypoints"] = points.as_flattened().iter().map(|x| short(*x)).collect();
             }
@@ -77,7 +79,7 @@ fn is_of(target: &SeenTarget, object: &SceneObject) -> bool {
     target.name == object.name && target.to_world.abs_diff_eq(object.to_world, 1e-9)
 }
 
-fn key_point(point: &super::SeenPoint, shot: &Shot) -> [f64; 3] {
+fn key_point(point: &SeenPoint, shot: &Shot) -> [f64; 3] {
     let [width, height] = shot.calibrated.resolution.map(f64::from);
     let within = |x: f64, size: f64| (-0.5..size - 0.5).contains(&x);
     match point.pixel {
@@ -92,18 +94,19 @@ fn key_point(point: &super::SeenPoint, shot: &Shot) -> [f64; 3] {
 #[derive(PartialEq)]
 struct Category {
     name: String,
-    /// Names of the points of a target.
+    is_target: bool,
+    /// Names of the points of a target, or of an object.
     points: Option<Vec<String>>,
 }
 
 impl Category {
-    fn new(object: &SceneObject, target: Option<&SeenTarget>) -> Self {
-        let points = target.map(|target| target.points.iter().map(|point| point.name.clone()).collect());
-        Self { name: object.category.clone().unwrap_or_else(|| object.name.clone()), points }
+    fn new(object: &SceneObject, is_target: bool, points: Option<&[SeenPoint]>) -> Self {
+        let points = points.map(|points| points.iter().map(|point| point.name.clone()).collect());
+        Self { name: object.category.clone().unwrap_or_else(|| object.name.clone()), is_target, points }
     }
 
     fn json(&self, id: usize) -> Value {
-        let kind = if self.points.is_some() { "target" } else { "object" };
+        let kind = if self.is_target { "target" } else { "object" };
         let mut value = json!({ "id": id, "name": self.name, "supercategory": kind });
         if let Some(points) = &self.points {
             value["keypoints"] = json!(points);

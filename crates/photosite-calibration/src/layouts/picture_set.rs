@@ -176,6 +176,10 @@ pub trait LayoutFiles {
     fn has_truth(&mut self, shot: &Shot, layers: &[TruthLayer]) -> Result<bool>;
     /// Reads ground truth.
     fn truth(&mut self, shot: &Shot, layers: &[TruthLayer]) -> Result<Planes>;
+    /// Reads the key points of each object that has any, by its number in ground truth.
+    fn object_points(&mut self, _shot: &Shot) -> Result<Vec<(u32, Vec<SeenPoint>)>> {
+        Ok(Vec::new())
+    }
     /// Reads the geometry. The same scene is the same [`Arc`].
     fn scene(&mut self, shot: &Shot) -> Result<Arc<SceneDescription>>;
 }

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 use super::row_search::{Sighting, row_that_sees};
+use photosite_core::image_grid::ImageGrid;
 use photosite_transport::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use photosite_transport::optics::Camera;
 use photosite_transport::scene::Scene;
@@ -19,8 +20,8 @@ pub struct View<'a> {
     pub camera: &'a Camera,
     /// Partner → camera, in metres; the identity for the camera itself.
     pub place: DAffine3,
-    /// Columns and rows.
-    pub resolution: [u32; 2],
+    /// Pixels of the image on those of the sensor.
+    pub grid: ImageGrid,
     /// Counts what it was asked of and did not find.
     pub not_found: Option<&'a NotFound>,
 }
@@ -59,11 +60,14 @@ impl NotFound {
 pub struct Correspondence {
     /// Continuous pixel coordinates; they may lie beyond the picture.
     pub pixel: DVec2,
+    /// The same on the sensor.
+    pub on_sensor: DVec2,
     /// Whether the point is within the part of the picture that sees light, with nothing in front of it.
     pub visible: bool,
 }
 
-/// Continuous pixel coordinates of a world point for a camera alone, as [`View::project`] has them.
+/// Continuous pixel coordinates on the sensor of a world point that a camera alone sees, as [`View::project`] has those
+/// in an image.
 pub fn project(camera: &Camera, point: DVec3) -> Option<DVec2> {
     match sighting(camera, &DAffine3::IDENTITY, |_| point) {
         Sighting::At(pixel) => Some(pixel),
@@ -98,8 +102,8 @@ fn sighting(camera: &Camera, place: &DAffine3, position: impl Fn(f64) -> DVec3) 
 
 impl<'a> View<'a> {
     /// Motion of a camera itself.
-    pub fn of(scene: &'a Scene, camera: &'a Camera, resolution: [u32; 2]) -> Self {
-        Self { scene, camera, place: DAffine3::IDENTITY, resolution, not_found: None }
+    pub fn of(scene: &'a Scene, camera: &'a Camera, grid: impl Into<ImageGrid>) -> Self {
+        Self { scene, camera, place: DAffine3::IDENTITY, grid: grid.into(), not_found: None }
     }
 
     /// The same, which counts what it does not find.
@@ -111,7 +115,7 @@ impl<'a> View<'a> {
     /// Continuous pixel coordinates of a world point that is seen in the middle of the exposure of its row. `None` where
     /// the lens does not show it, and where it is in no row at the row's own time, which is [counted](Self::counting).
     pub fn project(&self, point: DVec3) -> Option<DVec2> {
-        self.project_moving(|_| point)
+        self.project_moving(|_| point).map(|place| self.grid.in_image(place))
     }
 
     fn at_row(&self, row: f64) -> (DAffine3, f64) {
@@ -152,14 +156,14 @@ impl<'a> View<'a> {
 
     /// `is_seen` is asked of where the line of sight leaves the lens and of the part of the picture's time that has gone by.
     fn found(&self, position: impl Fn(f64) -> DVec3, is_seen: impl Fn(Vec3, f64) -> bool) -> Option<Correspondence> {
-        let pixel = self.project_moving(position)?;
-        let [width, height] = self.resolution.map(f64::from);
-        let within = (0.0..width).contains(&pixel.x) && (0.0..height).contains(&pixel.y);
-        let within = within && self.camera.cells().sees_light(pixel);
-        let (to_world, time) = self.at_row(pixel.y - 0.5);
+        let on_sensor = self.project_moving(position)?;
+        let pixel = self.grid.in_image(on_sensor);
+        let within = self.grid.contains(pixel) && self.camera.sees_light(on_sensor);
+        let (to_world, time) = self.at_row(on_sensor.y - 0.5);
         // Lines of sight of a lens from a prescription do not all go through the camera's origin.
-        let eye = self.camera.line_of_sight(pixel).map_or(DVec3::ZERO, |(origin, _)| origin);
-        Some(Correspondence { pixel, visible: within && is_seen(to_world.transform_point3(eye).as_vec3(), time) })
+        let eye = self.camera.line_of_sight(on_sensor).map_or(DVec3::ZERO, |(origin, _)| origin);
+        let visible = within && is_seen(to_world.transform_point3(eye).as_vec3(), time);
+        Some(Correspondence { pixel, on_sensor, visible })
     }
 }
 

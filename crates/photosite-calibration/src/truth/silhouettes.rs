@@ -28,14 +28,16 @@ pub struct Silhouettes {
 
 /// The pixels of all objects of the view's scene, which are those of its description in their order.
 pub fn silhouettes(view: &View<'_>, objects: &[TruthObject]) -> Vec<Silhouettes> {
-    let [width, height] = view.resolution;
+    let grid = &view.grid;
+    let [width, height] = grid.resolution;
     let alone = view.scene.objects_alone();
     let still: Vec<DAffine3> = objects.iter().map(|object| object.to_world(0.0).inverse()).collect();
     let of_row = |row: u32| {
-        let camera = view.camera.at_row(f64::from(row));
+        let on_sensor = |column: u32| grid.on_sensor(grid.centre([column as usize, row as usize]));
+        let camera = view.camera.at_row(on_sensor(0).y - 0.5);
         let mut found: Vec<[Runs; 2]> = vec![Default::default(); objects.len()];
         for column in 0..width {
-            let Some(ray) = camera.chief_ray(camera.cells().centre([column as usize, row as usize])) else { continue };
+            let Some(ray) = camera.chief_ray(on_sensor(column)) else { continue };
             let seen = view.scene.closest(&ray).map(|hit| view.scene.object(&hit) as usize);
             if let Some(seen) = seen {
                 found[seen][0].add(column);

@@ -35,7 +35,7 @@ impl<'a> TruthJob<'a> {
 /// The planes of the layers that are asked for, in their order. A camera that moves is taken as it stands in the middle
 /// of the exposure of each row.
 pub fn truth(job: &TruthJob<'_>, layers: &[TruthLayer]) -> Planes {
-    let [width, height] = job.view.resolution.map(|n| n as usize);
+    let [width, height] = job.view.grid.resolution.map(|n| n as usize);
     let names = || layers.iter().flat_map(|layer| layer.channels().iter().copied());
     let mut planes = Planes::zeros(width, height, names());
     // The planes side by side, in rows.
@@ -44,10 +44,11 @@ pub fn truth(job: &TruthJob<'_>, layers: &[TruthLayer]) -> Planes {
         rows.iter_mut().zip(channel.data.chunks_mut(width)).for_each(|(row, part)| row.push(part));
     }
     rows.into_par_iter().enumerate().for_each(|(y, mut row)| {
-        let camera = job.view.camera.at_row(y as f64);
+        let grid = &job.view.grid;
+        let camera = job.view.camera.at_row(grid.on_sensor(grid.centre([0, y])).y - 0.5);
         let mut values = vec![0.0; row.len()];
         for x in 0..width {
-            let seen = Seen::through(job, &camera, camera.cells().centre([x, y]), (y * width + x) as u64);
+            let seen = Seen::through(job, &camera, grid.centre([x, y]), (y * width + x) as u64);
             let mut rest = &mut values[..];
             for &layer in layers {
                 let (own, after) = rest.split_at_mut(layer.channels().len());
@@ -77,7 +78,7 @@ struct Seen<'a> {
 
 impl<'a> Seen<'a> {
     fn through(job: &'a TruthJob<'a>, camera: &'a Camera, pixel: DVec2, key: u64) -> Option<Self> {
-        let ray = camera.chief_ray(pixel)?;
+        let ray = camera.chief_ray(job.view.grid.on_sensor(pixel))?;
         let hit = job.view.scene.closest(&ray)?;
         let wo = -ray.direction.normalize();
         Some(Self { job, camera, pixel, key, hit, point: job.view.scene.point(&hit, ray.time), wo })

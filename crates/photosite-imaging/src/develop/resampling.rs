@@ -80,6 +80,16 @@ impl Resampling {
         self.resize.map_or(self.grid, |resize| resize.to)
     }
 
+    /// Whether it undoes the distortion of a lens, so that no scale and shift say where its pixels lie.
+    pub fn undistorts(&self) -> bool {
+        !matches!(self.lens, Lens::Straight)
+    }
+
+    /// Whether every second row of the picture lies half a pixel farther to the right.
+    pub fn is_staggered(&self) -> bool {
+        self.staggered[1] && self.resize.is_none()
+    }
+
     /// Where on the grid of the sensor the picture begins, and how many of its pixels are one of the picture, across and
     /// down.
     pub fn on_sensor(&self) -> ([f64; 2], [f64; 2]) {

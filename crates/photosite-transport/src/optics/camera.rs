@@ -364,7 +364,7 @@ impl Camera {
     /// counts: along the axis, or along the ray where the lens can see more than a half-space. `None` of a place that
     /// sees nothing, or whose pixel sees no light.
     pub fn chief_ray(&self, pixel: DVec2) -> Option<Ray> {
-        if !self.cells.sees_light(pixel) {
+        if !self.sees_light(pixel) {
             return None;
         }
         let (origin, seen) = match &self.prescribed {

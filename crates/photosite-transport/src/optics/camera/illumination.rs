@@ -5,6 +5,7 @@ use glam::DVec2;
 use super::Camera;
 use super::ray::towards;
 use crate::optics::Seen;
+use crate::optics::prescribed::PrescribedLens;
 
 /// A picture that is larger than the image circle of its lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +19,20 @@ pub struct BeyondImageCircle {
 }
 
 impl Camera {
+    /// Whether light comes to the pixel of a position: within the image circle of the sensor, and of a lens from a
+    /// prescription. Stops before or behind the lens are not asked; [`is_lit`](Self::is_lit) asks them.
+    pub fn sees_light(&self, pixel: DVec2) -> bool {
+        let reaches = |lens: &PrescribedLens| self.sensor_mm(pixel).length() <= lens.lit_mm();
+        self.cells.sees_light(pixel) && self.prescribed.as_deref().is_none_or(reaches)
+    }
+
+    /// Whether light comes to a pixel position, whatever it is that may keep it away: the image circle of the sensor, the
+    /// reach and the rims of the lens, or stops.
+    pub fn is_lit(&self, pixel: DVec2) -> bool {
+        let passes_stops = || self.relative_illumination(pixel).is_some_and(|part| part > 0.0);
+        self.sees_light(pixel) && (self.stops.is_empty() || passes_stops())
+    }
+
     /// What of the picture lies beyond the image circle of a prescription. `None` where nothing does, and of other lenses,
     /// which have none.
     pub fn beyond_image_circle(&self) -> Option<BeyondImageCircle> {
