@@ -103,8 +103,7 @@ mod tests {
                 apply(&mut found, &settings);
                 let white = found.plane("G").expect("there")[500];
                 for value in found.channels().iter().flat_map(|channel| &channel.data[1024..]) {
-                    // A noise of 1 % is 100 : 1 below white; no curve leaves less than a fourth of that contrast by ratios
-                    // of 5 σ to white.
+                    // Curves rise, so that nothing that is darker than white reaches it, and black is their least value.
                     assert!((0.0..white).contains(value), "{tone_curve:?}, σ = {sigma}: {value} of {white}");
                 }
                 let mean = found.plane("G").expect("there")[1024..].iter().sum::<f32>() / 3072.0;
