@@ -126,22 +126,60 @@ fn pictures_show_things_where_ground_truth_has_them() {
     let folder = made(SET, &format!("{distortion} --set develop.distortion=true"));
     let wanted = ["capture.develop", "was developed without the distortion", "000000/capture.json"];
     folder.fail("layout out --format colmap -o laid", 1, &wanted);
-    // Of a lens for which DNG has no words as well, and of pixels that are not square.
-    for change in [
-        "--set lens.distortion={model='division',k=[-0.1]} --set develop.distortion=true",
-        "--set sensor.pixel_pitch_um=[200,150] --set develop.square_pixels=true",
-    ] {
-        let folder = made(SET, change);
-        folder.fail("layout out --format colmap -o laid", 1, &wanted);
-    }
-    let folder = made(SET, "--set sensor.pixel_pitch_um=[200,150]");
+    // Of a lens for which DNG has no words as well.
+    let folder = made(SET, "--set lens.distortion={model='division',k=[-0.1]} --set develop.distortion=true");
+    folder.fail("layout out --format colmap -o laid", 1, &wanted);
+}
+
+/// Whatever changes the pixels, the camera of a layout has those of its pictures.
+#[rstest]
+#[case::kept_wide("--set sensor.pixel_pitch_um=[200,150]", [32, 24])]
+#[case::squared("--set sensor.pixel_pitch_um=[200,150] --set develop.square_pixels=true", [43, 24])]
+#[case::binned("--set exposure.binning=[2,2]", [16, 12])]
+#[case::region("--set exposure.region_px=[4,2,24,16]", [24, 16])]
+#[case::resized("--set develop.resize_px=[48,40]", [48, 40])]
+fn cameras_of_layouts_have_the_pixels_of_their_pictures(#[case] change: &str, #[case] size: [u32; 2]) {
+    let folder = made(SET, change);
     folder.succeed("layout out --format colmap -o laid");
-    let folder = made(SET, "--set exposure.binning=[2,2]");
-    folder.fail(
-        "layout out --format colmap -o laid",
-        1,
-        &["has 16 × 12 pixels, and the camera 32 × 24", "exposure.binning"],
-    );
+    let picture = image::open(folder.path("laid/images/left/000000.png")).expect("a picture");
+    assert_eq!([picture.width(), picture.height()], size);
+    let cameras = std::fs::read_to_string(folder.path("laid/sparse/0/cameras.txt")).expect("a file");
+    let words = format!(" {} {} ", size[0], size[1]);
+    assert_eq!(cameras.matches(&words).count(), 2, "{cameras}");
+}
+
+/// An object of 0.2 m at x = 0.3 m before a camera 1 m away, with f = 8 mm and pixels of 0.1 mm: a key point at its corner
+/// x = 0.4, y = 0.1 lies at 80·0.4 + 47.5 and 23.5 − 80·0.1, from pixel centres.
+#[test]
+fn key_points_of_objects_are_laid_out_and_missing_ones_are_said() {
+    let quad = "v -0.1 -0.1 0\nv 0.1 -0.1 0\nv 0.1 0.1 0\nv -0.1 0.1 0\nf 1 2 3 4\n";
+    let capture = "[scene]\nenvironment = { illuminant = 'D65', illuminance_lux = 1000 }\n[[scene.objects]]\nfile = 'quad.obj'\n\
+                   position_m = [0.3, 0, 0]\nkeypoints = { corner = [0.1, 0.1, 0] }\n[camera]\nposition_m = [0, 0, 1]\n\
+                   look_at_m = [0, 0, 0]\n[lens]\ntype = 'pinhole'\nfocal_length_mm = 8\nf_number = 8\n\
+                   focus_distance_m = 'infinity'\n[sensor]\npreset = 'sony-imx249-mono'\nresolution_px = [96, 48]\n\
+                   pixel_pitch_um = [100, 100]\n[render]\nsamples_per_pixel = 1\nmax_depth = 2\n[output]\n\
+                   truth = ['instance']\nobjects = true\n";
+    let set = "capture = 'capture.toml'\nframes = 1\n[[cameras]]\nname = 'cam'\n";
+    let folder = Folder::new([("quad.obj", quad.into()), ("capture.toml", capture.into()), ("set.toml", set.into())]);
+    let objects = |folder: &Folder, out: &str| -> serde_json::Value {
+        let bytes = std::fs::read(folder.path(out).join("cam/000000/objects.json")).expect("a file");
+        serde_json::from_slice(&bytes).expect("JSON")
+    };
+    folder.succeed("dataset set.toml -o out --quiet");
+    folder.succeed("layout out --format coco -o laid");
+    let text = std::fs::read(folder.path("laid/annotations/instances.json")).expect("a file");
+    let coco: serde_json::Value = serde_json::from_slice(&text).expect("JSON");
+    assert_eq!(coco["categories"][0]["keypoints"], serde_json::json!(["corner"]));
+    let points: Vec<f64> = serde_json::from_value(coco["annotations"][0]["keypoints"].clone()).expect("three numbers");
+    // Vertices are single precision.
+    assert!((points[0] - 79.5).abs() < 1e-3 && (points[1] - 15.5).abs() < 1e-3 && points[2] == 2.0, "{points:?}");
+    assert_eq!(objects(&folder, "out")["objects"][0]["is_cut_off"], false);
+    // 4 mm hold what lies within 0.25 m of the axis at 1 m.
+    folder.succeed("dataset set.toml -o dark --quiet --set sensor.image_circle_mm=4");
+    assert_eq!(objects(&folder, "dark")["objects"][0]["is_cut_off"], true);
+    folder.succeed("dataset set.toml -o without --quiet --set output.objects=false");
+    let outcome = folder.succeed("layout without --format coco -o bare");
+    assert!(outcome.text().contains("output.objects = true"), "{}", outcome.stderr);
 }
 
 #[test]
