@@ -37,7 +37,7 @@ fn main() -> photosite::Result<()> {
     let own = Capture::load_with(capture, &lines.chain([quick]).collect::<Vec<_>>())?;
     let shot = render(&own, Options::default())?;
     shot.raw.save("own-sensor.dng")?;
-    shot.develop(&own.develop())?.save("own-sensor.png")?;
+    shot.develop(own.develop())?.save("own-sensor.png")?;
 
     println!(
         "{}: {} × {} pixels, {} bits, K = {:.3} DN/e-, saturation {:.0} e-",

@@ -176,7 +176,7 @@ fn frames_follow_gain_control_as_those_of_the_command(#[case] input: &str, #[cas
 }
 
 const GAIN_CONTROL: &str =
-    "--set exposure.time_s=0.0005 --set exposure.frames=3 --set exposure.gain_control={target=0.5}";
+    "--set exposure.time_s=0.00002 --set exposure.frames=3 --set exposure.gain_control={target=0.5}";
 
 #[test]
 fn planes_and_pixels_are_those_of_the_files() {

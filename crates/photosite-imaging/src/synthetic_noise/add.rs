@@ -6,13 +6,10 @@ use rayon::prelude::*;
 use photosite_core::image::{Channel, Planes};
 use photosite_core::{Invalid, Remedy};
 
-use super::description::{Channels, Levels, SymmetricNoise, SyntheticNoise};
+use super::description::{ALPHA, Channels, Levels, SymmetricNoise, SyntheticNoise};
 use super::distributions::{Symmetric, speckle};
 use super::film_grain::correlated_field;
 use super::streams::{Kind, Streams};
-
-/// What the channel of transparency is called, which has no noise.
-pub(super) const ALPHA: &str = "A";
 
 /// What the numbers of a picture are.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::add::ALPHA;
 use photosite_core::Invalid;
 use photosite_core::image::Planes;
 use photosite_core::schema_range::{above, within};
+
+/// Name of the channel of transparency, which gets no noise.
+pub(super) const ALPHA: &str = "A";
 
 /// Noise to add to a picture. What is left out is not there.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]

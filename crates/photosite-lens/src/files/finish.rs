@@ -8,8 +8,7 @@ use photosite_core::spectrum::dispersion::lines;
 use super::beam;
 use super::draft::{Draft, Fault, Medium, Numbers, Opening, Read, Row};
 use super::format::Format;
-use super::report::glasses_of;
-use super::report::{Reading, Report};
+use super::report::{Reading, Report, glasses_of, rounded};
 use super::rims;
 use super::sanity;
 use super::zoom;
@@ -141,11 +140,6 @@ fn medium(row: &Row, notes: &mut Vec<String>) -> Read<Option<Glass>> {
             }
         },
     }
-}
-
-/// A number for people: its first digits.
-pub(super) fn rounded(x: f64) -> f64 {
-    photosite_core::math::float::rounded(x, 7)
 }
 
 fn by_numbers(row: &Row, nd: f64, vd: f64, notes: &mut Vec<String>) -> Read<Glass> {

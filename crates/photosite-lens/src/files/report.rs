@@ -66,3 +66,8 @@ pub(super) fn glasses_of(prescription: &Prescription) -> Vec<GlassOf> {
     }
     found
 }
+
+/// A number for people: its first digits.
+pub(super) fn rounded(x: f64) -> f64 {
+    photosite_core::math::float::rounded(x, 7)
+}

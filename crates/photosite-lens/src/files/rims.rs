@@ -2,7 +2,7 @@
 
 use super::beam;
 use super::draft::Draft;
-use super::finish::rounded;
+use super::report::rounded;
 use crate::Lens;
 use crate::checks::{check_shape, crossing};
 use crate::prescription::{Position, Prescription};

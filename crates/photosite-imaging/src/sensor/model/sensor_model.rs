@@ -24,7 +24,6 @@ use super::pixels::{
 use super::shutter::Shutter;
 use super::spectrum_source::SpectrumSource;
 use super::video::{Video, check_analogue};
-use crate::sensor::Exposure;
 
 /// An image sensor.
 #[derive(Clone, Debug, PartialEq)]
@@ -170,32 +169,9 @@ impl SensorModel {
         })
     }
 
-    /// What is to be said of a sensor that can be, but is hardly meant so. Keys are those of the capture file.
-    pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = warnings(&self.cells, self.resolution, self.pixel_pitch_m);
-        warnings.extend(self.full_well_out_of_reach());
-        warnings
-    }
-
-    /// Tells where the converter ends before the full well at any gain, by more than figures are rounded and numbers are
-    /// apart.
-    fn full_well_out_of_reach(&self) -> Option<String> {
-        const ROUNDED: f64 = 0.02;
-        let gain = self.converter.gain_range[0];
-        // Logarithmic pixels end where their time says.
-        let reached = self.saturation_capacity(&Exposure { gain, ..Exposure::of(Seconds(1.0)) }).0;
-        let step = 1.0 / self.converter.system_gain(gain);
-        let is_short = reached + step < (1.0 - ROUNDED) * self.full_well.0;
-        (is_short && self.logarithmic.is_none()).then(|| {
-            format!(
-                "sensor.charge.full_well_e: {} e⁻ are never reached, as the converter ends at {} e⁻ even at {} dB: lower \
-                 sensor.adc.conversion_gain_dn_per_e (of dual_gain, low_gain_dn_per_e), raise sensor.adc.bits, or write \
-                 that as the full well",
-                self.full_well.0,
-                reached.round(),
-                gain.0
-            )
-        })
+    /// Warnings about the cells of the sensor.
+    pub(in crate::sensor) fn cell_warnings(&self) -> Vec<String> {
+        warnings(&self.cells, self.resolution, self.pixel_pitch_m)
     }
 
     /// Width and height of all pixels that make a picture, m.

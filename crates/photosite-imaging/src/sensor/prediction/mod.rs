@@ -2,5 +2,6 @@
 
 mod light_noise;
 mod noise_model;
+mod warnings;
 
 pub use light_noise::{Neighbours, noise_ratio, samples_needed, smoothed_mean};
