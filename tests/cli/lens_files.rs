@@ -8,7 +8,7 @@ use crate::folder::Folder;
 const SEQ: &str =
     "RDM Y\nDIM M\nTITLE 'singlet'\nEPD 10\nYAN 0 5\nSO 0 1e13\nS 50 4 NBK7_SCHOTT\n  STO\nS 0 90\nSI 0 0\nGO\n";
 
-/// The same lens as DeepLens writes it.
+/// A lens as DeepLens writes it.
 const DEEPLENS: &str = r#"{
   "info": "a lens", "foclen": 96.7, "fnum": 9.67, "r_sensor": 8.5, "d_sensor": 94.0,
   "surfaces": [

@@ -77,7 +77,7 @@ impl CalibratedCamera {
         Self { intrinsics: fitted.intrinsics, projection: fitted.projection, ..self }
     }
 
-    /// The same camera as an image of these pixels shows it.
+    /// This camera as an image of these pixels shows it.
     #[must_use]
     pub fn on_grid(self, grid: &ImageGrid) -> Self {
         Self { intrinsics: grid.intrinsics(&self.intrinsics), resolution: grid.resolution, ..self }

@@ -106,7 +106,7 @@ impl<'a> View<'a> {
         Self { scene, camera, place: DAffine3::IDENTITY, grid: grid.into(), not_found: None }
     }
 
-    /// The same, which counts what it does not find.
+    /// This view, which counts what it does not find.
     #[must_use]
     pub fn counting(self, not_found: &'a NotFound) -> Self {
         Self { not_found: Some(not_found), ..self }

@@ -22,10 +22,10 @@ pub(super) struct Extent {
 }
 
 impl Extent {
-    /// That of no point.
+    /// The extent of no point.
     pub(super) const NONE: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
 
-    /// Of all instances that make an object.
+    /// The extent of all instances that make an object.
     pub(super) fn of_object(frame: &Way, instances: &[InstanceDescription], scene: &SceneDescription) -> Self {
         let mut all = Self::NONE;
         for instance in instances {

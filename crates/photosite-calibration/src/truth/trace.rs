@@ -24,7 +24,7 @@ pub struct TruthJob<'a> {
 }
 
 impl<'a> TruthJob<'a> {
-    /// The same, which counts what it does not find.
+    /// This view, which counts what it does not find.
     #[must_use]
     pub fn counting(self, not_found: &'a NotFound) -> Self {
         let counting = |view: View<'a>| view.counting(not_found);
