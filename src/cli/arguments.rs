@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use photosite_core::counted;
+use photosite_core::{Invalid, counted, memory};
 
 use crate::Error;
 
-/// Starts as many threads as are asked for.
+/// Starts as many threads as are asked for, where their stacks fit.
 pub(super) fn start_threads(threads: Option<u16>) -> crate::Result<()> {
     /// So many that wait for each other slow down a small machine only a little.
     const FEW: usize = 256;
@@ -19,8 +19,11 @@ pub(super) fn start_threads(threads: Option<u16>) -> crate::Result<()> {
         let help = format!("this machine runs {cores} at once; more would not be faster");
         return Err(Error::Usage { message, help: Some(help.into()) });
     }
+    let count = if threads == 0 { cores } else { threads };
+    let checked = memory::check_threads(count);
+    checked.map_err(|Invalid { message, help, .. }| Error::Resources { message, help })?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-    pool.map_err(|reason| no_threads(if threads == 0 { cores } else { threads }, &reason))
+    pool.map_err(|reason| no_threads(count, &reason))
 }
 
 /// The error of threads that the system does not start.

@@ -194,8 +194,8 @@ fn run_parsed(cli: &Cli) -> u8 {
 fn run_command(cli: &Cli) -> Result<u8> {
     cli.memory.map_or(Ok(()), memory::set_limit)?;
     let sandbox = &cli.sandbox.as_deref().map_or_else(|| Ok(Sandbox::default()), Sandbox::new)?;
-    signals::listen()?;
     start_threads(cli.threads)?;
+    signals::listen()?;
     let done = match &cli.command {
         Command::Render(args) => render::run(args, sandbox),
         Command::Develop(args) => develop::run(args),

@@ -12,7 +12,7 @@ mod system;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::{Error, Invalid, Result};
+use crate::{Error, Invalid, Result, counted};
 use left::GIB;
 
 pub use left::Left;
@@ -48,6 +48,24 @@ pub fn left() -> Option<Left> {
 /// As there.
 pub fn check(bytes: u64, what: &str, instead: &str) -> Result<(), Invalid> {
     left().map_or(Ok(()), |left| left.check(bytes, what, instead))
+}
+
+/// Refuses threads whose stacks the resource limits do not leave room for. Stacks are mapped whole and touched little, so
+/// that no other limit counts.
+///
+/// # Errors
+///
+/// As of [`Left::check`].
+pub fn check_threads(count: usize) -> Result<(), Invalid> {
+    /// Of the standard library.
+    const STACK: u64 = 2 << 20;
+    /// What the C library and this program map for the first threads: the C library ends a program without a word of
+    /// ours where it has no memory to begin a thread with.
+    const BEGIN: u64 = 16 << 20;
+    let what = format!("starting {}", counted(count, ["thread", "threads"]));
+    let bytes = (count as u64).saturating_mul(STACK).saturating_add(BEGIN);
+    let left = system::System::read().left_to_map();
+    left.map_or(Ok(()), |left| left.check(bytes, &what, "lower --threads"))
 }
 
 #[cfg(test)]

@@ -54,11 +54,17 @@ impl System {
             ],
             told => [Some(of(told, self.resident, Bound::Told)), None],
         };
+        shared.into_iter().flatten().chain(self.left_to_map()).min_by_key(|left| left.bytes)
+    }
+
+    /// What the resource limits leave to map, whether it is touched or not.
+    pub(super) fn left_to_map(&self) -> Option<Left> {
+        let left = |most: Option<u64>, taken, bound| most.map(|of| Left { bytes: of.saturating_sub(taken), of, bound });
         let own = [
-            self.most_address_space.map(|most| of(most, self.address_space, Bound::AddressSpace)),
-            self.most_data.map(|most| of(most, self.data, Bound::Data)),
+            left(self.most_address_space, self.address_space, Bound::AddressSpace),
+            left(self.most_data, self.data, Bound::Data),
         ];
-        shared.into_iter().chain(own).flatten().min_by_key(|left| left.bytes)
+        own.into_iter().flatten().min_by_key(|left| left.bytes)
     }
 }
 
