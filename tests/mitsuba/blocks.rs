@@ -4,8 +4,6 @@ use photosite::validation::Picture;
 
 const COLUMNS: usize = 4;
 const ROWS: usize = 3;
-/// Blocks darker than this part of the picture's mean are measured by that: light that hardly is there is little fault.
-const DARK: f64 = 0.1;
 
 /// The light of a block in two pictures.
 #[derive(Debug)]
@@ -30,15 +28,13 @@ pub(super) fn blocks(ours: &Picture, theirs: &Picture) -> Vec<Block> {
         };
         let [ours_mean, theirs_mean] = [ours, theirs].map(|picture| plane(picture, false));
         let variances = [ours, theirs].map(|picture| plane(picture, true));
-        let mean = channel.data.iter().copied().map(f64::from).sum::<f64>() / channel.data.len() as f64;
         for (column, row) in (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (column, row))) {
             let sum = |data: &[f32]| -> f64 {
                 let rows = row * height / ROWS..(row + 1) * height / ROWS;
                 let columns = column * width / COLUMNS..(column + 1) * width / COLUMNS;
                 rows.flat_map(|y| &data[y * width..][columns.clone()]).copied().map(f64::from).sum()
             };
-            let pixels = (width * height / (COLUMNS * ROWS)) as f64;
-            let light = sum(&theirs_mean).max(DARK * mean * pixels) / 100.0;
+            let light = sum(&theirs_mean) / 100.0;
             found.push(Block {
                 channel: channel.name.clone(),
                 column,
