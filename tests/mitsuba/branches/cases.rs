@@ -58,6 +58,7 @@ const PICTURES: [&str; 5] = [
 const PAINT: &str = "type = \"diffuse\"\nreflectance = 0.5";
 /// Leaves the material to the geometry.
 const UNPAINTED: (&str, &str) = ("[materials.paint]\ntype = \"diffuse\"\nreflectance = 0.5\n", "");
+const FOCUS: &str = "focus_distance_m = 3\nfalloff = \"none\"";
 const SURROUNDINGS: &str = "{ illuminant = \"D65\", illuminance_lux = 500 }";
 const INFRARED: (&str, &str) = ("resolution_px = [16, 12]", "preset = \"andor-zyla-55\"\nscaled_to_px = [16, 12]");
 const WITH_UVS: (&str, &str) = ("f 1 2 3", "f 1/1 2/2 3/3");
@@ -282,8 +283,8 @@ pub(super) const CASES: &[Case] = &[
         &[(PAINT, "type = \"diffuse\"\nreflectance = { texture = \"colours.png\" }"), WITH_UVS],
     ),
     gltf("WrapModes", "u and v", "texture.gltf", &[UNPAINTED, ("\"magFilter\"", "\"wrapS\": 33071, \"magFilter\"")]),
-    case("", "rays go through the glass of a lens", &[("focus_distance_m = 3", "prescription = \"double-gauss\"")]),
-    case("", "no camera without a lens", &[("focus_distance_m = 3", "type = \"none\"")]),
+    case("", "rays go through the glass of a lens", &[(FOCUS, "prescription = \"double-gauss\"")]),
+    case("", "no camera without a lens", &[(FOCUS, "type = \"none\"")]),
 ];
 
 impl Case {
