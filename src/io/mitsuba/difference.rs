@@ -5,9 +5,9 @@ macro_rules! differences {
     ($($kind:ident $({ $($field:ident: $type:ty),* })? = $text:literal,)*) => {
         /// Something that has no exact counterpart in Mitsuba. Names of things are quoted with what they are.
         #[derive(Clone, Debug, PartialEq)]
-        #[allow(missing_docs, reason = "fields are what the sentences name")]
+        #[allow(missing_docs, reason = "each says what it is in a sentence, whose names its fields are")]
         pub enum Difference {
-            $(#[doc = $text] $kind $({ $($field: $type),* })?,)*
+            $($kind $({ $($field: $type),* })?,)*
         }
 
         impl std::fmt::Display for Difference {
