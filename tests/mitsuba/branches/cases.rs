@@ -169,15 +169,6 @@ pub(super) const CASES: &[Case] = &[
         "material \"paint\"",
         &[(PAINT, "type = \"conductor\"\nmetal = \"Au\"\nroughness = 0.4\nanisotropy = 0.5")],
     ),
-    gltf(
-        "Tangents",
-        "mesh \"ball\"",
-        "plain.gltf",
-        &[
-            ("[materials.paint]", "[materials.ball]"),
-            (PAINT, "type = \"conductor\"\nmetal = \"Au\"\nroughness = 0.4\nanisotropy = 0.5"),
-        ],
-    ),
     gltf("CoarseNormals", "mesh \"ball\"", "plain.gltf", &[UNPAINTED]),
     gltf("EmissionTexture", "material \"ball\"", "two-uv-sets.gltf", &[UNPAINTED]),
     case("HolesOfLamp", "material \"paint\"", &[UNPAINTED, ("Kd 0.5 0.5 0.5", "Kd 0.5 0.5 0.5\nKe 1 1 1\nd 0.5")]),
@@ -258,6 +249,18 @@ pub(super) const CASES: &[Case] = &[
         "Model",
         "the \"metallic-roughness\" model of material \"paint\"",
         &[(PAINT, "type = \"metallic-roughness\"\nbase_colour = 0.5\nroughness = 0.5")],
+    ),
+    case(
+        "Model",
+        "material \"paint\"",
+        &[
+            (
+                PAINT,
+                "type = \"metallic-roughness\"\nbase_colour = 0.5\nroughness = 0.5\n\
+                 metallic_roughness_map = { texture = \"colours.png\" }",
+            ),
+            WITH_UVS,
+        ],
     ),
     gltf("Model", "the \"glTF\" model of material \"ball\"", "plain.gltf", &[UNPAINTED]),
     case(

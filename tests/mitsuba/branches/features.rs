@@ -35,7 +35,7 @@ features! {
     PointLight, HardSpot, DirectionalLight, SoftSpot = "the soft edge of light",
     ProfileLight = "of the type profile", ProjectorLight = "of the type projector",
     GaussianBeam = "of the type gaussian-beam",
-    ColouredEmission, SpectralEmission, AbsoluteEmission,
+    ColouredEmission, SpectralEmission,
     // Surroundings.
     ConstantEnvironment, SkyWithSun, SkyWithoutSun, PictureOfNits, PictureOfLux, TurnedPicture,
     // Surfaces.
@@ -142,11 +142,10 @@ impl Found {
         self.emission(emission);
     }
 
-    fn emission(&mut self, EmissionDescription { colour, level, texture }: &EmissionDescription) {
-        self.add(match (colour, level) {
-            (Colour::Rgb(_), _) => Feature::ColouredEmission,
-            (Colour::Spectrum(_), Some(_)) => Feature::SpectralEmission,
-            (Colour::Spectrum(_), None) => Feature::AbsoluteEmission,
+    fn emission(&mut self, EmissionDescription { colour, level: _, texture }: &EmissionDescription) {
+        self.add(match colour {
+            Colour::Rgb(_) => Feature::ColouredEmission,
+            Colour::Spectrum(_) => Feature::SpectralEmission,
         });
         self.note(Feature::EmissionTexture, texture.is_some());
     }
@@ -394,10 +393,13 @@ impl Found {
                 Focus::Autofocus { .. } => Feature::Autofocus,
             });
         }
-        self.add(match falloff {
-            Falloff::Cos4 => Feature::Cos4,
-            Falloff::None => Feature::NoFalloff,
-        });
+        // Prescriptions and bare sensors have what their glass and their place let through.
+        if !matches!(kind, LensKind::Prescription | LensKind::Bare) {
+            self.add(match falloff {
+                Falloff::Cos4 => Feature::Cos4,
+                Falloff::None => Feature::NoFalloff,
+            });
+        }
         match projection {
             Projection::Perspective => {}
             Projection::BrownConrady(_) | Projection::Polynomial { .. } | Projection::Division { .. } => {
