@@ -230,6 +230,7 @@ impl SurfaceTable for MetallicRoughnessTable {
         let map = map.map_err(|e| e.within("metallic_roughness_map"))?;
         let factor = |value, channel| TexturedFactor { value, texture: map.clone().map(|map| (map, channel)) };
         Ok(MaterialModel::Layered(Box::new(LayeredDescription {
+            kind: "metallic-roughness",
             base_colour,
             metallic: factor(unit("metallic", self.metallic.unwrap_or(0.0))?, Channel::B),
             roughness: factor(unit("roughness", self.roughness)?, Channel::G),
@@ -259,6 +260,7 @@ impl SurfaceTable for PlasticTable {
             );
         }
         Ok(MaterialModel::Layered(Box::new(LayeredDescription {
+            kind: "plastic",
             base_colour,
             roughness: TexturedFactor::plain(unit("roughness", self.roughness.unwrap_or(0.0))?),
             index,

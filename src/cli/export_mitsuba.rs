@@ -73,7 +73,7 @@ pub(super) fn run(args: &ExportMitsubaArgs, sandbox: &Sandbox) -> Result<()> {
         write_whole_in(&args.output, name, bytes)?;
     }
     if !args.quiet {
-        scene.approximations.iter().for_each(|what| say!("approximated: {what}"));
+        scene.differences.iter().for_each(|what| say!("approximated: {what}"));
         say!("wrote {} files to {}", scene.files.len() + 1, args.output.display());
     }
     Ok(())

@@ -2,10 +2,12 @@
 
 use glam::{DAffine3, DVec3};
 
+use super::difference::Difference;
 use super::element::Element;
 use super::output::{Output, quoted};
 use super::picture;
 use super::sensor::rows;
+use crate::light::SkyConditions;
 use crate::scene::description::{EnvironmentDescription, LightDescription, LightKind, SceneDescription};
 use crate::scene::{emission_spectrum, nit_per_unit};
 
@@ -22,12 +24,13 @@ pub(super) fn lights(scene: &SceneDescription, out: &mut Output) -> Vec<Element>
     elements
 }
 
-#[expect(clippy::wildcard_enum_match_arm, reason = "a kind that Mitsuba does not have is named and left out")]
 fn light(light: &LightDescription, out: &mut Output) -> Option<Element> {
-    let spectrum = emission_spectrum(&light.emission.colour, light.emission.level);
-    Some(match &light.kind {
+    // Motion is told of the capture as a whole.
+    let LightDescription { name, to_world, later: _, kind, emission } = light;
+    let spectrum = emission_spectrum(&emission.colour, emission.level);
+    Some(match kind {
         LightKind::Point(_) => {
-            let [x, y, z] = light.to_world.translation.to_array();
+            let [x, y, z] = to_world.translation.to_array();
             let position =
                 Element::new("point").named("position").attribute("x", x).attribute("y", y).attribute("z", z);
             Element::object("emitter", "point").child(position).spectrum("intensity", &spectrum)
@@ -35,11 +38,10 @@ fn light(light: &LightDescription, out: &mut Output) -> Option<Element> {
         LightKind::Spot(spot) => {
             let (inner_rad, outer_rad) = (spot.inner_rad(), spot.outer_rad());
             if outer_rad - inner_rad > HARD_EDGE_RAD {
-                let light = quoted("light", &light.name);
-                out.approximate(format!("the soft edge of {light}: Mitsuba's is linear in the angle"));
+                out.approximate(Difference::SoftEdge { light: quoted("light", name) });
             }
             // Mitsuba's spot lights shine along +z.
-            let turned = light.to_world * DAffine3::from_scale(DVec3::new(-1.0, 1.0, -1.0));
+            let turned = *to_world * DAffine3::from_scale(DVec3::new(-1.0, 1.0, -1.0));
             Element::object("emitter", "spot")
                 .transform("to_world", rows(turned))
                 .spectrum("intensity", &spectrum)
@@ -47,17 +49,13 @@ fn light(light: &LightDescription, out: &mut Output) -> Option<Element> {
                 .float("beam_width", f64::from(inner_rad).to_degrees())
         }
         LightKind::Directional(_) => {
-            let [x, y, z] = light.to_world.transform_vector3(DVec3::NEG_Z).to_array();
+            let [x, y, z] = to_world.transform_vector3(DVec3::NEG_Z).to_array();
             let direction =
                 Element::new("vector").named("direction").attribute("x", x).attribute("y", y).attribute("z", z);
             Element::object("emitter", "directional").child(direction).spectrum("irradiance", &spectrum)
         }
-        kind => {
-            let light = quoted("light", &light.name);
-            out.approximate(format!(
-                "{light} of the type {}, which Mitsuba does not have: it is left out",
-                kind.name()
-            ));
+        LightKind::Profile(_) | LightKind::Projector(_) | LightKind::GaussianBeam(_) => {
+            out.approximate(Difference::KindOfLight { light: quoted("light", name), kind: kind.name() });
             return None;
         }
     })
@@ -68,31 +66,29 @@ fn environment(environment: &EnvironmentDescription, out: &mut Output) -> Elemen
         EnvironmentDescription::Constant { colour, luminance_nit } => {
             Element::object("emitter", "constant").spectrum("radiance", &emission_spectrum(colour, *luminance_nit))
         }
-        EnvironmentDescription::Sky(conditions) => {
+        EnvironmentDescription::Sky(SkyConditions { towards_sun, turbidity, ground_albedo, has_sun }) => {
             if out.sees_beyond_cie {
-                out.approximate("the sky beyond 320 to 720 nm, where Mitsuba's is black");
+                out.approximate(Difference::SkyBeyondItsTables);
             }
-            let [x, y, z] = conditions.towards_sun.to_array();
+            let [x, y, z] = towards_sun.to_array();
             // In world space, whereas up is +z in the emitter's own.
             let direction =
                 Element::new("vector").named("sun_direction").attribute("x", x).attribute("y", y).attribute("z", z);
             let turned = DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
             Element::object("emitter", "sunsky")
                 .child(direction)
-                .float("turbidity", conditions.turbidity)
-                .float("albedo", conditions.ground_albedo)
-                .float("sun_scale", f64::from(u8::from(conditions.has_sun)))
+                .float("turbidity", *turbidity)
+                .float("albedo", *ground_albedo)
+                .float("sun_scale", f64::from(u8::from(*has_sun)))
                 .transform("to_world", rows(turned))
         }
         EnvironmentDescription::Picture { image, level, rotation_deg } => {
             if out.sees_beyond_cie {
-                out.approximate("an environment picture beyond 360 to 830 nm, where it is black");
+                out.approximate(Difference::PictureBeyondCie);
             }
             let coloured = !picture::is_of_one_colour(image);
             if coloured {
-                out.approximate(
-                    "colours between the texels of the environment picture: spectra are interpolated, in finer steps, not RGB",
-                );
+                out.approximate(Difference::PictureColours);
             }
             // Its centre looks along +z in Mitsuba.
             let turned = DAffine3::from_rotation_y((rotation_deg + 180.0).to_radians());

@@ -1,11 +1,12 @@
 //! Materials as BSDFs of Mitsuba.
 
+use super::difference::Difference;
 use super::element::Element;
 use super::output::{Output, quoted};
 use super::picture::{bitmap, planes};
 use crate::scene::description::{
     AlphaMode, Colour, Conductor, Dielectric, Diffuse, LayeredDescription, MaterialDescription, MaterialModel,
-    OrenNayar, Phong, Retroreflective, SceneDescription, TextureDescription, TexturedColour, ThinDielectric,
+    OrenNayar, Phong, Retroreflective, Roughness, SceneDescription, TextureDescription, TexturedColour, ThinDielectric,
     Translucent,
 };
 use crate::spectrum::upsampling::reflectance_spectrum;
@@ -46,7 +47,7 @@ fn export(index: usize, material: &MaterialDescription, textures: &Textures<'_>,
     let mut used = textures_used.iter();
     let (uv_set, uv_transform) = used.next().map_or((0, UvTransform::default()), |t| (t.uv_set, t.transform));
     if used.any(|t| (t.uv_set, t.transform) != (uv_set, uv_transform)) {
-        out.approximate(format!("textures of {name} with UVs of their own: those of the first serve all"));
+        out.approximate(Difference::UvsOfTheirOwn { material: name.clone() });
     }
     let complete = |id: &str, bumps: Option<&Bumps<'_>>, out: &mut Output| {
         let bsdf = surface(&material.model, bumps, &name, textures, out);
@@ -55,10 +56,7 @@ fn export(index: usize, material: &MaterialDescription, textures: &Textures<'_>,
     let id = format!("material-{index}");
     let bumps = material.normal_map.as_ref().map(|(texture, scale)| Bumps { texture, scale: *scale, is_left: false });
     if bumps.is_some() {
-        out.approximate(format!(
-            "the normal map of {name} where its normals are seen from behind: photosite bends them towards the viewer, \
-             Mitsuba's reflect nothing"
-        ));
+        out.approximate(Difference::NormalsFromBehind { material: name.clone() });
     }
     let bsdf = complete(&id, bumps.as_ref(), out);
     let left_handed = bumps.map(|bumps| {
@@ -113,10 +111,8 @@ fn surface(
     out: &mut Output,
 ) -> Element {
     if let MaterialModel::Mix(mix) = model {
-        if mix.models.iter().any(is_polished) {
-            out.approximate(format!(
-                "the polished half of {name}: Mitsuba's \"blendbsdf\" weighs mirrors and clear glass wrongly"
-            ));
+        if mix.models.iter().any(|half| lobes(half).is_polished) {
+            out.approximate(Difference::PolishedHalf { material: name.to_owned() });
         }
         let halves = mix.models.each_ref().map(|model| surface(model, bumps, name, textures, out));
         return Element::object("bsdf", "blendbsdf").float("weight", f64::from(mix.weight)).with(halves);
@@ -134,35 +130,42 @@ fn surface(
     }
 }
 
-/// Whether light leaves a model in single directions.
-fn is_polished(model: &MaterialModel) -> bool {
-    match model {
-        MaterialModel::Conductor(Conductor { distribution, .. })
-        | MaterialModel::Dielectric(Dielectric { distribution, .. }) => distribution.distribution().is_smooth(),
-        MaterialModel::ThinDielectric(_) => true,
-        MaterialModel::Mix(mix) => mix.models.iter().any(is_polished),
-        MaterialModel::Diffuse(_)
-        | MaterialModel::OrenNayar(_)
-        | MaterialModel::Phong(_)
-        | MaterialModel::Translucent(_)
-        | MaterialModel::Retroreflective(_)
-        | MaterialModel::Layered(_) => false,
-    }
+/// Lobes of single directions, which Mitsuba treats otherwise than others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Lobes {
+    /// The plugin that is written has one, so that "blendbsdf" weighs it wrongly.
+    is_polished: bool,
+    /// Light goes straight on, as through a pane, so that lamps shine through.
+    is_pane: bool,
 }
 
-/// Whether a model is a pane, wholly or in part.
-fn is_pane(model: &MaterialModel) -> bool {
+fn lobes(model: &MaterialModel) -> Lobes {
     match model {
-        MaterialModel::ThinDielectric(_) => true,
-        MaterialModel::Mix(mix) => mix.models.iter().any(is_pane),
+        MaterialModel::Conductor(Conductor { distribution, .. })
+        | MaterialModel::Dielectric(Dielectric { distribution, .. }) => {
+            Lobes { is_polished: distribution.distribution().is_smooth(), is_pane: false }
+        }
+        MaterialModel::ThinDielectric(_) => Lobes { is_polished: true, is_pane: true },
+        // "principled" has no such lobe, however small its roughness.
+        MaterialModel::Layered(layers) => {
+            let LayeredDescription { transmission, absorption_per_m, roughness, .. } = &**layers;
+            // A texture may make any part of it smooth.
+            let may_be_smooth =
+                roughness.texture.is_some() || Roughness::isotropic(roughness.value).distribution().is_smooth();
+            Lobes {
+                is_polished: false,
+                is_pane: transmission.value > 0.0 && absorption_per_m.is_none() && may_be_smooth,
+            }
+        }
+        MaterialModel::Mix(mix) => {
+            let [first, second] = mix.models.each_ref().map(lobes);
+            Lobes { is_polished: first.is_polished || second.is_polished, is_pane: first.is_pane || second.is_pane }
+        }
         MaterialModel::Diffuse(_)
-        | MaterialModel::Conductor(_)
-        | MaterialModel::Dielectric(_)
         | MaterialModel::OrenNayar(_)
         | MaterialModel::Phong(_)
         | MaterialModel::Translucent(_)
-        | MaterialModel::Retroreflective(_)
-        | MaterialModel::Layered(_) => false,
+        | MaterialModel::Retroreflective(_) => Lobes::default(),
     }
 }
 
@@ -173,16 +176,13 @@ pub(super) fn has_holes(scene: &SceneDescription) -> bool {
 
 /// Notes panes before lamps that they take the light of in Mitsuba.
 pub(super) fn panes(scene: &SceneDescription, out: &mut Output) {
-    for pane in used(scene).filter(|material| is_pane(&material.model)) {
-        let name = quoted("material", &pane.name);
+    for pane in used(scene).filter(|material| lobes(&material.model).is_pane) {
+        let material = || quoted("material", &pane.name);
         if !scene.lights.is_empty() {
-            out.approximate(format!("light of lamps without a surface through {name}: it throws a black shadow"));
+            out.approximate(Difference::ShadowOfPane { material: material() });
         }
         if has_holes(scene) {
-            out.approximate(format!(
-                "light through {name} in a scene with holes: \"volpath\", which these want, loses what comes straight \
-                 from the lamps"
-            ));
+            out.approximate(Difference::PaneAmongHoles { material: material() });
         }
     }
 }
@@ -211,7 +211,7 @@ fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &
             let bsdf = if microfacets.is_smooth() {
                 Element::object("bsdf", "conductor")
             } else {
-                out.approximate(shadowing(name));
+                out.approximate(Difference::Shadowing { material: name.to_owned() });
                 let [u, v] = microfacets.alpha().map(f64::from);
                 ggx(Element::object("bsdf", "roughconductor")).float("alpha_u", u).float("alpha_v", v)
             };
@@ -219,41 +219,46 @@ fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &
         }
         MaterialModel::Dielectric(Dielectric { index, distribution }) => {
             if !index.is_constant() {
-                out.approximate(format!("the dispersion of {name}: its index is that at {SODIUM_NM} nm"));
+                out.approximate(Difference::Dispersion { material: name.to_owned() });
             }
             let microfacets = distribution.distribution();
             let bsdf = if microfacets.is_smooth() {
                 Element::object("bsdf", "dielectric")
             } else {
-                out.approximate(shadowing(name));
+                out.approximate(Difference::Shadowing { material: name.to_owned() });
                 ggx(Element::object("bsdf", "roughdielectric")).float("alpha", microfacets.alpha()[0].into())
             };
             (bsdf.float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0), Sides::Both)
         }
         MaterialModel::OrenNayar(OrenNayar { reflectance, roughness: _ }) => {
-            out.approximate(format!("the relief of {name}: it becomes \"diffuse\""));
+            out.approximate(Difference::Relief { material: name.to_owned() });
             (textures.diffuse(reflectance, name, out), Sides::One)
         }
         MaterialModel::Phong(Phong { diffuse, specular: _, exponent: _ }) => {
-            out.approximate(format!("Phong's lobe of {name}: it is left out"));
+            out.approximate(Difference::PhongLobe { material: name.to_owned() });
             (textures.diffuse(diffuse, name, out), Sides::One)
         }
         MaterialModel::Translucent(Translucent { reflectance, transmittance: _ }) => {
-            out.approximate(format!("the light that passes {name}: it is left out"));
+            out.approximate(Difference::Translucence { material: name.to_owned() });
             (textures.diffuse(reflectance, name, out), Sides::One)
         }
         MaterialModel::ThinDielectric(ThinDielectric { index, transmittance }) => {
             if !index.is_constant() {
-                out.approximate(format!("the dispersion of {name}: its index is that at {SODIUM_NM} nm"));
+                out.approximate(Difference::Dispersion { material: name.to_owned() });
             }
             if transmittance.min() < 1.0 {
-                out.approximate(format!("the absorption of {name}: it is left out"));
+                out.approximate(Difference::Absorption { material: name.to_owned() });
             }
             let bsdf = Element::object("bsdf", "thindielectric");
             (bsdf.float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0), Sides::Both)
         }
-        MaterialModel::Retroreflective(Retroreflective { reflectance, .. }) => {
-            out.approximate(format!("the retroreflection of {name}, for which it has no plugin: it is left out"));
+        MaterialModel::Retroreflective(Retroreflective {
+            reflectance,
+            retroreflectance: _,
+            corners: _,
+            distribution: _,
+        }) => {
+            out.approximate(Difference::Retroreflection { material: name.to_owned() });
             (textures.diffuse(reflectance, name, out), Sides::One)
         }
         MaterialModel::Mix(_) => unreachable!("mixes are taken apart above"),
@@ -263,34 +268,47 @@ fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &
 
 /// glTF's material. Mitsuba's "principled" is another model with nearly the same keys.
 fn principled(layers: &LayeredDescription, name: &str, textures: &Textures<'_>, out: &mut Output) -> Element {
-    out.approximate(format!(
-        "the model of {name} (\"plastic\", \"metallic-roughness\" and those of glTF are one): it becomes \"principled\""
-    ));
-    let extensions = [
-        ("transmission", layers.transmission.value > 0.0),
-        ("volume", layers.absorption_per_m.is_some()),
-        ("diffuse transmission", layers.diffuse_transmission.is_some()),
-        ("iridescence", layers.film.is_some()),
-        ("anisotropy", layers.anisotropy.is_some()),
-        ("sheen", layers.sheen.is_some()),
-        ("clearcoat", layers.coat.is_some()),
-        (
-            "specular colour",
-            !matches!(layers.specular_colour.colour, Colour::Rgb([1.0, 1.0, 1.0]))
-                || layers.specular_colour.texture.is_some(),
-        ),
-        ("specular factor", layers.specular.value != 1.0 || layers.specular.texture.is_some()),
-        (
-            "reflectance of 1 before the specular colour (ior 0, specular-glossiness)",
-            layers.normal_reflectance.is_some(),
-        ),
-    ];
-    for (extension, _) in extensions.into_iter().filter(|(_, used)| *used) {
-        out.approximate(format!("the {extension} of {name}: it is left out"));
+    let LayeredDescription {
+        kind,
+        base_colour,
+        metallic,
+        roughness,
+        index,
+        normal_reflectance,
+        specular,
+        specular_colour,
+        transmission,
+        absorption_per_m,
+        diffuse_transmission,
+        anisotropy,
+        film,
+        sheen,
+        coat,
+    } = layers;
+    out.approximate(Difference::Model { kind, material: name.to_owned() });
+    let is_white = matches!(specular_colour.colour, Colour::Rgb([1.0, 1.0, 1.0])) && specular_colour.texture.is_none();
+    for (extension, is_used) in [
+        ("transmission", transmission.value > 0.0),
+        ("volume", absorption_per_m.is_some()),
+        ("diffuse transmission", diffuse_transmission.is_some()),
+        ("iridescence", film.is_some()),
+        ("anisotropy", anisotropy.is_some()),
+        ("sheen", sheen.is_some()),
+        ("clearcoat", coat.is_some()),
+        ("specular colour", !is_white),
+        ("specular factor", specular.value != 1.0 || specular.texture.is_some()),
+        ("reflectance of 1 before the specular colour (ior 0, specular-glossiness)", normal_reflectance.is_some()),
+    ] {
+        if is_used {
+            out.approximate(Difference::Extension { extension, material: name.to_owned() });
+        }
     }
-    let bsdf = Element::object("bsdf", "principled").float("eta", layers.index.index(SODIUM_NM));
-    let bsdf = textures.colour(bsdf, "base_color", &layers.base_colour, name, out);
-    [("roughness", &layers.roughness), ("metallic", &layers.metallic)].into_iter().fold(bsdf, |bsdf, (key, factor)| {
+    if !index.is_constant() {
+        out.approximate(Difference::Dispersion { material: name.to_owned() });
+    }
+    let bsdf = Element::object("bsdf", "principled").float("eta", index.index(SODIUM_NM));
+    let bsdf = textures.colour(bsdf, "base_color", base_colour, name, out);
+    [("roughness", roughness), ("metallic", metallic)].into_iter().fold(bsdf, |bsdf, (key, factor)| {
         let Some((texture, channel)) = &factor.texture else { return bsdf.float(key, f64::from(factor.value)) };
         let image = textures.image(texture);
         let value = |i| [image.linear_texel(i)[*channel as usize] * factor.value; 3];
@@ -301,10 +319,6 @@ fn principled(layers: &LayeredDescription, name: &str, textures: &Textures<'_>, 
 
 /// Mitsuba's microfacets hide each other from the two directions independently, G = G₁(wo)·G₁(wi); ours know that what
 /// is hidden from one is deep and hidden from the other too.
-fn shadowing(name: &str) -> String {
-    format!("the correlated shadowing of the microfacets of {name}: Mitsuba's is uncorrelated")
-}
-
 fn ggx(bsdf: Element) -> Element {
     bsdf.string("distribution", "ggx").boolean("sample_visible", true)
 }
@@ -328,7 +342,7 @@ fn masked(
         return masked.float("opacity", opacity(1.0).into()).child(bsdf);
     };
     if matches!(material.alpha, AlphaMode::Mask { .. }) && texture.sampler.filter != Filter::Nearest {
-        out.approximate(format!("the mask of {name}: texels are cut before they are interpolated, not after"));
+        out.approximate(Difference::MaskBetweenTexels { material: name.to_owned() });
     }
     let image = textures.image(texture);
     let file = textures.file("opacity", image, &["Y"], out, |i| [opacity(image.linear_texel(i)[3]); 3]);
@@ -380,16 +394,16 @@ impl<'a> Textures<'a> {
         let factor = match colour {
             Colour::Rgb(rgb) => *rgb,
             Colour::Spectrum(_) => {
-                out.approximate(format!("the spectrum that scales the texture of {name}: it is left out"));
+                out.approximate(Difference::SpectrumTimesTexture { material: name.to_owned() });
                 [1.0; 3]
             }
         };
         if out.sees_beyond_cie {
-            out.approximate(format!("the texture of {name} beyond 360 to 830 nm, where it is black"));
+            out.approximate(Difference::TextureBeyondCie { material: name.to_owned() });
         }
         let image = self.image(texture);
         if texture.sampler.filter == Filter::Linear && (image.width, image.height) != (1, 1) {
-            out.approximate(format!("colours between the texels of {name}: spectra are interpolated, not RGB"));
+            out.approximate(Difference::ColoursBetweenTexels { material: name.to_owned() });
         }
         let file = self.file(key, image, &["R", "G", "B"], out, |i| {
             let texel = image.srgb_texel(i);

@@ -21,6 +21,7 @@
 //! | lights | `area`, `point`, `spot`, `directional`, `constant`, `envmap`, `sunsky` | `light.rs` |
 //! | pictures | `bitmap` of an EXR file | `picture.rs` |
 
+mod difference;
 mod element;
 mod light;
 mod material;
@@ -39,6 +40,8 @@ use element::Element;
 use material::ExportedMaterial;
 use output::Output;
 
+pub use difference::Difference;
+
 /// The version of Mitsuba that the files are written for.
 const MITSUBA: &str = "3.0.0";
 
@@ -47,8 +50,8 @@ const MITSUBA: &str = "3.0.0";
 pub struct MitsubaScene {
     /// Names relative to the scene's folder, with `/`, and contents. `scene.xml` comes first.
     pub files: Vec<(String, Vec<u8>)>,
-    /// What Mitsuba will do otherwise than photosite, one sentence each.
-    pub approximations: Vec<String>,
+    /// What Mitsuba will do otherwise than photosite.
+    pub differences: Vec<Difference>,
 }
 
 /// Describes a capture to Mitsuba. Where there is no exact counterpart, that is an error which names everything of the
@@ -79,10 +82,11 @@ pub fn export(capture: &Capture, camera: &Camera, approximate: bool) -> Result<M
         .with(materials.into_iter().flat_map(ExportedMaterial::into_elements))
         .with(shapes)
         .with(lights);
-    if !approximate && !out.approximations.is_empty() {
-        let message = format!("Mitsuba has no exact counterpart for {}", out.approximations.join("; "));
+    if !approximate && !out.differences.is_empty() {
+        let named: Vec<String> = out.differences.iter().map(Difference::to_string).collect();
+        let message = format!("Mitsuba has no exact counterpart for {}", named.join("; "));
         return Err(Invalid::new("", message).help(Help::any(["change the capture".into(), Remedy::Nearest])));
     }
     out.files.insert(0, ("scene.xml".to_owned(), scene.to_xml()));
-    Ok(MitsubaScene { files: out.files, approximations: out.approximations })
+    Ok(MitsubaScene { files: out.files, differences: out.differences })
 }

@@ -2,6 +2,7 @@
 
 use std::io::Cursor;
 
+use super::difference::Difference;
 use crate::image::Planes;
 use crate::io::exr::write_exr;
 
@@ -9,17 +10,16 @@ use crate::io::exr::write_exr;
 #[derive(Default)]
 pub(super) struct Output {
     pub(super) files: Vec<(String, Vec<u8>)>,
-    pub(super) approximations: Vec<String>,
+    pub(super) differences: Vec<Difference>,
     /// Whether the sensor sees where Mitsuba's upsampling of RGB is black.
     pub(super) sees_beyond_cie: bool,
 }
 
 impl Output {
     /// Notes something that has no exact counterpart, once.
-    pub(super) fn approximate(&mut self, what: impl Into<String>) {
-        let what = what.into();
-        if !self.approximations.contains(&what) {
-            self.approximations.push(what);
+    pub(super) fn approximate(&mut self, difference: Difference) {
+        if !self.differences.contains(&difference) {
+            self.differences.push(difference);
         }
     }
 

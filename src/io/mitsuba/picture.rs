@@ -6,6 +6,7 @@ use crate::image::{Channel, Planes};
 use crate::scene::description::TextureDescription;
 use crate::texture::{Bitmap, Filter, Texels, Wrap};
 
+use super::difference::Difference;
 use super::element::Element;
 use super::output::Output;
 
@@ -67,7 +68,7 @@ pub(super) fn is_of_one_colour(image: &Bitmap) -> bool {
 pub(super) fn bitmap(tag_name: &str, file: &str, raw: bool, t: &TextureDescription, out: &mut Output) -> Element {
     let [u, v] = t.sampler.wrap;
     if u != v {
-        out.approximate("wrap modes that differ in u and v: that of u serves both");
+        out.approximate(Difference::WrapModes);
     }
     Element::object("texture", "bitmap")
         .named(tag_name)

@@ -2,6 +2,7 @@
 
 use glam::{DAffine3, DMat4, DVec3};
 
+use super::difference::Difference;
 use super::element::Element;
 use super::output::Output;
 use crate::capture::{Capture, ExposureTime};
@@ -18,7 +19,7 @@ pub(super) fn responses(capture: &Capture, camera: &Camera, out: &mut Output) ->
     let time = match capture.exposure.time {
         ExposureTime::Fixed(time) => time.0,
         ExposureTime::Auto(_) => {
-            out.approximate("an automatic exposure: electrons are those of one second");
+            out.approximate(Difference::AutomaticExposure);
             1.0
         }
     };
@@ -53,58 +54,58 @@ pub(super) fn sensor(
     let lens = &capture.lens;
     let [width, height] = capture.sensor.resolution;
     if capture.recording.is_some() {
-        out.approximate("the motion of camera and scene: all stands where it starts");
+        out.approximate(Difference::Motion);
     }
     if lens.falloff != Falloff::None {
-        out.approximate("the falloff of [lens]: Mitsuba's cameras have none, as with falloff = \"none\"");
+        out.approximate(Difference::Falloff);
     }
     if !lens.projection.is_flat() {
         // A fisheye without distortion is one of Kannala and Brandt's model with coefficients of 0.
         let is_fisheye = matches!(lens.projection, Projection::KannalaBrandt { .. });
-        let name = if is_fisheye { "fisheye" } else { lens.projection.name() };
-        out.approximate(format!("the {name} projection of [lens]: it becomes perspective"));
+        let projection = if is_fisheye { "fisheye" } else { lens.projection.name() };
+        out.approximate(Difference::CurvedProjection { projection });
     } else if lens.projection != Projection::Perspective {
-        out.approximate("the distortion of [lens]: it is left out");
+        out.approximate(Difference::Distortion);
     }
-    for (is_there, what) in [
-        (lens.point_spread.is_some(), "psf of [lens]: points stay points"),
-        (lens.lateral_colour.is_some(), "lateral_colour of [lens]: all wavelengths are as large"),
-        (!lens.stops.is_empty(), "stops of [lens]: they cut off nothing"),
-        (capture.sensor.cells.is_staggered(), "hexagonal cells of [sensor]: those of Mitsuba are square"),
-        (capture.sensor.cells.image_circle.is_some(), "image_circle_mm of [sensor]: all pixels see light"),
+    for (is_there, difference) in [
+        (lens.point_spread.is_some(), Difference::PointSpread),
+        (lens.lateral_colour.is_some(), Difference::LateralColour),
+        (!lens.stops.is_empty(), Difference::Stops),
+        (capture.sensor.cells.is_staggered(), Difference::HexagonalCells),
+        (capture.sensor.cells.image_circle.is_some(), Difference::ImageCircle),
     ] {
         if is_there {
-            out.approximate(what);
+            out.approximate(difference);
         }
     }
     if lens.max_angle_rad.is_some() {
-        out.approximate("max_angle_deg of [lens]: the picture is not cut off there");
+        out.approximate(Difference::MaxAngle);
     }
     let i = camera.intrinsics();
     // Half a thousandth of a pixel is seen by nobody.
     let near = |a: f64, b: f64, scale: f64| (a - b).abs() < 5e-4 / width.max(height) as f64 * scale;
     if !near(i.fx, i.fy, i.fx) || i.skew != 0.0 {
-        out.approximate("pixels that are not square: those of Mitsuba are");
+        out.approximate(Difference::PixelsNotSquare);
     }
     if !near(i.cx, width as f64 / 2.0, 1.0) || !near(i.cy, height as f64 / 2.0, 1.0) {
-        out.approximate("a principal point off the centre: it is moved there");
+        out.approximate(Difference::PrincipalPoint);
     }
     let kind = match lens.kind {
         LensKind::Pinhole => Element::object("sensor", "perspective"),
         LensKind::Hole | LensKind::Bare | LensKind::Prescription => {
-            out.approximate("the hole of [lens]: it becomes a pinhole, whose pictures are sharp");
+            out.approximate(Difference::Hole);
             Element::object("sensor", "perspective")
         }
         LensKind::Thin => {
             if lens.ground.is_some() || !lens.supplementary.is_empty() {
-                out.approximate("the glass of [lens]: all wavelengths have the focus of that at 587.6 nm");
+                out.approximate(Difference::Glass);
             }
             if lens.blades != 0 {
-                out.approximate("an aperture with blades: it becomes round");
+                out.approximate(Difference::Blades);
             }
             let focus = camera.focus_distance_m();
             if focus < 0.0 {
-                out.approximate("a sensor at which nothing is in focus: it is focused at infinity");
+                out.approximate(Difference::NothingInFocus);
             }
             let radius = camera.entrance_pupil_m().unwrap_or_default() / 2.0;
             Element::object("sensor", "thinlens")

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec4};
 
+use super::difference::Difference;
 use super::element::Element;
 use super::material::ExportedMaterial;
 use super::output::{Output, quoted};
@@ -56,8 +57,7 @@ fn shape(
     // Mitsuba's unit shapes are the same, each a plugin of its own.
     if let Some(kind) = mesh.quadric {
         if is_anisotropic(described) || !described.textures().is_empty() {
-            let name = quoted(kind.name(), &mesh.name);
-            out.approximate(format!("the texture of {name} or its grooves: its UVs are others"));
+            out.approximate(Difference::QuadricUvs { shape: quoted(kind.name(), &mesh.name) });
         }
         return vec![Element::object("shape", kind.name()).child(Element::reference(&material.id))];
     }
@@ -104,46 +104,35 @@ fn parts<'a>(
 fn differences(mesh: &MeshDescription, described: &MaterialDescription, material: &ExportedMaterial, out: &mut Output) {
     let is_coloured = matches!(described.model, MaterialModel::Layered(_));
     if is_coloured && mesh.colours.iter().any(|colour| *colour != Vec4::ONE) {
-        out.approximate(format!("the colours of the corners of {}: they are left out", quoted("mesh", &mesh.name)));
+        out.approximate(Difference::CornerColours { mesh: quoted("mesh", &mesh.name) });
     }
-    let name = quoted("material", &described.name);
     if !has_uvs(mesh) && is_anisotropic(described) {
-        out.approximate(format!("the anisotropy of {name} on a mesh without UVs: its direction is another one"));
+        out.approximate(Difference::GroovesWithoutUvs { material: quoted("material", &described.name) });
     }
     let has_frame = is_anisotropic(described) || described.normal_map.is_some();
     if has_frame && has_uvs(mesh) && !runs_along_u(mesh, material) {
-        out.approximate(format!(
-            "the tangents of {}: grooves and normal maps follow u of each triangle",
-            quoted("mesh", &mesh.name)
-        ));
+        out.approximate(Difference::Tangents { mesh: quoted("mesh", &mesh.name) });
     }
     let lean = largest_lean_rad(mesh);
     if lean > COARSE_RAD {
-        out.approximate(format!(
-            "the smooth normals of {}, up to {:.0}° off its triangles: where one is seen from behind, photosite bends it \
-             towards the viewer",
-            quoted("mesh", &mesh.name),
-            lean.to_degrees()
-        ));
+        out.approximate(Difference::CoarseNormals { mesh: quoted("mesh", &mesh.name), lean_deg: lean.to_degrees() });
     }
 }
 
 /// Notes what of the light of a mesh Mitsuba does otherwise.
 fn lamp_differences(mesh: &MeshDescription, described: &MaterialDescription, out: &mut Output) {
-    let name = quoted("material", &described.name);
+    let material = || quoted("material", &described.name);
     if described.emission.as_ref().is_some_and(|emission| emission.texture.is_some()) {
-        out.approximate(format!("the emission texture of {name}: it shines as if the texture were white"));
+        out.approximate(Difference::EmissionTexture { material: material() });
     }
     if described.alpha != AlphaMode::Opaque {
-        out.approximate(format!("the holes of the lamp of {name}: they shine too"));
+        out.approximate(Difference::HolesOfLamp { material: material() });
     }
     if described.double_sided {
-        out.approximate(format!("the light of {name} on both sides: it shines on the front only"));
+        out.approximate(Difference::LampOfTwoSides { material: material() });
     }
     if !is_flat(mesh) {
-        out.approximate(format!(
-            "the light of {name} on a smooth mesh: in Mitsuba its shading normals tell front from back"
-        ));
+        out.approximate(Difference::SmoothLamp { material: material() });
     }
 }
 

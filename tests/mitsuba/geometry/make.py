@@ -13,9 +13,12 @@
     wedge.obj     a square tower with an edge towards −z, around the suite's camera: the right side at that edge
                   is "ground", all others are "polished"
     panels.gltf   the panels and the floor with texture transforms and wrap modes of their own
+    mirrored.gltf a panel ("bumpy") and its mirror image, a panel with holes by its second UVs ("masked"), a floor
+                  ("tiles") and a lamp above that faces down ("lamp")
     line-*.csv    responses at one wavelength, 1 nm wide
     venice.hdr    no work of this script: its header says where it is from
-    colours.png   8 × 8 texels, the corners of the RGB cube among them; holes.png, a mask; bumps.png, a normal map
+    colours.png   8 × 8 texels, the corners of the RGB cube among them; holes.png, a mask, and mask.png with one in its
+                  alpha, of 16 bits; bumps.png, a normal map
 """
 
 import base64
@@ -82,14 +85,14 @@ def quad(*corners):
     return corners, [(0, 1, 2, 3)]
 
 
-def write_png(name, rows):
-    """8-bit RGB rows."""
+def write_png(name, rows, bits=8):
+    """Rows of RGB or RGBA."""
 
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
-    data = b"".join(b"\0" + bytes(c for pixel in row for c in pixel) for row in rows)
-    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 2, 0, 0, 0)
+    data = b"".join(b"\0" + b"".join(c.to_bytes(bits // 8) for pixel in row for c in pixel) for row in rows)
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), bits, {3: 2, 4: 6}[len(rows[0][0])], 0, 0, 0)
     png = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(data, 9)) + chunk(b"IEND", b"")
     (HERE / name).write_bytes(png)
 
@@ -108,6 +111,8 @@ def pictures():
         z = math.sqrt(1 - x * x - y * y)
         return tuple(round(127.5 * (c + 1)) for c in (x, y, z))
 
+    opacities = [[dice.choice((0, 90, 160, 255)) * 257 for _ in range(8)] for _ in range(8)]
+    write_png("mask.png", [[(51400, 30840, 15420, alpha) for alpha in row] for row in opacities], bits=16)
     write_png("bumps.png", [[bump(i, j) for i in range(16)] for j in range(16)])
 
 
@@ -190,6 +195,60 @@ def transformed():
     (HERE / "panels.gltf").write_text(one_line_each(document) + "\n", encoding="utf-8")
 
 
+def mirrored():
+    panel = ((-0.5, 0.1, 0.0), (0.5, 0.1, 0.0), (0.5, 1.4, -0.3), (-0.5, 1.4, -0.3))
+    floor = ((-2, 0, 2), (2, 0, 2), (2, 0, -2), (-2, 0, -2))
+    lamp = ((-0.6, 2.4, -0.6), (0.6, 2.4, -0.6), (0.6, 2.4, 0.6), (-0.6, 2.4, 0.6))
+    # v points down in glTF.
+    uvs = [(-0.6, 1.8, 1.8, 1.8, 1.8, -0.6, -0.6, -0.6), (0.2, 0.9, 1.1, 0.7, 0.8, 0.1, 0.0, 0.3)]
+    arrays = [struct.pack("<6H", 0, 1, 2, 0, 2, 3), *(struct.pack("<8f", *pairs) for pairs in uvs)]
+    arrays += [struct.pack("<12f", *sum(corners, ())) for corners in (panel, floor, lamp)]
+    accessors = [{"componentType": 5123, "count": 6, "type": "SCALAR"}]
+    accessors += [{"componentType": 5126, "count": 4, "type": "VEC2"} for _ in uvs]
+    for corners in (panel, floor, lamp):
+        bounds = {"min": [min(axis) for axis in zip(*corners)], "max": [max(axis) for axis in zip(*corners)]}
+        accessors.append({"componentType": 5126, "count": 4, "type": "VEC3"} | bounds)
+    offsets = [sum(map(len, arrays[:n])) for n in range(len(arrays))]
+    data = b"".join(arrays)
+
+    def mesh(positions, material):
+        attributes = {"POSITION": positions, "TEXCOORD_0": 1, "TEXCOORD_1": 2}
+        return {"primitives": [{"attributes": attributes, "indices": 0, "material": material}]}
+
+    second = {"texCoord": 1, "extensions": {"KHR_texture_transform": {"rotation": 0.4, "scale": [1.5, 0.9]}}}
+    factors = {"baseColorFactor": [0.9, 0.7, 0.8, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.6}
+    masked = {
+        "name": "masked",
+        "alphaMode": "MASK",
+        "normalTexture": {"index": 1, "scale": 0.5} | second,
+        "pbrMetallicRoughness": {"baseColorTexture": {"index": 0} | second} | factors,
+    }
+    document = {
+        "asset": {"version": "2.0", "generator": "make.py"},
+        "extensionsUsed": ["KHR_texture_transform"],
+        "scene": 0,
+        "scenes": [{"nodes": [0, 1, 2, 3, 4]}],
+        "nodes": [
+            {"name": "bumpy", "mesh": 0, "translation": [-1.1, 0, 0]},
+            {"name": "mirrored", "mesh": 0, "scale": [-1, 1, 1]},
+            {"name": "masked", "mesh": 1, "translation": [1.1, 0, 0]},
+            {"name": "tiles", "mesh": 2},
+            {"name": "lamp", "mesh": 3},
+        ],
+        "meshes": [mesh(3, 0), mesh(3, 1), mesh(4, 2), mesh(5, 3)],
+        "materials": [{"name": "bumpy"}, masked, {"name": "tiles"}, {"name": "lamp"}],
+        "textures": [{"source": 0, "sampler": 0}, {"source": 1, "sampler": 1}],
+        "samplers": [{"magFilter": 9728, "minFilter": 9728, "wrapS": 33648, "wrapT": 33648}, {"magFilter": 9729}],
+        "images": [{"uri": "mask.png"}, {"uri": "bumps.png"}],
+        "accessors": [{"bufferView": n} | accessor for n, accessor in enumerate(accessors)],
+        "bufferViews": [{"buffer": 0, "byteOffset": o, "byteLength": len(a)} for o, a in zip(offsets, arrays)],
+        "buffers": [{
+            "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(), "byteLength": len(data)
+        }],
+    }
+    (HERE / "mirrored.gltf").write_text(one_line_each(document) + "\n", encoding="utf-8")
+
+
 def lamps():
     obj, dice = Obj(), random.Random(5)
     for n in range(81):
@@ -217,6 +276,7 @@ def main():
     pictures()
     panels()
     transformed()
+    mirrored()
     lamps()
     heap()
     stage = Obj()

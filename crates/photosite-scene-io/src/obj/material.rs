@@ -92,6 +92,7 @@ fn glass(mtl: &MtlMaterial) -> MaterialModel {
     match filter(mtl) {
         None => MaterialModel::Dielectric(Dielectric { index, distribution: Roughness::isotropic(roughness) }),
         Some(filter) => MaterialModel::Layered(Box::new(LayeredDescription {
+            kind: "MTL",
             base_colour: TexturedColour::plain(Colour::Rgb(filter)),
             roughness: TexturedFactor::plain(roughness),
             index,
@@ -150,6 +151,7 @@ fn opaque(mtl: &MtlMaterial, mut textures: MaterialTextures, warnings: &mut Warn
         return MaterialModel::Diffuse(Diffuse { reflectance: diffuse });
     }
     let plain = LayeredDescription {
+        kind: "MTL",
         roughness: roughness(mtl, &mut textures, if mirrors { 0.0 } else { 1.0 }),
         index: index(mtl),
         ..LayeredDescription::default()
@@ -181,6 +183,7 @@ fn physically_based(mtl: &MtlMaterial, mut textures: MaterialTextures) -> Layere
     let sheen = unit(mtl.sheen, if textures.sheen.is_some() { 1.0 } else { 0.0 });
     let strength = unit(mtl.anisotropy, 0.0);
     LayeredDescription {
+        kind: "MTL",
         metallic: factor(mtl.metallic, textures.metallic.take(), 0.0),
         roughness: roughness(mtl, &mut textures, 0.5),
         index: index(mtl),

@@ -81,7 +81,8 @@ pub fn parse(
 
 /// A diffuse surface of the colours of its vertices: layers without any reflection at the facets.
 fn coloured(name: &str, has_holes: bool) -> MaterialDescription {
-    let layers = LayeredDescription { specular: TexturedFactor::plain(0.0), ..LayeredDescription::default() };
+    let layers =
+        LayeredDescription { kind: "PLY", specular: TexturedFactor::plain(0.0), ..LayeredDescription::default() };
     MaterialDescription {
         alpha: if has_holes { AlphaMode::Blend } else { AlphaMode::Opaque },
         double_sided: true,

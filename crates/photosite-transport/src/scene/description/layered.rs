@@ -7,6 +7,8 @@ use photosite_core::spectrum::{Dispersion, Spectrum};
 /// says of a material that says nothing, but for `metallic`, which is 0 here.
 #[derive(Clone, Debug)]
 pub struct LayeredDescription {
+    /// What the file that it comes from calls the model, for messages.
+    pub kind: &'static str,
     /// Reflectance of the coloured base, F₀ of the metal, tint of transmission.
     pub base_colour: TexturedColour,
     /// Metalness 0–1.
@@ -40,6 +42,7 @@ pub struct LayeredDescription {
 impl Default for LayeredDescription {
     fn default() -> Self {
         Self {
+            kind: "glTF",
             base_colour: TexturedColour::white(),
             metallic: TexturedFactor::plain(0.0),
             roughness: TexturedFactor::plain(1.0),
@@ -98,7 +101,7 @@ macro_rules! layered_textures {
     ($name:ident, $textured:ident, $pair:ident $(, $mutable:tt)?) => {
         pub(super) fn $name(& $($mutable)? self) -> Vec<Option<& $($mutable)? TextureDescription>> {
             let Self {
-                base_colour, metallic, roughness, index: _, normal_reflectance: _, specular, specular_colour,
+                kind: _, base_colour, metallic, roughness, index: _, normal_reflectance: _, specular, specular_colour,
                 transmission, absorption_per_m: _, diffuse_transmission, anisotropy, film, sheen, coat,
             } = self;
             let mut all = vec![base_colour.texture.$textured(), specular_colour.texture.$textured()];
