@@ -10,7 +10,7 @@
 
 mod accel;
 #[cfg(test)]
-mod accel_tests;
+pub(crate) mod accel_tests;
 mod bounds;
 mod chunks;
 mod collapse;

@@ -77,12 +77,6 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
         Some(block)
     }
 
-    /// The lane of a triangle, as a bit.
-    #[inline(always)]
-    fn lanes_of(&self, id: u32) -> u32 {
-        (0..).zip(&self.ids).fold(0, |lanes, (lane, own)| lanes | u32::from(*own == id) << lane)
-    }
-
     /// Vertices along an axis, so far on the way from the first shape to the second.
     #[inline(always)]
     fn along<S: Simd>(&self, simd: S, axis: usize, part: f32) -> S::Lanes {
@@ -120,21 +114,22 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
         if inside == 0 {
             return None;
         }
-        inside &= !self.lanes_of(ray.from);
+        inside &= !simd.find(&self.ids, ray.from);
         if inside == 0 {
             return None;
         }
         let sum = u + v + w;
         let t = (u * a[2] + v * b[2] + w * c[2]) / sum;
-        let passes = inside & (!(sum.le(zero) & zero.le(sum))).bits();
-        if passes == 0 {
+        let edge_on = sum.le(zero) & zero.le(sum);
+        inside &= !edge_on.bits() & (t.le(simd.broadcast(t_max)).bits() | self.slender);
+        if inside == 0 {
             return None;
         }
         // Hits nearer than rounding can tell from 0, or of triangles on which it reaches far, need a closer look.
         let inverse_scale = simd.broadcast(1.0 / ray.shear[2].abs());
         let error = distance_error([a, b, c], [u, v, w], sum, inverse_scale);
-        let near = passes & (-error).le(t).bits() & (t.le(error).bits() | self.slender);
-        let mask = passes & !near & (zero.lt(t) & t.le(simd.broadcast(t_max))).bits();
+        let near = inside & (-error).le(t).bits() & (t.le(error).bits() | self.slender);
+        let mask = inside & !near & zero.lt(t).bits();
         if mask | near == 0 {
             return None;
         }

@@ -61,7 +61,8 @@ impl<'a, S: Simd> RayPacket<'a, S> {
     pub(super) fn new(simd: S, scan: &LinearScan, rays: &'a [Ray], members: &'a [u8], kz: usize) -> Self {
         let mut columns = [[0.0; MAX_LANES]; 8];
         for lane in 0..S::Wide::COUNT {
-            let Ray { origin, direction, t_max, from, .. } = &rays[usize::from(*members.get(lane).unwrap_or(&members[0]))];
+            let Ray { origin, direction, t_max, from, .. } =
+                &rays[usize::from(*members.get(lane).unwrap_or(&members[0]))];
             columns[0][lane] = origin.x;
             columns[1][lane] = origin.y;
             columns[2][lane] = origin.z;
