@@ -3,7 +3,7 @@
 use std::fmt;
 
 use glam::Vec3;
-use photosite::geometry::{Ray, offset_origin};
+use photosite::geometry::Ray;
 use photosite::math::{Frame, warp};
 use photosite::sampler::{Sampler, SamplerKind};
 use photosite::scene::{self, Scene};
@@ -91,11 +91,12 @@ impl Stage {
                 let Some(hit) = stage.scene.closest(ray) else { continue };
                 let point = stage.scene.point(&hit, 0.0);
                 let facing = point.geometric_normal * -ray.direction.dot(point.geometric_normal).signum();
-                let origin = offset_origin(point.position, point.error, facing, facing);
-                stage.shadows[bounce].push(Ray { origin, direction: light - origin, t_max: 1.0, time: 0.0 });
+                let leaving = point.spawn_ray(facing);
+                let direction = light - leaving.origin;
+                stage.shadows[bounce].push(Ray { direction, t_max: 1.0, ..leaving });
                 sampler.start(pixel as u64, 0);
                 let direction = Frame::from_normal(facing).to_world(warp::cosine_hemisphere(sampler.next_2d()).into());
-                stage.bounces[bounce + 1].push(Ray::new(origin, direction));
+                stage.bounces[bounce + 1].push(Ray { direction, ..leaving });
             }
         }
         stage

@@ -62,6 +62,15 @@ impl Simd for Avx2 {
         unsafe { _mm256_cvtepu8_epi32(_mm_loadl_epi64(indices.as_ptr().cast())) }
     }
     #[inline(always)]
+    fn find(self, ids: &[u32; LANES], id: u32) -> u32 {
+        // SAFETY: `self` is the evidence of AVX2; this reads the eight ids behind the reference, at any address.
+        let found = unsafe {
+            let ids = _mm256_loadu_si256(ids.as_ptr().cast());
+            _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpeq_epi32(ids, _mm256_set1_epi32(id.cast_signed()))))
+        };
+        found.cast_unsigned()
+    }
+    #[inline(always)]
     fn broadcast_wide(self, value: f32) -> Avx2Lanes {
         self.broadcast(value)
     }

@@ -61,6 +61,10 @@ impl Simd for Avx512 {
         self.0.indices(indices)
     }
     #[inline(always)]
+    fn find(self, ids: &[u32; LANES], id: u32) -> u32 {
+        self.0.find(ids, id)
+    }
+    #[inline(always)]
     fn broadcast_wide(self, value: f32) -> Avx512Lanes {
         // SAFETY: `self` is the evidence of AVX-512.
         Avx512Lanes(unsafe { _mm512_set1_ps(value) })

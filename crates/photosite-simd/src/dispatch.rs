@@ -48,6 +48,7 @@ mod tests {
             // The sign of a NaN is nobody's promise.
             let canonical = |x: f32| if x.is_nan() { u32::MAX } else { x.to_bits() };
             let mut bits: Vec<u32> = results.as_flattened().iter().flat_map(|r| r.store().map(canonical)).collect();
+            bits.extend([7, 8, 9].map(|id| simd.find(&[7, 0, 8, u32::MAX, 8, 7, 6, 8], id)));
             bits.extend([x.le(y).bits(), x.lt(y).bits(), both.bits(), either.bits()]);
             bits
         }

@@ -26,6 +26,8 @@ pub trait Simd: Copy {
     fn load(self, values: &[f32; LANES]) -> Self::Lanes;
     /// Indices for [`Lanes::permute`], each below [`LANES`].
     fn indices(self, indices: &[u8; LANES]) -> <Self::Lanes as Lanes>::Indices;
+    /// Bit `i` is set where id `i` is this one.
+    fn find(self, ids: &[u32; LANES], id: u32) -> u32;
     /// `value` in all wide lanes.
     fn broadcast_wide(self, value: f32) -> Self::Wide;
     /// The first [`WideLanes::COUNT`] numbers of the array.

@@ -25,6 +25,10 @@ impl Simd for Portable {
         *indices
     }
     #[inline(always)]
+    fn find(self, ids: &[u32; LANES], id: u32) -> u32 {
+        (0..).zip(ids).fold(0, |found, (lane, other)| found | u32::from(*other == id) << lane)
+    }
+    #[inline(always)]
     fn broadcast_wide(self, value: f32) -> PortableLanes {
         self.broadcast(value)
     }

@@ -6,7 +6,7 @@ use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 use super::row_search::{Sighting, row_that_sees};
 use photosite_core::image_grid::ImageGrid;
-use photosite_transport::geometry::{Hit, Ray, SurfacePoint, offset_origin};
+use photosite_transport::geometry::{Hit, Ray, SurfacePoint};
 use photosite_transport::optics::Camera;
 use photosite_transport::scene::Scene;
 
@@ -169,8 +169,7 @@ impl<'a> View<'a> {
 
 /// Whether nothing is between a surface point and the centre of a lens.
 fn is_seen(scene: &Scene, point: &SurfacePoint, eye: Vec3) -> bool {
-    let origin = offset_origin(point.position, point.error, point.geometric_normal, eye - point.position);
-    let mut ray = Ray::new(origin, eye - origin).at_time(point.time);
-    ray.t_max = 1.0;
+    let ray = point.spawn_ray(eye - point.position);
+    let ray = Ray { direction: eye - ray.origin, t_max: 1.0, ..ray };
     !scene.occluded(&ray)
 }

@@ -36,7 +36,7 @@ impl LinearScan {
             // Rays of one axis have the same permutation of coordinates and fill the lanes together.
             let by_axis = ByAxis::new(rays);
             for (axis, members) in by_axis.packets(S::Wide::COUNT) {
-                let packet = RayPacket::new(simd, rays, members, axis);
+                let packet = RayPacket::new(simd, self, rays, members, axis);
                 sheared.shear(self, &packet);
                 let mut query = Q::new(simd, &packet);
                 self.intersect(&sheared, &packet, filter, &mut query);
@@ -78,17 +78,24 @@ impl LinearScan {
             // Edge functions: all of one sign where the ray passes inside.
             let (u, v, w) = (double_area(c, b), double_area(a, c), double_area(b, a));
             let (smallest, largest) = (u.min(v).min(w), u.max(v).max(w));
-            let inside = zero.le(smallest) | largest.le(zero);
+            let scanned = packet.simd.broadcast_wide(index as f32);
+            let leaves = scanned.le(packet.from) & packet.from.le(scanned);
+            let inside = (zero.le(smallest) | largest.le(zero)) & !leaves;
             let sum = u + v + w;
             let along = u * a[2] + v * b[2] + w * c[2];
             // NaN for a triangle that is seen edge on: no comparison holds.
             let mut t = along / sum;
             let mut hit = inside & zero.lt(t) & t.lt(query.t_max());
             let [mut v, mut w, mut sum] = [v, w, sum];
-            // Hits nearer than rounding can tell from 0 may be those of the surface that the ray leaves. Most need no
-            // closer look.
-            if (inside & along.abs().le(sheared.sure)).bits() != 0 {
-                let near = inside & t.abs().le(distance_error([a, b, c], [u, v, w], sum, packet.inverse_scale));
+            // Hits nearer than rounding can tell from 0, or of triangles on which it reaches far, need a closer look. Most
+            // triangles have none.
+            let sure = if triangle.is_slender { packet.t_max.broadcast(f32::INFINITY) } else { sheared.sure };
+            if (inside & along.abs().le(sure)).bits() != 0 {
+                let error = distance_error([a, b, c], [u, v, w], sum, packet.inverse_scale);
+                let mut near = inside & (-error).le(t);
+                if !triangle.is_slender {
+                    near = near & t.le(error);
+                }
                 if near.bits() != 0 {
                     let closer = self.look_closer(triangle, packet, near.bits(), &query.t_max().store_wide());
                     let is_hit = zero.lt(packet.simd.load_wide(&closer.t));
@@ -114,14 +121,14 @@ impl LinearScan {
     }
 }
 
-/// Hits near the origins of rays: t where there is one, 0 elsewhere, with the weights of the second and third corner.
+/// Hits decided in double precision: t where there is one, 0 elsewhere, with the weights of the second and third corner.
 struct NearHits {
     t: [f32; MAX_LANES],
     weights: [[f32; MAX_LANES]; 2],
 }
 
 impl LinearScan {
-    /// Decides about lanes whose hits of a triangle are near the origin of the ray.
+    /// Decides about lanes that may hit a triangle in double precision.
     #[inline(never)]
     fn look_closer<S: Simd>(
         &self,

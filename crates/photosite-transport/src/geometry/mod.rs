@@ -10,10 +10,12 @@
 
 mod accel;
 #[cfg(test)]
-mod accel_tests;
+pub(crate) mod accel_tests;
 mod bounds;
 mod chunks;
 mod collapse;
+#[cfg(test)]
+mod exact_tests;
 mod linear_scan;
 mod mesh;
 mod motion;
@@ -36,7 +38,7 @@ pub(crate) use mesh::{interpolate, segment};
 pub use motion::{Motion, Transform};
 pub use point::SurfacePoint;
 pub(crate) use point::on_triangle;
-pub use primitive::{Primitive, PrimitiveRange};
+pub use primitive::{Facet, Primitive, PrimitiveRange};
 pub use quadric::{Cylinder, Disk, PlacedQuadric, Quadric, QuadricKind, Sphere};
 pub(crate) use ray::offset;
 pub use ray::{Hit, Ray, offset_origin};

@@ -1,13 +1,32 @@
-//! Hits that rounding in single precision cannot tell from the surface that the ray leaves: decided in f64.
+//! Hits that single precision cannot decide: those too near to be told from a surface that the ray leaves, and all of
+//! slender triangles. They are decided in f64.
 //!
 //! Corners, origin and direction are taken as they are. In f64 their differences and products are exact to 1e-16, so
-//! that the sign of the distance is that of exact arithmetic for triangles of any aspect. A ray that leaves a surface
-//! begins on the far side of its plane ([`offset_origin`](super::offset_origin)) and does not meet it again.
+//! that the sign of the distance is that of exact arithmetic for triangles of any aspect. A ray does not meet the
+//! triangle that it leaves ([`Facet`](super::Facet)); of others in the same plane, it begins on the far side
+//! ([`offset_origin`](super::offset_origin)).
 
 use glam::Vec3;
 
 /// Half of the unit in the last place of 1 in single precision.
 const ROUNDING: f64 = 0.5 * f32::EPSILON as f64;
+
+/// Aspect from which a triangle is slender.
+const SLENDER: f64 = 16.0;
+
+/// Whether a triangle is so long for its width that hits in single precision are not where the surface is: its square of
+/// the longest edge is above [`SLENDER`] times twice its area.
+///
+/// With u = 2⁻²⁴, a ray from no farther than R along any axis from corners of edges up to l: shears leave their
+/// coordinates within 7uR, and areas between points of at most 2l within 56uRl + 16ul² of sum 2A·cos θ. The weights of
+/// three corners then move the hit in the plane by 12·(56R + 16l)·u·(l²/2A)/cos θ at most, and the distance by as much,
+/// so that the height over the plane is off by 12·(56R + 16l)·16u of triangles that are not slender, a few ten-thousandths
+/// where the worst of all roundings meet, whatever their distance; some hundredth of it is found.
+pub(super) fn is_slender(corners: &[Vec3; 3]) -> bool {
+    let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+    let longest = (b - a).length_squared().max((c - a).length_squared()).max((c - b).length_squared());
+    longest > SLENDER * (b - a).cross(c - a).length()
+}
 
 /// t and the barycentric weights of the second and third corner, where a ray that passes through the triangle meets it
 /// at t > 0 (T. Möller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997).

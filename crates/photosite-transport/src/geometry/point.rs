@@ -4,7 +4,7 @@ use glam::{DVec3, Vec2, Vec3, Vec3A};
 
 use super::mesh::interpolate;
 use super::quadric::QuadricPoint;
-use super::{Accel, Geometry, Hit, Primitive};
+use super::{Accel, Facet, Geometry, Hit, Primitive, Ray, offset_origin};
 use photosite_core::math::float::gamma;
 use photosite_core::math::{Real, Vector};
 
@@ -25,6 +25,8 @@ pub struct SurfacePoint {
     pub handedness: f32,
     /// The primitive.
     pub primitive: Primitive,
+    /// Index of its instance in [`Accel`].
+    pub instance: u32,
     /// Mesh of the primitive.
     pub mesh: u32,
     /// Material of the mesh.
@@ -80,6 +82,7 @@ impl SurfacePoint {
             tangent: along,
             handedness,
             primitive: hit.primitive,
+            instance: hit.instance,
             mesh: triangle.mesh,
             material: mesh.material,
             parameters: hit.uv,
@@ -100,6 +103,7 @@ impl SurfacePoint {
             tangent: mesh.tangents_from.map_or(Vec3::ZERO, |_| tangent),
             handedness: 1.0,
             primitive: hit.primitive,
+            instance: hit.instance,
             mesh: placed.mesh,
             material: mesh.material,
             parameters: hit.uv,
@@ -121,6 +125,13 @@ impl SurfacePoint {
                 geometry.quadrics[quadric as usize].quadric.point(hit.uv).position.as_dvec3()
             }
         }
+    }
+
+    /// The ray that leaves it in a direction, at its time.
+    #[inline]
+    pub fn spawn_ray(&self, direction: Vec3) -> Ray {
+        let origin = offset_origin(self.position, self.error, self.geometric_normal, direction);
+        Ray::new(origin, direction).at_time(self.time).leaving(Facet::of(self.instance, self.primitive))
     }
 
     /// UV coordinates of a set.

@@ -24,6 +24,31 @@ impl Primitive {
     }
 }
 
+/// A triangle of an instance, as the surface that a ray leaves: it is flat, so that the ray does not meet it again.
+/// Quadrics are curved, and none of them is a facet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Facet {
+    instance: u32,
+    triangle: u32,
+}
+
+impl Facet {
+    /// No triangle: where a ray begins anywhere else.
+    pub const NONE: Self = Self { instance: 0, triangle: u32::MAX };
+
+    /// The triangle that a primitive of an instance is.
+    #[inline]
+    pub fn of(instance: u32, primitive: Primitive) -> Self {
+        primitive.triangle().map_or(Self::NONE, |triangle| Self { instance, triangle })
+    }
+
+    /// Index of the triangle in an instance; that of no triangle where it belongs to another one.
+    #[inline(always)]
+    pub(super) fn within(self, instance: u32) -> u32 {
+        if self.instance == instance { self.triangle } else { Self::NONE.triangle }
+    }
+}
+
 /// The primitives of a bottom-level hierarchy.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PrimitiveRange {

@@ -83,11 +83,9 @@ impl PlacedQuadric {
     pub fn new(kind: QuadricKind, to_world: &DAffine3, mesh: u32) -> Self {
         let (quadric, bounds) = match kind {
             QuadricKind::Sphere => {
-                let sphere =
-                    Sphere { centre: to_world.translation.as_vec3(), radius: to_world.matrix3.x_axis.length() as f32 };
-                let corner = |corner: DVec3| to_world.transform_point3(corner).as_vec3();
-                let (a, b) = (corner(DVec3::NEG_ONE), corner(DVec3::ONE));
-                (Quadric::Sphere(sphere), (a.min(b), a.max(b)))
+                let (centre, radius) = (to_world.translation, to_world.matrix3.x_axis.length());
+                let sphere = Sphere { centre: centre.as_vec3(), radius: radius as f32 };
+                (Quadric::Sphere(sphere), shape::box_around(centre, DVec3::splat(radius)))
             }
             QuadricKind::Disk => {
                 let (disk, bounds) = Disk::new(to_world);

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::Primitive;
+use super::{Facet, Primitive};
 use photosite_core::math::{Real, Vector};
 
 /// A ray from `origin` along `direction`; points on it are origin + t·direction for 0 < t < `t_max`.
@@ -16,13 +16,19 @@ pub struct Ray {
     pub t_max: f32,
     /// When it meets the scene: 0 for the start and 1 for the end of the time for which the scene was built.
     pub time: f32,
+    /// The triangle that it leaves, and does not meet.
+    pub from: Facet,
 }
 
 impl Ray {
-    /// A ray without end, at the start.
+    /// Placeholder of no ray.
+    pub(crate) const NONE: Self =
+        Self { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0, time: 0.0, from: Facet::NONE };
+
+    /// A ray without end, at the start, from anywhere.
     #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self { origin, direction, t_max: f32::INFINITY, time: 0.0 }
+        Self { origin, direction, t_max: f32::INFINITY, time: 0.0, from: Facet::NONE }
     }
 
     /// The same ray at another time.
@@ -30,6 +36,13 @@ impl Ray {
     #[must_use]
     pub fn at_time(self, time: f32) -> Self {
         Self { time, ..self }
+    }
+
+    /// The same ray from a triangle.
+    #[inline]
+    #[must_use]
+    pub fn leaving(self, from: Facet) -> Self {
+        Self { from, ..self }
     }
 
     /// The point at t.
@@ -51,6 +64,14 @@ pub struct Hit {
     pub primitive: Primitive,
     /// Index of the instance in [`Accel`](super::Accel).
     pub instance: u32,
+}
+
+impl Hit {
+    /// The triangle that a ray from there leaves.
+    #[inline]
+    pub fn facet(&self) -> Facet {
+        Facet::of(self.instance, self.primitive)
+    }
 }
 
 /// A ray origin off the surface at `p`, on the side that `direction` points to.

@@ -8,7 +8,8 @@
 
 use glam::Vec3;
 
-use super::near_hit::near_hit;
+use super::Ray;
+use super::near_hit::{is_slender, near_hit};
 use photosite_core::math::Real;
 use photosite_core::math::float::gamma;
 use photosite_simd::{LaneMask, Lanes, Simd};
@@ -26,6 +27,8 @@ pub(super) struct TriangleBlock<const SHAPES: usize> {
     corners: [[u8; BLOCK_SIZE]; 3],
     /// What each triangle is called.
     pub(super) ids: [u32; BLOCK_SIZE],
+    /// Lanes of the triangles that [`is_slender`].
+    slender: u32,
 }
 
 /// Where a ray meets the triangles of a block.
@@ -51,12 +54,13 @@ impl BlockHits {
 impl<const SHAPES: usize> TriangleBlock<SHAPES> {
     /// From triangles with their corners in each shape; `None` where they do not fit into a block.
     pub(super) fn new(triangles: impl Iterator<Item = (u32, [[Vec3; 3]; SHAPES])>) -> Option<Self> {
-        let mut block =
-            Self { vertices: [[[0.0; BLOCK_SIZE]; 3]; SHAPES], corners: [[0; BLOCK_SIZE]; 3], ids: [0; BLOCK_SIZE] };
+        let vertices = [[[0.0; BLOCK_SIZE]; 3]; SHAPES];
+        let mut block = Self { vertices, corners: [[0; BLOCK_SIZE]; 3], ids: [0; BLOCK_SIZE], slender: 0 };
         let mut vertices = [[[0; 3]; SHAPES]; BLOCK_SIZE];
         let mut count = 0;
         for (lane, (id, shapes)) in triangles.enumerate() {
             *block.ids.get_mut(lane)? = id;
+            block.slender |= u32::from(shapes.iter().any(is_slender)) << lane;
             for corner in 0..3 {
                 let vertex = shapes.map(|corners| corners[corner].to_array().map(f32::to_bits));
                 let index = vertices[..count].iter().position(|other| *other == vertex).unwrap_or(count);
@@ -106,21 +110,26 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
         let (u, v, w) = (double_area(c, b), double_area(a, c), double_area(b, a));
         let (smallest, largest) = (u.min(v).min(w), u.max(v).max(w));
         let zero = simd.broadcast(0.0);
-        let inside = zero.le(smallest).bits() | largest.le(zero).bits();
+        let mut inside = zero.le(smallest).bits() | largest.le(zero).bits();
+        if inside == 0 {
+            return None;
+        }
+        inside &= !simd.find(&self.ids, ray.from);
         if inside == 0 {
             return None;
         }
         let sum = u + v + w;
         let t = (u * a[2] + v * b[2] + w * c[2]) / sum;
-        let passes = inside & (!(sum.le(zero) & zero.le(sum))).bits();
-        if passes == 0 {
+        let edge_on = sum.le(zero) & zero.le(sum);
+        inside &= !edge_on.bits() & (t.le(simd.broadcast(t_max)).bits() | self.slender);
+        if inside == 0 {
             return None;
         }
-        // Hits nearer than rounding can tell from 0 may be those of the surface that the ray leaves.
+        // Hits nearer than rounding can tell from 0, or of triangles on which it reaches far, need a closer look.
         let inverse_scale = simd.broadcast(1.0 / ray.shear[2].abs());
         let error = distance_error([a, b, c], [u, v, w], sum, inverse_scale);
-        let near = passes & t.abs().le(error).bits();
-        let mask = passes & !near & (zero.lt(t) & t.le(simd.broadcast(t_max))).bits();
+        let near = inside & (-error).le(t).bits() & (t.le(error).bits() | self.slender);
+        let mask = inside & !near & zero.lt(t).bits();
         if mask | near == 0 {
             return None;
         }
@@ -131,7 +140,7 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
         (hits.mask != 0).then_some(hits)
     }
 
-    /// Decides about lanes whose hits are near the origin of the ray.
+    /// Decides about lanes in double precision.
     #[inline(never)]
     fn look_closer(&self, mut near: u32, ray: &ShearedRay, part: f32, t_max: f32, hits: &mut BlockHits) {
         while near != 0 {
@@ -211,24 +220,28 @@ pub(super) fn longest_axis(direction: Vec3) -> usize {
     }
 }
 
-/// A ray with the shear and the axis order that turn its direction into +Z of length 1, made once per ray.
+/// A ray in an instance with the shear and the axis order that turn its direction into +Z of length 1, made once per
+/// ray.
 pub(super) struct ShearedRay {
     origin: [f32; 3],
     direction: Vec3,
+    /// The triangle that it leaves.
+    from: u32,
     /// Where x, y and z of the sheared space come from; z is the direction's largest component.
     axes: [usize; 3],
     shear: [f32; 3],
 }
 
 impl ShearedRay {
-    pub(super) const NONE: Self = Self { origin: [0.0; 3], direction: Vec3::ZERO, axes: [0; 3], shear: [0.0; 3] };
+    pub(super) const NONE: Self =
+        Self { origin: [0.0; 3], direction: Vec3::ZERO, from: 0, axes: [0; 3], shear: [0.0; 3] };
 
     #[inline(always)]
-    pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
+    pub(super) fn new(&Ray { origin, direction, from, .. }: &Ray, instance: u32) -> Self {
         let kz = longest_axis(direction);
         let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
         let scale = 1.0 / direction[kz];
         let shear = [direction[kx] * scale, direction[ky] * scale, scale];
-        Self { origin: origin.to_array(), direction, axes: [kx, ky, kz], shear }
+        Self { origin: origin.to_array(), direction, from: from.within(instance), axes: [kx, ky, kz], shear }
     }
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::geometry::{Ray, SurfacePoint, offset, offset_origin};
+use crate::geometry::{Ray, SurfacePoint, offset};
 use crate::light::{Facing, LightSampleContext};
 use crate::scene::Shading;
 use photosite_core::math::float::gamma;
@@ -34,16 +34,10 @@ pub(super) fn terminate_secondary(wavelengths: &mut Wavelengths, throughput: &mu
     *throughput = SampledSpectrum::from([throughput[0], 0.0, 0.0, 0.0]);
 }
 
-/// The ray from a surface point in the unit direction `wi`.
-#[inline]
-pub(super) fn spawn_ray(point: &SurfacePoint, wi: Vec3) -> Ray {
-    Ray::new(offset_origin(point.position, point.error, point.geometric_normal, wi), wi).at_time(point.time)
-}
-
 /// The ray from a surface point to a light: up to just before its surface, or without end.
 #[inline]
 pub(super) fn shadow_ray(point: &SurfacePoint, wi: Vec3, light: Option<(Vec3, Vec3)>) -> Ray {
-    let mut ray = spawn_ray(point, wi);
+    let mut ray = point.spawn_ray(wi);
     if let Some((position, normal)) = light {
         let target = if normal == Vec3::ZERO {
             position

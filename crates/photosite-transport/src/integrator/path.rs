@@ -7,7 +7,7 @@ mod diffuse_batch;
 use glam::Vec3;
 
 pub(super) use self::diffuse_batch::DiffuseBatch;
-use super::interaction::{leaks, light_sample_context, shadow_ray, spawn_ray, terminate_secondary};
+use super::interaction::{leaks, light_sample_context, shadow_ray, terminate_secondary};
 use super::mis_ratio::{MisRatio, PathVertex};
 use super::reuse::{FirstSurface, Location, SecondSurface, Side};
 use crate::bsdf::{Bsdf, BsdfSample, Diffuse};
@@ -383,7 +383,7 @@ impl Path {
         }
 
         // Play Russian roulette, and spawn the ray
-        self.survives(limits, sampler).then(|| spawn_ray(point, wi))
+        self.survives(limits, sampler).then(|| point.spawn_ray(wi))
     }
 
     /// Whether Russian roulette lets the path go on, with the random numbers from where the sampler is.

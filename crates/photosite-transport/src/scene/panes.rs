@@ -2,7 +2,7 @@
 
 use super::Scene;
 use super::shading::Shading;
-use crate::geometry::{Ray, offset_origin};
+use crate::geometry::Ray;
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
 
 impl Scene {
@@ -23,7 +23,7 @@ impl Scene {
             if passed.is_black() {
                 break;
             }
-            ray.origin = offset_origin(point.position, point.error, point.geometric_normal, towards);
+            Ray { origin: ray.origin, from: ray.from, .. } = point.spawn_ray(towards);
             if let Some(end) = end {
                 (ray.direction, ray.t_max) = (end - ray.origin, 1.0);
             }

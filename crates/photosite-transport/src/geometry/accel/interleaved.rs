@@ -5,8 +5,6 @@
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
-use glam::Vec3;
-
 use super::query::{Query, RayQuery};
 use super::single::PrimitiveVisitor;
 use super::{Accel, Blas, HitFilter, PrimitiveBvh, Tlas};
@@ -91,11 +89,11 @@ struct WithinBvh {
 impl WithinBvh {
     const NONE: Self = Self { slab: SlabRay::NONE, sheared: ShearedRay::NONE, next: 0, stack: TraversalStack::new() };
 
-    /// Begins at the root with a ray in the space of the hierarchy.
+    /// Begins at the root with a ray in the space of the instance.
     #[inline(always)]
-    fn start(&mut self, ray: &Ray) {
+    fn start(&mut self, ray: &Ray, instance: u32) {
         self.slab = SlabRay::new(ray.origin, ray.direction);
-        self.sheared = ShearedRay::new(ray.origin, ray.direction);
+        self.sheared = ShearedRay::new(ray, instance);
         self.next = 0;
         self.stack.clear();
     }
@@ -124,7 +122,7 @@ impl<Q: Query> RayState<Q> for BvhState<Q> {
 
     #[inline(always)]
     fn start(&mut self, ray: &Ray, query: Q) {
-        self.within.start(ray);
+        self.within.start(ray, 0);
         self.t_max = ray.t_max;
         self.query = Some(query);
     }
@@ -207,7 +205,7 @@ impl<Q: Query> InstancesState<Q> {
         self.instance = self.leaf.get(self.entered).copied().flatten();
         if let Some(instance) = self.instance {
             self.entered += 1;
-            self.within.start(&accel.local_ray(instance, &self.ray).1);
+            self.within.start(&accel.local_ray(instance, &self.ray).1, instance);
         }
     }
 }
@@ -215,7 +213,7 @@ impl<Q: Query> InstancesState<Q> {
 impl<Q: Query> RayState<Q> for InstancesState<Q> {
     type Hierarchy = Accel;
     const NONE: Self = Self {
-        ray: Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0, time: 0.0 },
+        ray: Ray::NONE,
         slab: SlabRay::NONE,
         t_max: 0.0,
         next: None,

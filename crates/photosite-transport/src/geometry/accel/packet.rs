@@ -117,7 +117,7 @@ impl<S: Simd, Q: Query> Packet<S, Q> {
     {
         self.slabs = SlabPacket::new(self.simd, rays);
         for (lane, ray) in rays.iter().enumerate() {
-            self.sheared[lane] = ShearedRay::new(ray.origin, ray.direction);
+            self.sheared[lane] = ShearedRay::new(ray, 0);
             self.queries[lane] = Some((Q::new(ray, filter), false));
             self.t_max[lane] = ray.t_max;
         }

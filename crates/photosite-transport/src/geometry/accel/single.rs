@@ -163,7 +163,7 @@ impl<const SHAPES: usize> PrimitiveBvh<SHAPES> {
         t_max: &mut f32,
         query: &mut Q,
     ) -> bool {
-        let sheared = ShearedRay::new(ray.origin, ray.direction);
+        let sheared = ShearedRay::new(ray, instance);
         let mut visitor = PrimitiveVisitor { bvh: self, part, sheared: &sheared, instance, query };
         self.bvh.traverse(simd, ray.origin, ray.direction, t_max, &mut visitor)
     }

@@ -52,14 +52,17 @@ pub(in crate::geometry) struct RayPacket<'a, S: Simd> {
     /// |1/shear z|.
     pub(super) inverse_scale: S::Wide,
     pub(super) t_max: S::Wide,
+    /// Indices in the scan of the triangles that the rays leave; of no triangle where they begin anywhere else.
+    pub(super) from: S::Wide,
 }
 
 impl<'a, S: Simd> RayPacket<'a, S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, rays: &'a [Ray], members: &'a [u8], kz: usize) -> Self {
-        let mut columns = [[0.0; MAX_LANES]; 7];
+    pub(super) fn new(simd: S, scan: &LinearScan, rays: &'a [Ray], members: &'a [u8], kz: usize) -> Self {
+        let mut columns = [[0.0; MAX_LANES]; 8];
         for lane in 0..S::Wide::COUNT {
-            let Ray { origin, direction, t_max, .. } = &rays[usize::from(*members.get(lane).unwrap_or(&members[0]))];
+            let Ray { origin, direction, t_max, from, .. } =
+                &rays[usize::from(*members.get(lane).unwrap_or(&members[0]))];
             columns[0][lane] = origin.x;
             columns[1][lane] = origin.y;
             columns[2][lane] = origin.z;
@@ -67,6 +70,7 @@ impl<'a, S: Simd> RayPacket<'a, S> {
             columns[4][lane] = direction.y;
             columns[5][lane] = direction.z;
             columns[6][lane] = *t_max;
+            columns[7][lane] = scan.index_of(from.within(0)) as f32;
         }
         let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
         let direction = [simd.load_wide(&columns[3]), simd.load_wide(&columns[4]), simd.load_wide(&columns[5])];
@@ -82,6 +86,7 @@ impl<'a, S: Simd> RayPacket<'a, S> {
             shear: [direction[kx] * scale, direction[ky] * scale, scale],
             inverse_scale: one / scale.abs(),
             t_max: simd.load_wide(&columns[6]),
+            from: simd.load_wide(&columns[7]),
         }
     }
 

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::bounds::Bounds;
+use crate::geometry::near_hit::is_slender;
 use crate::geometry::{Geometry, PrimitiveRange, Quadric};
 use crate::tuning::LINEAR_SCAN_MAX;
 
@@ -23,6 +24,8 @@ pub(super) struct PackedTriangle {
     pub(super) vertices: [u8; 3],
     /// Index in the geometry.
     pub(super) id: u32,
+    /// Whether it [`is_slender`].
+    pub(super) is_slender: bool,
 }
 
 impl LinearScan {
@@ -43,9 +46,16 @@ impl LinearScan {
                     scan.vertices.len() - 1
                 }) as u8
             };
-            let vertices = geometry.corners(id).map(&mut index);
-            scan.triangles.push(PackedTriangle { vertices, id });
+            let corners = geometry.corners(id);
+            let vertices = corners.map(&mut index);
+            scan.triangles.push(PackedTriangle { vertices, id, is_slender: is_slender(&corners) });
         }
         (scan.vertices.len() <= LINEAR_SCAN_MAX).then_some(scan)
+    }
+
+    /// Index of a triangle of the geometry, which has them in this order; beyond all where it is none of these.
+    #[inline(always)]
+    pub(super) fn index_of(&self, id: u32) -> u32 {
+        id.wrapping_sub(self.triangles.first().map_or(0, |first| first.id))
     }
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::geometry::{Ray, SurfacePoint};
-use crate::integrator::interaction::{leaks, light_sample_context, shadow_ray, spawn_ray, terminate_secondary};
+use crate::integrator::interaction::{leaks, light_sample_context, shadow_ray, terminate_secondary};
 use crate::integrator::job::RenderJob;
 use crate::integrator::mis_ratio::{PathVertex, delta_term, light_weight};
 use crate::integrator::path::PathLimits;
@@ -177,7 +177,7 @@ impl LightPath {
             }
         }
         sampler.save(&mut self.position);
-        Some(spawn_ray(point, wo))
+        Some(point.spawn_ray(wo))
     }
 
     /// Density with which the first surface, at that distance, samples the point that the path starts from.

@@ -198,7 +198,7 @@ impl DiffuseBatch {
                 tracing.sampler.resume(path.position);
                 if path.survives(tracing.limits, tracing.sampler) {
                     let ray = Ray::new(scattered.origin.get(lane), scattered.wi.get(lane));
-                    go_on(arrival.index, ray.at_time(arrival.ray.time));
+                    go_on(arrival.index, ray.at_time(arrival.ray.time).leaving(arrival.hit.facet()));
                 }
             }
         }
@@ -280,7 +280,8 @@ impl DiffuseBatch {
             return;
         }
         let (origin, direction) = (direct.shadow_origin.get(lane), direct.shadow_direction.get(lane));
-        queues.shadow_rays.push(Ray { origin, direction, t_max: 1.0, time: arrival.ray.time });
+        let (time, from) = (arrival.ray.time, arrival.hit.facet());
+        queues.shadow_rays.push(Ray { origin, direction, t_max: 1.0, time, from });
         let light = path.throughput * (contribution * direct.weight[lane]);
         queues.contributions.push(Contribution { path: arrival.index, light, is_delta: false });
     }
@@ -296,7 +297,7 @@ impl Arrival {
     /// Placeholder.
     const NONE: Self = Self {
         index: 0,
-        ray: Ray { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0, time: 0.0 },
+        ray: Ray::NONE,
         hit: Hit { t: 0.0, uv: [0.0; 2], primitive: Primitive::Triangle(0), instance: 0 },
         reflectance: ColourSource::Texture { factor: [0.0; 3], texture: 0 },
     };
@@ -308,7 +309,7 @@ impl Arrival {
 
     /// The surface point of a lane.
     fn point(&self, lane: usize, points: &SurfacePoints, scene: &Scene) -> SurfacePoint {
-        let Hit { primitive, uv, .. } = self.hit;
+        let Hit { primitive, uv, instance, .. } = self.hit;
         let mesh = scene.geometry().mesh_of(primitive);
         let geometric_normal = points.geometric_normal.get(lane);
         SurfacePoint {
@@ -319,6 +320,7 @@ impl Arrival {
             tangent: Vec3::ZERO,
             handedness: 1.0,
             primitive,
+            instance,
             mesh,
             material: scene.geometry().meshes[mesh as usize].material,
             parameters: uv,
