@@ -7,7 +7,7 @@ use photosite_core::math::hash::{hash64, unit_f32};
 use photosite_core::math::warp;
 
 /// A sequence of numbers in [0, 1) for a seed.
-pub(crate) struct Numbers(pub(super) u64);
+pub(crate) struct Numbers(pub(crate) u64);
 
 impl Numbers {
     pub(crate) fn next(&mut self) -> f32 {

@@ -33,8 +33,10 @@ pub struct Facet {
 }
 
 impl Facet {
+    /// The index of no triangle.
+    pub const NO_TRIANGLE: u32 = u32::MAX;
     /// No triangle: where a ray begins anywhere else.
-    pub const NONE: Self = Self { instance: 0, triangle: u32::MAX };
+    pub const NONE: Self = Self { instance: 0, triangle: Self::NO_TRIANGLE };
 
     /// The triangle that a primitive of an instance is.
     #[inline]
@@ -45,7 +47,7 @@ impl Facet {
     /// Index of the triangle in an instance; that of no triangle where it belongs to another one.
     #[inline(always)]
     pub(super) fn within(self, instance: u32) -> u32 {
-        if self.instance == instance { self.triangle } else { Self::NONE.triangle }
+        if self.instance == instance { self.triangle } else { Self::NO_TRIANGLE }
     }
 }
 

@@ -18,17 +18,26 @@ pub struct Ray {
     pub time: f32,
     /// The triangle that it leaves, and does not meet.
     pub from: Facet,
+    /// The triangle of a lamp that it ends at, which does not hide itself, and is in one place; [`Facet::NO_TRIANGLE`]
+    /// for none. Only what is asked about rays in the way heeds it.
+    pub to: u32,
 }
 
 impl Ray {
     /// Placeholder of no ray.
-    pub(crate) const NONE: Self =
-        Self { origin: Vec3::ZERO, direction: Vec3::ZERO, t_max: 0.0, time: 0.0, from: Facet::NONE };
+    pub(crate) const NONE: Self = Self {
+        origin: Vec3::ZERO,
+        direction: Vec3::ZERO,
+        t_max: 0.0,
+        time: 0.0,
+        from: Facet::NONE,
+        to: Facet::NO_TRIANGLE,
+    };
 
     /// A ray without end, at the start, from anywhere.
     #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
-        Self { origin, direction, t_max: f32::INFINITY, time: 0.0, from: Facet::NONE }
+        Self { origin, direction, t_max: f32::INFINITY, time: 0.0, from: Facet::NONE, to: Facet::NO_TRIANGLE }
     }
 
     /// The same ray at another time.

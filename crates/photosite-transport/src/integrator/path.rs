@@ -484,7 +484,8 @@ impl Path {
             let density = scene.emission_density(light.light, point.time);
             weight *= self.mis_ratio.mis_weight_light(&path_vertex, density, light.pdf.0);
         }
-        Some((shadow_ray(point, light.wi, light.position), contribution * weight))
+        let to = scene.lights().triangle_of(light.light);
+        Some((Ray { to, ..shadow_ray(point, light.wi, light.position) }, contribution * weight))
     }
 
     /// MIS weight of emission that BSDF sampling has found at `distance` (m) from the last vertex.

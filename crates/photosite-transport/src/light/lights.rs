@@ -12,7 +12,7 @@ use super::light_sample_context::LightSampleContext;
 use super::sample::{LiContext, LiSample, LightSample};
 use super::selection::Selection;
 use super::triangle_light::TriangleLight;
-use crate::geometry::{Geometry, Motion, Transform};
+use crate::geometry::{Facet, Geometry, Motion, Transform};
 use photosite_core::math::{Area, Pdf, SolidAngle};
 use photosite_core::spectrum::SampledSpectrum;
 
@@ -163,6 +163,15 @@ impl Lights {
             position: sample.position.map(in_world),
             ..sample
         })
+    }
+
+    /// The triangle of a light, [`Facet::NO_TRIANGLE`] where it is none.
+    #[inline]
+    pub(crate) fn triangle_of(&self, light: u32) -> u32 {
+        match &self.lights[light as usize] {
+            Light::Triangle(emitter) => emitter.triangle,
+            _ => Facet::NO_TRIANGLE,
+        }
     }
 
     /// A light that is a triangle at rest.

@@ -121,7 +121,8 @@ impl<F: HitFilter> Query for Occluded<'_, F> {
             let lane = mask.trailing_zeros() as usize;
             mask &= mask - 1;
             let primitive = Primitive::Triangle(ids[lane]);
-            if hits.t[lane] < *t_max && self.filter.accept(primitive, hits.barycentric(lane), self.ray) {
+            let is_before = hits.t[lane] < *t_max && ids[lane] != self.ray.to;
+            if is_before && self.filter.accept(primitive, hits.barycentric(lane), self.ray) {
                 return true;
             }
         }

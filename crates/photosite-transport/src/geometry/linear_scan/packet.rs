@@ -54,14 +54,16 @@ pub(in crate::geometry) struct RayPacket<'a, S: Simd> {
     pub(super) t_max: S::Wide,
     /// Indices in the scan of the triangles that the rays leave; of no triangle where they begin anywhere else.
     pub(super) from: S::Wide,
+    /// Those of the triangles that they end at.
+    pub(super) to: S::Wide,
 }
 
 impl<'a, S: Simd> RayPacket<'a, S> {
     #[inline(always)]
     pub(super) fn new(simd: S, scan: &LinearScan, rays: &'a [Ray], members: &'a [u8], kz: usize) -> Self {
-        let mut columns = [[0.0; MAX_LANES]; 8];
+        let mut columns = [[0.0; MAX_LANES]; 9];
         for lane in 0..S::Wide::COUNT {
-            let Ray { origin, direction, t_max, from, .. } =
+            let Ray { origin, direction, t_max, from, to, .. } =
                 &rays[usize::from(*members.get(lane).unwrap_or(&members[0]))];
             columns[0][lane] = origin.x;
             columns[1][lane] = origin.y;
@@ -71,6 +73,7 @@ impl<'a, S: Simd> RayPacket<'a, S> {
             columns[5][lane] = direction.z;
             columns[6][lane] = *t_max;
             columns[7][lane] = scan.index_of(from.within(0)) as f32;
+            columns[8][lane] = scan.index_of(*to) as f32;
         }
         let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
         let direction = [simd.load_wide(&columns[3]), simd.load_wide(&columns[4]), simd.load_wide(&columns[5])];
@@ -87,6 +90,7 @@ impl<'a, S: Simd> RayPacket<'a, S> {
             inverse_scale: one / scale.abs(),
             t_max: simd.load_wide(&columns[6]),
             from: simd.load_wide(&columns[7]),
+            to: simd.load_wide(&columns[8]),
         }
     }
 

@@ -82,6 +82,8 @@ impl<S: Simd> LaneQuery<S> for ClosestLanes<S> {
 /// Whether there are any hits.
 pub(in crate::geometry) struct OccludedLanes<S: Simd> {
     t_max: S::Wide,
+    /// Indices of the triangles that the rays end at.
+    to: S::Wide,
     /// Lanes that have a hit.
     occluded: u32,
     /// Lanes with rays of their own.
@@ -93,7 +95,7 @@ impl<S: Simd> LaneQuery<S> for OccludedLanes<S> {
 
     #[inline(always)]
     fn new(_: S, packet: &RayPacket<'_, S>) -> Self {
-        Self { t_max: packet.t_max, occluded: 0, active: u32::MAX >> (32 - packet.members.len()) }
+        Self { t_max: packet.t_max, to: packet.to, occluded: 0, active: u32::MAX >> (32 - packet.members.len()) }
     }
 
     #[inline(always)]
@@ -102,8 +104,9 @@ impl<S: Simd> LaneQuery<S> for OccludedLanes<S> {
     }
 
     #[inline(always)]
-    fn on_hits(&mut self, hit: Mask<S>, _: u32, _: S::Wide, _: [S::Wide; 3]) -> bool {
-        self.occluded |= hit.bits();
+    fn on_hits(&mut self, hit: Mask<S>, primitive: u32, _: S::Wide, _: [S::Wide; 3]) -> bool {
+        let own = self.to.broadcast(primitive as f32);
+        self.occluded |= (hit & !(own.le(self.to) & self.to.le(own))).bits();
         self.occluded & self.active == self.active
     }
 

@@ -280,8 +280,8 @@ impl DiffuseBatch {
             return;
         }
         let (origin, direction) = (direct.shadow_origin.get(lane), direct.shadow_direction.get(lane));
-        let (time, from) = (arrival.ray.time, arrival.hit.facet());
-        queues.shadow_rays.push(Ray { origin, direction, t_max: 1.0, time, from });
+        let (time, from, to) = (arrival.ray.time, arrival.hit.facet(), emitter.triangle);
+        queues.shadow_rays.push(Ray { origin, direction, t_max: 1.0, time, from, to });
         let light = path.throughput * (contribution * direct.weight[lane]);
         queues.contributions.push(Contribution { path: arrival.index, light, is_delta: false });
     }
