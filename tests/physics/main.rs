@@ -4,6 +4,7 @@ mod bracket;
 mod bsdf_cases;
 mod bsdf_energy;
 mod bsdf_fresnel;
+mod bsdf_furnace;
 mod bsdf_gltf;
 mod bsdf_layered;
 mod bsdf_microfacet;

@@ -37,7 +37,8 @@
 //! that facet. A smooth white surface seen from 80° then gives back 1.35 times what arrives. It also loses the light
 //! that bounces twice between facets.
 //!
-//! Sheen attenuates wavelength by wavelength, not by its largest channel. Coat and sheen lie on both sides of thin
+//! Sheen of low roughness is scaled where it would give back more than arrives, see `sheen`. It attenuates wavelength by
+//! wavelength, not by its largest channel. Coat and sheen lie on both sides of thin
 //! surfaces that transmit, and on all but the clear part of those that bound a volume. A coat with a normal of its own
 //! is not reciprocal, as no mapped normal is. Facets that refract give back up to 4 % too much or too little where they
 //! are anisotropic, as exact as their table is.

@@ -25,10 +25,7 @@ impl View<'_> {
                 }
                 (None, _) | (Some(_), None) => (0.0, None),
             },
-            sheen: tables
-                .sheen
-                .as_ref()
-                .map_or((0.0, None), |(row, hidden)| (row.directional(w.z), Some(hidden.directional(w.z)))),
+            sheen: tables.sheen.as_ref().map(|(row, hidden)| (row.directional(w.z), hidden.directional(w.z))),
             glass: tables.glass.as_ref().map_or([1.0; 2], |row| row.directional(w)),
             thin_film_glass: tables.thin_film_glass.as_ref().map(|row| row.directional(w.z)),
         }
@@ -45,7 +42,7 @@ impl View<'_> {
                 .coat
                 .as_ref()
                 .map_or((0.0, None), |(row, hidden)| (weight * row.mean().at(COAT_F0), Some(hidden.mean()))),
-            sheen: tables.sheen.as_ref().map_or((0.0, None), |(row, hidden)| (row.mean(), Some(hidden.mean()))),
+            sheen: tables.sheen.as_ref().map(|(row, hidden)| (row.mean(), hidden.mean())),
             glass: tables.glass.as_ref().map_or([1.0; 2], GlassRow::mean),
             thin_film_glass: tables.thin_film_glass.as_ref().map(FilmGlassRow::mean),
         }
@@ -69,24 +66,24 @@ impl View<'_> {
         if layers.coat.is_none() && layers.sheen.is_none() {
             let (left, left_by_white) = (at_least_zero(ONE - bare), at_least_zero(ONE - bare_white));
             let (dielectric, white) = (bare, bare_white);
-            return EnergySplit { coat: 0.0, sheen: ZERO, dielectric, white, left, left_by_white, left_by_glass };
+            return EnergySplit { dielectric, white, left, left_by_white, left_by_glass, ..EnergySplit::NOTHING };
         }
         let (coat, hidden_by_coat) = under.coat;
-        let (sheen_albedo, hidden_by_sheen) = under.sheen;
         let weight = layers.coat.map_or(0.0, |coat| coat.weight);
         let colour = layers.sheen.map_or(ZERO, |s| s.colour);
         // The part of the facets' light that the layers let through.
         let let_through = |f0: f32| {
             let by_coat = hidden_by_coat.map_or(0.0, |hidden| weight * hidden.at(f0));
-            let by_sheen = hidden_by_sheen.map_or(0.0, |hidden| hidden.at(f0));
+            let by_sheen = under.sheen.map_or(0.0, |(_, hidden)| hidden.at(f0));
             (ONE - colour * by_sheen) * (1.0 - by_coat)
         };
         let (dielectric, white) = (bare * let_through(layers.f0.mean()), bare_white * let_through(1.0));
-        let sheen = colour * sheen_albedo;
+        let (sheen, sheen_excess) = under.sheen.map_or((ZERO, 1.0), |(s, _)| (colour * s.albedo(), s.excess()));
         let below = (ONE - sheen) * (1.0 - coat);
         EnergySplit {
             coat,
             sheen,
+            sheen_excess,
             dielectric,
             white,
             left: at_least_zero(below - dielectric),
@@ -196,6 +193,7 @@ impl EnergySplit {
     pub(super) const NOTHING: Self = Self {
         coat: 0.0,
         sheen: ZERO,
+        sheen_excess: 1.0,
         dielectric: ZERO,
         white: ZERO,
         left: ZERO,
