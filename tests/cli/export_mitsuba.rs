@@ -90,6 +90,11 @@ const PAINT: &str = "type = \"diffuse\"\nreflectance = 0.5";
 )]
 #[case::exposure("time_s = 0.01", "auto = true", "an automatic exposure")]
 #[case::shadowing(PAINT, "type = \"conductor\"\nmetal = \"Au\"\nroughness = 0.4", "microfacets of material \"paint\"")]
+#[case::further_bounces(
+    PAINT,
+    "type = \"conductor\"\nmetal = \"Au\"\nroughness = 0.4\nenergy_compensation = true",
+    "light that bounces more than once between the microfacets of material \"paint\""
+)]
 #[case::dispersion(PAINT, "type = \"dielectric\"\nglass = \"BK7\"", "the dispersion of material \"paint\"")]
 #[case::retroreflection(
     PAINT,

@@ -206,18 +206,21 @@ enum Sides {
 fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &mut Output) -> (Element, Sides) {
     match model {
         MaterialModel::Diffuse(Diffuse { reflectance }) => (textures.diffuse(reflectance, name, out), Sides::One),
-        MaterialModel::Conductor(Conductor { eta, k, distribution }) => {
+        MaterialModel::Conductor(Conductor { eta, k, distribution, energy_compensation }) => {
             let microfacets = distribution.distribution();
             let bsdf = if microfacets.is_smooth() {
                 Element::object("bsdf", "conductor")
             } else {
                 out.approximate(shadowing(name));
+                if *energy_compensation {
+                    out.approximate(further_bounces(name));
+                }
                 let [u, v] = microfacets.alpha().map(f64::from);
                 ggx(Element::object("bsdf", "roughconductor")).float("alpha_u", u).float("alpha_v", v)
             };
             (bsdf.spectrum("eta", eta).spectrum("k", k), Sides::One)
         }
-        MaterialModel::Dielectric(Dielectric { index, distribution }) => {
+        MaterialModel::Dielectric(Dielectric { index, distribution, energy_compensation }) => {
             if !index.is_constant() {
                 out.approximate(format!("the dispersion of {name}: its index is that at {SODIUM_NM} nm"));
             }
@@ -226,6 +229,9 @@ fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &
                 Element::object("bsdf", "dielectric")
             } else {
                 out.approximate(shadowing(name));
+                if *energy_compensation {
+                    out.approximate(further_bounces(name));
+                }
                 ggx(Element::object("bsdf", "roughdielectric")).float("alpha", microfacets.alpha()[0].into())
             };
             (bsdf.float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0), Sides::Both)
@@ -303,6 +309,11 @@ fn principled(layers: &LayeredDescription, name: &str, textures: &Textures<'_>, 
 /// is hidden from one is deep and hidden from the other too.
 fn shadowing(name: &str) -> String {
     format!("the correlated shadowing of the microfacets of {name}: Mitsuba's is uncorrelated")
+}
+
+/// What is said of light that bounces more than once between microfacets.
+fn further_bounces(name: &str) -> String {
+    format!("light that bounces more than once between the microfacets of {name} (energy_compensation): it is lost")
 }
 
 fn ggx(bsdf: Element) -> Element {

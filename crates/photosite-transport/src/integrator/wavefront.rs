@@ -263,6 +263,7 @@ mod tests {
                 MaterialModel::Dielectric(Dielectric {
                     index: library::glass("SF11").expect("a glass"),
                     distribution: Roughness::SMOOTH,
+                    energy_compensation: false,
                 }),
             ),
             (
@@ -270,11 +271,12 @@ mod tests {
                 MaterialModel::Dielectric(Dielectric {
                     index: library::glass("SF11").expect("a glass"),
                     distribution: Roughness::isotropic(0.3),
+                    energy_compensation: false,
                 }),
             ),
             (
                 1.5,
-                MaterialModel::Conductor(Conductor { eta: silver.eta, k: silver.k, distribution: Roughness::SMOOTH }),
+                MaterialModel::Conductor(Conductor { eta: silver.eta, k: silver.k, distribution: Roughness::SMOOTH, energy_compensation: false }),
             ),
         ];
         let leaning = [[0.0, 0.0], [3.0, -1.0], [0.5, 0.5], [-8.0, 0.2]].map(|[x, y]| Vec3::new(x, y, 1.0));

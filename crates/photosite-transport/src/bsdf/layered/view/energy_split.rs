@@ -4,9 +4,10 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
-use super::reflectance::{at_nodes, mean_dielectric};
-use super::state::{EnergySplit, NOTHING_LEFT, ONE, Spread, Under, View, ZERO, at_least_zero};
+use super::reflectance::at_nodes;
+use super::state::{EnergySplit, ONE, Spread, Under, View, ZERO, at_least_zero};
 use crate::bsdf::albedo::{COAT_F0, FILM_NODES, FilmGlassRow, FilmRow, GlassRow, node};
+use crate::bsdf::compensation::{NOTHING_LEFT, further_bounces, shared_out};
 use crate::bsdf::fresnel;
 use photosite_core::spectrum::SampledSpectrum;
 
@@ -122,7 +123,7 @@ impl View<'_> {
         if metal > 0.0 {
             let f = self.mean_reflectance(1, layers.base_colour);
             let e = self.tables.facets.mean().at(1.0);
-            bounced += f * f * (metal * e) / (ONE - f * (1.0 - e));
+            bounced += further_bounces(metal, f, e);
         }
         let (mut passed, mut glass) = (ZERO, [ZERO; 2]);
         match self.refracting {
@@ -133,16 +134,10 @@ impl View<'_> {
             }
             Some(volume) => {
                 let [here, there] = self.mean.left_by_glass;
-                let let_in = 1.0 - mean_dielectric(volume.eta[0]);
                 for lane in 0..4 {
-                    let (here, there) = (here[lane], there[lane]);
-                    let most = here.max(there);
-                    if most > NOTHING_LEFT {
-                        // What crosses is let_in·there/most of what is left here, and reciprocally.
-                        let crossing = let_in * there / most;
-                        glass[0].0[lane] = clear * FRAC_1_PI * (1.0 - crossing) / here.max(NOTHING_LEFT);
-                        let over_squared_index = FRAC_1_PI * let_in / (most * volume.eta[0] * volume.eta[0]);
-                        glass[1].0[lane] = layers.base_colour[lane] * (clear * over_squared_index);
+                    if let Some(shared) = shared_out(clear, volume.eta[0], [here[lane], there[lane]]) {
+                        glass[0].0[lane] = shared.scales[0];
+                        glass[1].0[lane] = layers.base_colour[lane] * shared.scales[1];
                     }
                 }
             }

@@ -14,9 +14,6 @@ pub(super) const ONE: SampledSpectrum = SampledSpectrum::ONE;
 /// Mean of Schlick's weight over the hemisphere, ∫2μ(1 − μ)⁵ dμ.
 pub(super) const MEAN_WEIGHT: f32 = 1.0 / 21.0;
 
-/// Remainders with a smaller mean are no more than rounding of the tables.
-pub(super) const NOTHING_LEFT: f32 = 1e-5;
-
 /// The lobes that samples are drawn from, with their probabilities.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Lobes {
