@@ -24,6 +24,7 @@ mod light_paths;
 mod light_sampling;
 mod light_tree;
 mod motion;
+mod panes;
 mod point_spread;
 mod prescription;
 mod quadrature;

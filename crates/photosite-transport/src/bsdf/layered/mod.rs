@@ -89,11 +89,16 @@ impl Layered {
 
     #[inline]
     pub(super) fn straight(&self, wo: Vec3) -> SampledSpectrum {
-        let passes = self.transmission > 0.0 && self.is_two_sided() && self.distribution.is_smooth();
-        if !passes || is_grazing(wo) || wo.z < 0.0 {
+        let is_inside = wo.z < 0.0;
+        let goes_straight = match self.refracting() {
+            None => self.distribution.is_smooth() && !is_inside,
+            Some(volume) => volume.eta == SampledSpectrum::ONE,
+        };
+        if self.transmission <= 0.0 || !goes_straight || is_grazing(wo) {
             return SampledSpectrum::ZERO;
         }
-        let sample = View::new(self, wo, false).and_then(|view| view.pass_undisturbed());
+        let view = View::new(self, if is_inside { mirrored(wo) } else { wo }, is_inside);
+        let sample = view.and_then(|view| view.pass_undisturbed());
         sample.map_or(SampledSpectrum::ZERO, |sample| sample.f * sample.wi.z.abs())
     }
 

@@ -282,7 +282,7 @@ impl DiffuseBatch {
         let (origin, direction) = (direct.shadow_origin.get(lane), direct.shadow_direction.get(lane));
         queues.shadow_rays.push(Ray { origin, direction, t_max: 1.0, time: arrival.ray.time });
         let light = path.throughput * (contribution * direct.weight[lane]);
-        queues.contributions.push(Contribution { path: arrival.index, light, is_delta: false });
+        queues.contributions.push(Contribution { path: arrival.index, light, is_delta: false, medium: None });
     }
 }
 
