@@ -11,6 +11,7 @@ pub(super) struct Changes {
     base_colour: Option<TexturedColour>,
     roughness: Option<f32>,
     metallic: Option<f32>,
+    energy_compensation: Option<bool>,
 }
 
 impl Changes {
@@ -21,16 +22,18 @@ impl Changes {
             base_colour: base_colour.map_err(|invalid| invalid.within("base_colour"))?,
             roughness: table.roughness.map(|value| unit("roughness", value)).transpose()?,
             metallic: table.metallic.map(|value| unit("metallic", value)).transpose()?,
+            energy_compensation: table.energy_compensation,
         })
     }
 
     /// Changes a material. What the table says takes the place of textures, too.
     pub(super) fn apply(self, model: &mut MaterialModel) -> Result<(), Invalid> {
-        let Self { base_colour, roughness, metallic } = self;
+        let Self { base_colour, roughness, metallic, energy_compensation } = self;
         for (key, is_done) in [
             ("base_colour", base_colour.is_none_or(|colour| set_base_colour(model, colour))),
             ("roughness", roughness.is_none_or(|value| set_roughness(model, value))),
             ("metallic", metallic.is_none_or(|value| set_metallic(model, value))),
+            ("energy_compensation", energy_compensation.is_none_or(|value| set_energy_compensation(model, value))),
         ] {
             if !is_done {
                 let message = "is not a key of this material as the geometry describes it";
@@ -83,6 +86,22 @@ fn set_metallic(model: &mut MaterialModel, value: f32) -> bool {
         | MaterialModel::OrenNayar(_)
         | MaterialModel::Conductor(_)
         | MaterialModel::Dielectric(_)
+        | MaterialModel::Phong(_)
+        | MaterialModel::Translucent(_)
+        | MaterialModel::ThinDielectric(_)
+        | MaterialModel::Retroreflective(_)
+        | MaterialModel::Mix(_) => return false,
+    }
+    true
+}
+
+fn set_energy_compensation(model: &mut MaterialModel, value: bool) -> bool {
+    match model {
+        MaterialModel::Conductor(metal) => metal.energy_compensation = value,
+        MaterialModel::Dielectric(glass) => glass.energy_compensation = value,
+        MaterialModel::Diffuse(_)
+        | MaterialModel::OrenNayar(_)
+        | MaterialModel::Layered(_)
         | MaterialModel::Phong(_)
         | MaterialModel::Translucent(_)
         | MaterialModel::ThinDielectric(_)

@@ -141,7 +141,8 @@ impl SurfaceTable for ConductorTable {
         }
         let value = unit("roughness", self.roughness.unwrap_or(0.0))?;
         let distribution = Roughness { value, anisotropy: anisotropy as f32 };
-        Ok(MaterialModel::Conductor(Conductor { eta, k, distribution }))
+        let energy_compensation = self.energy_compensation.unwrap_or(false);
+        Ok(MaterialModel::Conductor(Conductor { eta, k, distribution, energy_compensation }))
     }
 }
 
@@ -172,7 +173,8 @@ impl SurfaceTable for DielectricTable {
     fn model(&self, finder: &mut Finder<'_>) -> Result<MaterialModel, Invalid> {
         let index = index(finder, self.glass.as_deref(), self.index.as_ref(), self.abbe_number)?;
         let distribution = Roughness::isotropic(unit("roughness", self.roughness.unwrap_or(0.0))?);
-        Ok(MaterialModel::Dielectric(Dielectric { index, distribution }))
+        let energy_compensation = self.energy_compensation.unwrap_or(false);
+        Ok(MaterialModel::Dielectric(Dielectric { index, distribution, energy_compensation }))
     }
 }
 

@@ -64,6 +64,7 @@ mod relocate;
 mod render;
 mod saved;
 mod scene;
+mod scene_warnings;
 mod schema;
 mod sensor;
 mod sensor_size;

@@ -14,6 +14,7 @@ use super::light::describe_lights;
 use super::material::override_materials;
 use super::models::{KnownModels, Model, ModelFile};
 use super::moments::Moments;
+use super::scene_warnings;
 use super::source::CaptureSource;
 use super::tables::{CaptureFile, MaterialTable, NormalsName};
 use super::target::scene_of;
@@ -239,9 +240,8 @@ impl ReadScene {
         self.scene.images = finder.into_images();
         self.scene.warnings.extend(warnings.into_messages());
         self.models.change_meshes(|known| crate::io::complete(&mut self.scene, known));
-        if !shines(&self.scene) {
-            self.scene.warnings.push("nothing in the scene emits light, so the picture will be black".to_owned());
-        }
+        let doubts = scene_warnings::of(&self.scene);
+        self.scene.warnings.extend(doubts);
         // Warnings stand in reports, which do not depend on how the path to the capture was typed.
         self.scene.warnings.iter_mut().for_each(|warning| *warning = seen_from(folder, warning));
         Ok(self.scene)
@@ -302,11 +302,6 @@ pub(super) fn missing_normals(name: Option<NormalsName>) -> MissingNormals {
     }
 }
 
-/// Whether there is any light.
-fn shines(scene: &SceneDescription) -> bool {
-    let shining_mesh = scene.meshes.iter().any(|mesh| scene.materials[mesh.material].emission.is_some());
-    scene.environment.is_some() || !scene.lights.is_empty() || shining_mesh
-}
 /// A text with paths into a folder as they read from there.
 fn seen_from(folder: &Path, text: &str) -> String {
     // With a separator at its end.

@@ -30,12 +30,18 @@ pub(crate) fn gold(distribution: Ggx) -> Bsdf {
         eta: SampledSpectrum::from([1.40, 0.43, 0.15, 0.14]),
         k: SampledSpectrum::from([1.88, 2.46, 3.44, 4.34]),
         distribution,
+        energy_compensation: false,
     })
 }
 
 /// A metal that absorbs nothing: η = 0 makes Fresnel's reflectance 1 at every angle.
 pub(crate) fn lossless_metal(distribution: Ggx) -> Bsdf {
-    Bsdf::Conductor(Conductor { eta: SampledSpectrum::ZERO, k: SampledSpectrum::ONE, distribution })
+    Bsdf::Conductor(Conductor {
+        eta: SampledSpectrum::ZERO,
+        k: SampledSpectrum::ONE,
+        distribution,
+        energy_compensation: false,
+    })
 }
 
 /// A clear medium of the same index at all wavelengths.
@@ -43,7 +49,18 @@ pub(crate) fn glass(eta: f32, distribution: Ggx) -> Bsdf {
     Bsdf::Dielectric(Dielectric {
         index: RelativeIndex { eta: SampledSpectrum::splat(eta), dispersive: false },
         distribution,
+        energy_compensation: false,
     })
+}
+
+/// A metal or glass with energy compensation.
+pub(crate) fn compensated(mut bsdf: Bsdf) -> Bsdf {
+    if let Bsdf::Conductor(metal) = &mut bsdf {
+        metal.energy_compensation = true;
+    } else if let Bsdf::Dielectric(glass) = &mut bsdf {
+        glass.energy_compensation = true;
+    }
+    bsdf
 }
 
 /// Retroreflective sheeting: the part that returns along the normal, that of the rest which is scattered, index,
@@ -139,6 +156,9 @@ pub(crate) fn wide() -> Vec<Case> {
     for [x, y] in ALPHAS {
         let ggx = Ggx::new(x, y);
         cases.push(Case { name: format!("gold α {x} {y}"), bsdf: gold(ggx) });
+        cases.push(Case { name: format!("compensated gold α {x} {y}"), bsdf: compensated(gold(ggx)) });
+        let bsdf = compensated(glass(1.5, Ggx::new(x, x)));
+        cases.push(Case { name: format!("compensated dielectric α {x}"), bsdf });
         for eta in [1.33, 2.4] {
             cases.push(Case { name: format!("dielectric η {eta} α {x} {y}"), bsdf: glass(eta, ggx) });
         }
@@ -176,7 +196,7 @@ pub(crate) fn drawn(count: usize) -> Vec<Case> {
         let [some, other, third, ..] = colours;
 
         let (eta, k) = (lanes(&mut || within(0.05, 4.0)), lanes(&mut || within(0.0, 6.0)));
-        add("conductor", Bsdf::Conductor(Conductor { eta, k, distribution: ggx }));
+        add("conductor", Bsdf::Conductor(Conductor { eta, k, distribution: ggx, energy_compensation: false }));
         add("dielectric", glass(within(1.2, 3.0), ggx));
         add("Oren–Nayar", Bsdf::OrenNayar(OrenNayar { reflectance: some, roughness: within(0.0, 1.0) }));
         let share = within(0.0, 1.0);

@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 use photosite::bsdf::{Bsdf, Conductor, Diffuse, Ggx, OrenNayar, Phong, RelativeIndex, ThinDielectric, Translucent};
 use photosite::spectrum::SampledSpectrum;
 
-use super::bsdf_cases::{ALPHAS, above, glass, gltf, gold, lossless_metal, squared_index, visible_from};
+use super::bsdf_cases::{ALPHAS, above, compensated, glass, gltf, gold, lossless_metal, squared_index, visible_from};
 use super::quadrature::integrate_sphere;
 
 /// ∫ f·|cos| dω of the hero over the side of `wo` and over the other.
@@ -275,6 +275,45 @@ fn coat_base_and_metal_each_keep_their_share() {
                 assert!((power - expected).abs() < TABLE + TOLERANCE, "{name}: {power} is not {expected}");
                 assert!(power < 1.0 + TABLE, "{name}: {power}");
             }
+        }
+    }
+}
+
+#[test]
+fn compensated_metals_and_glass_keep_what_further_bounces_do() {
+    for alpha in [0.1f32, 0.3, 0.6, 1.0] {
+        let ggx = Ggx::new(alpha, alpha);
+        let mean = mean_white(f64::from(alpha));
+        let Bsdf::Conductor(Conductor { eta, k, .. }) = gold(ggx) else { unreachable!("gold is a conductor") };
+        let fresnel = |cos: f64| f64::from(photosite::bsdf::fresnel::conductor(cos as f32, eta, k)[0]);
+        let average: f64 = (0..1000).map(|i| (i as f64 + 0.5) / 1000.0).map(|mu| 2.0 * mu * fresnel(mu) / 1000.0).sum();
+        for (from, wo) in above() {
+            let facets =
+                |fresnel: &dyn Fn(f64) -> f64| single_bounce(wo.as_dvec3(), [f64::from(alpha); 2], 1.0, fresnel)[0];
+            let [white, _] = albedo(&compensated(lossless_metal(ggx)), wo);
+            assert!((white - 1.0).abs() < TABLE + TOLERANCE, "white metal α {alpha} {from}: {white}");
+            // Kulla and Conty: of what leaves a bounce Ē escapes, and each takes the mean reflectance.
+            let further = average * average * mean / (1.0 - average * (1.0 - mean)) * (1.0 - facets(&|_| 1.0));
+            let expected = facets(&fresnel) + further;
+            let [found, _] = albedo(&compensated(gold(ggx)), wo);
+            // Four points of Gauss and Legendre integrate gold's smooth reflectance to 1e-4.
+            assert!((found - expected).abs() < TABLE + TOLERANCE + 1e-4, "gold α {alpha} {from}: {found}, {expected}");
+        }
+        for eta in [1.33f32, 1.5, 2.4] {
+            let bsdf = compensated(glass(eta, ggx));
+            for (from, wo) in visible_from(&bsdf) {
+                let [reflected, transmitted] = albedo(&bsdf, wo);
+                let found = reflected + transmitted * radiance_to_power(&bsdf, wo);
+                // The table of interfaces, see `bsdf::albedo::glass`.
+                assert!((found - 1.0).abs() < 6e-3 + TOLERANCE, "glass η {eta} α {alpha} {from}: {found}");
+            }
+        }
+    }
+    // Anisotropic facets have a coarser table, see `bsdf::albedo::reflection`.
+    for [x, y] in [[0.5, 0.9], [0.9, 0.2]] {
+        for (from, wo) in above() {
+            let [white, _] = albedo(&compensated(lossless_metal(Ggx::new(x, y))), wo);
+            assert!((white - 1.0).abs() < 0.015 + TOLERANCE, "white metal α {x} {y} {from}: {white}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! No direction and no parameter gives NaN, infinity or a negative value.
 
 use glam::Vec3;
-use photosite::bsdf::{Bsdf, BsdfSample, Ggx, RelativeIndex, ThinDielectric};
+use photosite::bsdf::{Bsdf, BsdfSample, Conductor, Dielectric, Ggx, RelativeIndex, ThinDielectric};
 use photosite::math::statistics::Moments;
 use photosite::spectrum::SampledSpectrum;
 
@@ -74,13 +74,20 @@ fn samples_are_finite_and_not_negative_at_the_ends_of_the_unit_interval() {
                 // absorbed: Fresnel's factor times G₂/G₁, or a reflectance. Rounding near the horizon is below 10⁻⁴.
                 // Layers and relief are sampled as if they were simpler: of them this only finds weights without
                 // bound, and their mean is tested below.
-                let is_approximate = matches!(case.bsdf, Bsdf::Layered(_) | Bsdf::OrenNayar(_));
+                let is_approximate =
+                    matches!(case.bsdf, Bsdf::Layered(_) | Bsdf::OrenNayar(_)) || is_compensated(&case.bsdf);
                 let most = if is_approximate { 10.0 } else { 1.0 + 1e-4 };
                 assert!(power.is_finite() && power.mean() <= most, "{name}");
                 assert!(sample.wi.is_finite() && (sample.wi.length() - 1.0).abs() < 1e-5, "{name}");
             }
         }
     }
+}
+
+/// Whether a lobe is spread over what tables say that another leaves.
+fn is_compensated(bsdf: &Bsdf) -> bool {
+    matches!(bsdf, Bsdf::Conductor(Conductor { energy_compensation: true, .. }))
+        || matches!(bsdf, Bsdf::Dielectric(Dielectric { energy_compensation: true, .. }))
 }
 
 /// The power of a sample over its density. Radiance changes by η² on its way into another medium, power does not.
@@ -95,8 +102,6 @@ fn no_more_power_leaves_than_arrives_from_any_direction() {
     // Directional albedos of glTF's layers are interpolated in tables, which `bsdf_energy` finds right to 10⁻³ beyond 3° from
     // the surface. Nearer, where they are steepest, 2.6 % were found: this bound keeps that from growing.
     const TABLE: f64 = 0.03;
-    // At 2·10⁻⁷ from the horizon, sheen over a base gives up to 1.5: there, that each of two layers gives no more than 1.
-    const AT_HORIZON: f64 = 1.0;
     for case in all_cases() {
         for wo in awkward_directions() {
             let mut uniform = Uniform::new(0);
@@ -106,11 +111,7 @@ fn no_more_power_leaves_than_arrives_from_any_direction() {
                 f64::from(sample.map_or(0.0, |sample| power(&sample).mean()))
             };
             let moments: Moments = (0..SAMPLES).map(draw).collect();
-            let excess = match (matches!(case.bsdf, Bsdf::Layered(_)), wo.z.abs() < 1e-6) {
-                (true, true) => AT_HORIZON,
-                (true, false) => TABLE,
-                (false, true | false) => 0.0,
-            };
+            let excess = if matches!(case.bsdf, Bsdf::Layered(_)) { TABLE } else { 0.0 };
             // 6 σ of the mean, for some ten thousand of them, and rounding as above.
             let error = 6.0 * (moments.variance() / SAMPLES as f64).sqrt() + 1e-4;
             assert!(moments.mean() <= 1.0 + excess + error, "{} {wo}: {} ± {error}", case.name, moments.mean());

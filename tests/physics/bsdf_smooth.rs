@@ -71,6 +71,7 @@ fn short_waves_are_bent_more() {
         let bsdf = Bsdf::Dielectric(Dielectric {
             index: RelativeIndex { eta: eta.into(), dispersive: true },
             distribution: Ggx::SMOOTH,
+            energy_compensation: false,
         });
         let ray = bsdf.sample(wo, 0.9, [0.5; 2]).expect("refracts");
         let angle = (-ray.wi.z).acos();
@@ -85,8 +86,11 @@ fn short_waves_are_bent_more() {
 #[test]
 fn dispersive_reflection_weighs_every_wavelength_by_its_own_fresnel_factor() {
     let eta = SampledSpectrum::from([1.3, 1.5, 1.7, 2.0]);
-    let bsdf =
-        Bsdf::Dielectric(Dielectric { index: RelativeIndex { eta, dispersive: true }, distribution: Ggx::SMOOTH });
+    let bsdf = Bsdf::Dielectric(Dielectric {
+        index: RelativeIndex { eta, dispersive: true },
+        distribution: Ggx::SMOOTH,
+        energy_compensation: false,
+    });
     assert!(bsdf.is_delta() && !bsdf.needs_single_wavelength());
     for (from, wo) in above() {
         let ray = bsdf.sample(wo, 0.0, [0.5; 2]).expect("reflects");
@@ -149,6 +153,7 @@ fn rough_dispersive_glass_asks_for_a_single_wavelength() {
     let bsdf = Bsdf::Dielectric(Dielectric {
         index: RelativeIndex { eta, dispersive: true },
         distribution: Ggx::new(0.2, 0.2),
+        energy_compensation: false,
     });
     assert!(bsdf.needs_single_wavelength() && !bsdf.is_delta());
     let wo = Vec3::new(0.6, 0.0, 0.8);

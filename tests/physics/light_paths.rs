@@ -33,12 +33,18 @@ pub(crate) fn glass(roughness: f32) -> MaterialModel {
     MaterialModel::Dielectric(Dielectric {
         index: Dispersion::constant(1.5),
         distribution: Roughness::isotropic(roughness),
+        energy_compensation: false,
     })
 }
 
 pub(crate) fn gold(roughness: f32) -> MaterialModel {
     let metal = library::conductor("Au").expect("a metal");
-    MaterialModel::Conductor(Conductor { eta: metal.eta, k: metal.k, distribution: Roughness::isotropic(roughness) })
+    MaterialModel::Conductor(Conductor {
+        eta: metal.eta,
+        k: metal.k,
+        distribution: Roughness::isotropic(roughness),
+        energy_compensation: false,
+    })
 }
 
 fn layers(layers: LayeredDescription) -> MaterialModel {
@@ -143,6 +149,7 @@ fn light_is_the_same_with_paths_from_lamps_and_caustics_are_quieter() {
             MaterialModel::Dielectric(Dielectric {
                 index: library::glass("SF11").expect("a glass"),
                 distribution: Roughness::SMOOTH,
+                energy_compensation: false,
             }),
             10.0,
         ),
@@ -151,6 +158,7 @@ fn light_is_the_same_with_paths_from_lamps_and_caustics_are_quieter() {
             MaterialModel::Dielectric(Dielectric {
                 index: library::glass("SF11").expect("a glass"),
                 distribution: Roughness::isotropic(0.3),
+                energy_compensation: false,
             }),
             10.0,
         ),
@@ -184,6 +192,7 @@ fn light_is_the_same_with_paths_from_lamps_and_caustics_are_quieter() {
             MaterialModel::Dielectric(Dielectric {
                 index: Dispersion::constant(1.0),
                 distribution: Roughness::isotropic(0.8),
+                energy_compensation: false,
             }),
             2.0,
         ),
@@ -237,6 +246,7 @@ fn paths_from_lamps_come_through_the_glass_of_a_prescription() {
         MaterialModel::Dielectric(Dielectric {
             index: library::glass("SF11").expect("a glass"),
             distribution: Roughness::SMOOTH,
+            energy_compensation: false,
         })
     };
     let splitting = RenderSettings { splitting: 2, ..with_light_paths() };
@@ -267,6 +277,7 @@ fn light_by_way_of_a_mirror_is_that_of_the_lamps_image() {
             eta: Spectrum::constant(eta),
             k: Spectrum::constant(k),
             distribution: Roughness::SMOOTH,
+            energy_compensation: false,
         })
     };
     let scene = Stage::default()

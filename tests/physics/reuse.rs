@@ -50,8 +50,11 @@ fn light_is_the_same_where_pixels_share_and_often_quieter() {
         base_colour: grey(0.7),
         ..LayeredDescription::default()
     }));
-    let pane =
-        MaterialModel::Dielectric(Dielectric { index: Dispersion::constant(1.5), distribution: Roughness::SMOOTH });
+    let pane = MaterialModel::Dielectric(Dielectric {
+        index: Dispersion::constant(1.5),
+        distribution: Roughness::SMOOTH,
+        energy_compensation: false,
+    });
     let open = LensDescription::thin(0.01, 0.2, Focus::Distance(1.1));
     let cases = [
         ("diffuse", room(diffuse(0.7)), lens(), settings(8), Some(1.2)),

@@ -161,7 +161,11 @@ fn clear_glass_in_a_uniform_sky_cannot_be_seen() {
     // off at 200 segments are too rare to matter.
     for glass in ["BK7", "SF11", "diamond"] {
         let index = library::glass(glass).expect("a known glass");
-        let ball = MaterialModel::Dielectric(Dielectric { index, distribution: Roughness::SMOOTH });
+        let ball = MaterialModel::Dielectric(Dielectric {
+            index,
+            distribution: Roughness::SMOOTH,
+            energy_compensation: false,
+        });
         let scene = Stage::default().mesh(sphere(16, 1.0), ball, None).environment(3.0).build();
         for offset in [0.1, 0.5, 0.9] {
             let got = along(&scene, Vec3::new(offset, 0.05, 5.0), Vec3::NEG_Z, 200, 5_000);
@@ -235,6 +239,7 @@ fn a_dispersed_path_carries_its_hero_for_all_four_wavelengths(#[values(1, 3)] sp
     let glass = MaterialModel::Dielectric(Dielectric {
         index: library::glass("SF11").expect("a known glass"),
         distribution: Roughness::SMOOTH,
+        energy_compensation: false,
     });
     let floor = square(Vec3::new(0.0, 0.0, -1.2), Vec3::X, Vec3::Y, 50.0);
     let stage = Stage::default().mesh(sphere(16, 1.0), glass, None).environment(2.0);

@@ -33,7 +33,11 @@ fn picture(wavelengths: WavelengthChoice, dispersion: Dispersion) -> Estimate {
 }
 
 fn picture_through(lens: &LensDescription, wavelengths: WavelengthChoice, dispersion: Dispersion) -> Estimate {
-    let glass = MaterialModel::Dielectric(Dielectric { index: dispersion, distribution: Roughness::SMOOTH });
+    let glass = MaterialModel::Dielectric(Dielectric {
+        index: dispersion,
+        distribution: Roughness::SMOOTH,
+        energy_compensation: false,
+    });
     let front = square(Vec3::NEG_Z, Vec3::X, Vec3::Y, 100.0);
     let back = square(2.0 * Vec3::NEG_Z, Vec3::Y, Vec3::X, 100.0);
     let scene = Stage::default().mesh([front, back].concat(), glass, None).sky(illuminant::d65().clone()).build();

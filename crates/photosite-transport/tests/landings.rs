@@ -84,7 +84,8 @@ fn scene() -> Scene {
     }
     // Out of sight: a branch that it sent on alone would lose its wavelengths.
     let index = Dispersion::Cauchy { a: 1.5, b_um2: 0.01, c_um4: 0.0 };
-    let glass = MaterialModel::Dielectric(Dielectric { index, distribution: Roughness::SMOOTH });
+    let glass =
+        MaterialModel::Dielectric(Dielectric { index, distribution: Roughness::SMOOTH, energy_compensation: false });
     scene.meshes.push(
         MeshDescription {
             positions: vec![Vec3::new(0.0, 0.0, 9.0), Vec3::new(1.0, 0.0, 9.0), Vec3::new(0.0, 1.0, 9.0)],

@@ -155,6 +155,8 @@ pub(crate) struct KeptTable {
     /// Whether it is metal, 0–1, likewise. Left out: as in the file.
     #[schemars(transform = within(0.0..=1.0))]
     pub(crate) metallic: Option<f64>,
+    /// Whether light goes on that bounces more than once between the microfacets of rough glass. Left out: no.
+    pub(crate) energy_compensation: Option<bool>,
     /// Light that the surface gives. Left out: that of the file.
     pub(crate) emission: Option<EmissionTable>,
     /// Whether the back scatters and shines like the front. Left out: as in the file.
@@ -180,6 +182,9 @@ surface_table! {
         /// −1 to 1: roughness along the tangent (positive) or across it. Left out: 0.
         #[schemars(transform = within(-1.0..=1.0))]
         anisotropy: Option<f64>,
+        /// Whether light comes back that bounces more than once between microfacets, as it does from glTF's metals. Left
+        /// out: no, as in other renderers, which lose it.
+        energy_compensation: Option<bool>,
     }
 }
 
@@ -219,6 +224,9 @@ pub(crate) struct DielectricTable {
     /// 0 is polished, 1 is ground; microfacets have α = roughness². Left out: 0.
     #[schemars(transform = within(0.0..=1.0))]
     pub(crate) roughness: Option<f64>,
+    /// Whether light goes on that bounces more than once between microfacets. Left out: no, as in other renderers, which
+    /// lose it.
+    pub(crate) energy_compensation: Option<bool>,
 }
 
 impl CommonKeys for DielectricTable {

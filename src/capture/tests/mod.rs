@@ -5,6 +5,7 @@ mod levels;
 mod objects;
 mod prescription;
 mod ranges;
+mod scene_warnings;
 mod values;
 
 use std::fs;

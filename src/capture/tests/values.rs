@@ -74,7 +74,7 @@ fn materials_replace_those_of_the_geometry() {
     assert_eq!(lamp.emission.as_ref().and_then(|e| e.level), Some(5000.0));
     let glass = material(&capture, "ball.glass");
     assert!(
-        matches!(&glass.model, MaterialModel::Dielectric(Dielectric { index, distribution: Roughness { value: 0.25, anisotropy: 0.0 } }) if Some(index) == library::glass("BK7").as_ref())
+        matches!(&glass.model, MaterialModel::Dielectric(Dielectric { index, distribution: Roughness { value: 0.25, anisotropy: 0.0 }, .. }) if Some(index) == library::glass("BK7").as_ref())
     );
     assert_eq!(glass.alpha, AlphaMode::Opaque);
 }

@@ -86,6 +86,8 @@ differences! {
          the lamps",
     Shadowing { material: String } =
         "the correlated shadowing of the microfacets of {material}: Mitsuba's is uncorrelated",
+    FurtherBounces { material: String } =
+        "light that bounces more than once between the microfacets of {material} (energy_compensation): it is lost",
     Dispersion { material: String } = "the dispersion of {material}: its index is that at 589.3 nm",
     Relief { material: String } = "the relief of {material}: it becomes \"diffuse\"",
     PhongLobe { material: String } = "Phong's lobe of {material}: it is left out",

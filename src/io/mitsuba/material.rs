@@ -206,18 +206,21 @@ enum Sides {
 fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &mut Output) -> (Element, Sides) {
     match model {
         MaterialModel::Diffuse(Diffuse { reflectance }) => (textures.diffuse(reflectance, name, out), Sides::One),
-        MaterialModel::Conductor(Conductor { eta, k, distribution }) => {
+        MaterialModel::Conductor(Conductor { eta, k, distribution, energy_compensation }) => {
             let microfacets = distribution.distribution();
             let bsdf = if microfacets.is_smooth() {
                 Element::object("bsdf", "conductor")
             } else {
                 out.approximate(Difference::Shadowing { material: name.to_owned() });
+                if *energy_compensation {
+                    out.approximate(Difference::FurtherBounces { material: name.to_owned() });
+                }
                 let [u, v] = microfacets.alpha().map(f64::from);
                 ggx(Element::object("bsdf", "roughconductor")).float("alpha_u", u).float("alpha_v", v)
             };
             (bsdf.spectrum("eta", eta).spectrum("k", k), Sides::One)
         }
-        MaterialModel::Dielectric(Dielectric { index, distribution }) => {
+        MaterialModel::Dielectric(Dielectric { index, distribution, energy_compensation }) => {
             if !index.is_constant() {
                 out.approximate(Difference::Dispersion { material: name.to_owned() });
             }
@@ -226,6 +229,9 @@ fn scattering(model: &MaterialModel, name: &str, textures: &Textures<'_>, out: &
                 Element::object("bsdf", "dielectric")
             } else {
                 out.approximate(Difference::Shadowing { material: name.to_owned() });
+                if *energy_compensation {
+                    out.approximate(Difference::FurtherBounces { material: name.to_owned() });
+                }
                 ggx(Element::object("bsdf", "roughdielectric")).float("alpha", microfacets.alpha()[0].into())
             };
             (bsdf.float("int_ior", index.index(SODIUM_NM)).float("ext_ior", 1.0), Sides::Both)

@@ -220,6 +220,16 @@ pub(super) const CASES: &[Case] = &[
     ),
     case("Shadowing", "material \"paint\"", &[(PAINT, "type = \"conductor\"\nmetal = \"Au\"\nroughness = 0.4")]),
     case("Shadowing", "material \"paint\"", &[(PAINT, "type = \"dielectric\"\nindex = 1.5\nroughness = 0.4")]),
+    case(
+        "FurtherBounces",
+        "material \"paint\"",
+        &[(PAINT, "type = \"conductor\"\nmetal = \"Au\"\nroughness = 0.4\nenergy_compensation = true")],
+    ),
+    case(
+        "FurtherBounces",
+        "material \"paint\"",
+        &[(PAINT, "type = \"dielectric\"\nindex = 1.5\nroughness = 0.4\nenergy_compensation = true")],
+    ),
     case("Dispersion", "material \"paint\"", &[(PAINT, "type = \"dielectric\"\nglass = \"BK7\"")]),
     case("Dispersion", "material \"paint\"", &[(PAINT, "type = \"thin-dielectric\"\nglass = \"BK7\"")]),
     case("Dispersion", "material \"paint\"", &[(PAINT, "type = \"plastic\"\nglass = \"BK7\"\nreflectance = 0.5")]),

@@ -40,7 +40,7 @@ features! {
     ConstantEnvironment, SkyWithSun, SkyWithoutSun, PictureOfNits, PictureOfLux, TurnedPicture,
     // Surfaces.
     Matt, Mirror, RoughConductor = "the correlated shadowing", Grooves = "the correlated shadowing",
-    Glass, GroundGlass = "the correlated shadowing", Dispersive = "the dispersion of", Pane,
+    Glass, GroundGlass = "the correlated shadowing", FurtherBounces = "light that bounces more than once", Dispersive = "the dispersion of", Pane,
     TintedPane = "the absorption of", OrenNayar = "the relief of", Phong = "Phong's lobe of",
     Translucent = "the light that passes", Retroreflective = "the retroreflection of", Mix,
     Layers = "it becomes \"principled\"", Metallic = "it becomes \"principled\"", Transmission = "the transmission of",
@@ -206,16 +206,18 @@ impl Found {
                 self.add(Feature::Matt);
                 self.colour(reflectance);
             }
-            MaterialModel::Conductor(Conductor { eta: _, k: _, distribution }) => {
+            MaterialModel::Conductor(Conductor { eta: _, k: _, distribution, energy_compensation }) => {
                 let [along, across] = distribution.distribution().alpha();
+                self.note(Feature::FurtherBounces, *energy_compensation && along > 0.0);
                 self.add(match (along, across) {
                     (0.0, _) => Feature::Mirror,
                     _ if along == across => Feature::RoughConductor,
                     _ => Feature::Grooves,
                 });
             }
-            MaterialModel::Dielectric(Dielectric { index, distribution }) => {
+            MaterialModel::Dielectric(Dielectric { index, distribution, energy_compensation }) => {
                 let is_smooth = distribution.distribution().is_smooth();
+                self.note(Feature::FurtherBounces, *energy_compensation && !is_smooth);
                 self.add(if is_smooth { Feature::Glass } else { Feature::GroundGlass });
                 self.note(Feature::Dispersive, !index.is_constant());
             }

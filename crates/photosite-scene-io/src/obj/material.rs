@@ -90,7 +90,11 @@ fn filter(mtl: &MtlMaterial) -> Option<[f32; 3]> {
 fn glass(mtl: &MtlMaterial) -> MaterialModel {
     let (index, roughness) = (index(mtl), unit(mtl.roughness, 0.0));
     match filter(mtl) {
-        None => MaterialModel::Dielectric(Dielectric { index, distribution: Roughness::isotropic(roughness) }),
+        None => MaterialModel::Dielectric(Dielectric {
+            index,
+            distribution: Roughness::isotropic(roughness),
+            energy_compensation: false,
+        }),
         Some(filter) => MaterialModel::Layered(Box::new(LayeredDescription {
             kind: "MTL",
             base_colour: TexturedColour::plain(Colour::Rgb(filter)),

@@ -18,12 +18,19 @@
 //! from one side is hidden from the other. No cheap form of it is known; G₁(wo)·G₁(wi), which is used here as in
 //! [Walter07](photosite_core::references#walter07), lies between it and the height-correlated one.
 //!
+//! Light that bounces more than once between facets is lost. With energy compensation it goes on, spread on both sides
+//! over what one bounce leaves (`compensation`).
+//!
 //! Where the index depends on wavelength so does the direction of refraction: it is right for the hero alone. A smooth
 //! surface keeps all wavelengths in reflection, since the direction is common to them; a rough one asks the path to go
 //! on with the hero alone ([`super::Bsdf::needs_single_wavelength`]).
 
+use std::f32::consts::FRAC_1_PI;
+
 use glam::Vec3;
 
+use super::albedo::GlassRow;
+use super::compensation::{Shared, shared_out};
 use super::directions::{GRAZING, is_grazing, mirrored};
 use super::form::{Form, Map, RelativeIndex, Sampled, TableForm};
 use super::fresnel::{self, Interface};
@@ -31,7 +38,7 @@ use super::lobe::{Lobe, SceneTraits, Traits};
 use super::microfacet::{self, Ggx};
 use super::refraction::{Refraction, is_delta, lanes, refraction};
 use super::sample::{BsdfEval, BsdfSample};
-use photosite_core::math::Pdf;
+use photosite_core::math::{Pdf, warp};
 use photosite_core::spectrum::SampledSpectrum;
 
 /// The index of the far side over that of the side of `wo`, and `z` mirrored if need be so that `wo` is above.
@@ -47,12 +54,15 @@ pub struct Dielectric<F: Form = Sampled> {
     pub index: F::Index,
     /// Roughness of its microfacets.
     pub distribution: F::Distribution,
+    /// Whether light goes on that bounces more than once between them.
+    pub energy_compensation: bool,
 }
 
 impl<F: Form> Dielectric<F> {
     #[inline]
     pub(super) fn map<T: Form>(&self, map: &mut impl Map<F, T>) -> Dielectric<T> {
-        Dielectric { index: map.index(&self.index), distribution: map.distribution(&self.distribution) }
+        let (index, distribution) = (map.index(&self.index), map.distribution(&self.distribution));
+        Dielectric { index, distribution, energy_compensation: self.energy_compensation }
     }
 }
 
@@ -71,27 +81,20 @@ impl Lobe for Dielectric {
 
     #[inline]
     fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
-        let &Self { index: RelativeIndex { eta, dispersive }, distribution } = self;
+        let &Self { index: RelativeIndex { eta, dispersive }, distribution, .. } = self;
         if is_delta(eta, distribution) || is_grazing(wo) || is_grazing(wi) {
             return BsdfEval::ZERO;
         }
         let wi = if wo.z < 0.0 { mirrored(wi) } else { wi };
         let (eta, wo) = seen_from_above(eta[0], wo);
-        let (f, pdf) = if wi.z > 0.0 {
-            let kernel = distribution.reflection(wo, wi);
-            let reflectance = fresnel::dielectric(kernel.cos_facet, eta).reflectance;
-            (kernel.value * reflectance, kernel.pdf * reflectance)
-        } else {
-            let Some(facet) = Refraction::between(eta, wo, wi) else { return BsdfEval::ZERO };
-            let transmittance = fresnel::between(facet.cos_o.min(1.0), facet.cos_i.min(1.0), eta).transmittance;
-            refraction(distribution, wo, wi, &Refraction { transmittance, ..facet })
-        };
+        let facets = eval_rough(eta, distribution, wo, wi);
+        let (f, pdf) = self.bounces(eta, wo).map_or(facets, |bounces| bounces.with(wi, facets));
         BsdfEval { f: lanes(f, dispersive), pdf: Pdf::new(pdf) }
     }
 
     #[inline]
     fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        let &Self { index: RelativeIndex { eta, dispersive }, distribution } = self;
+        let &Self { index: RelativeIndex { eta, dispersive }, distribution, .. } = self;
         if is_grazing(wo) {
             return None;
         }
@@ -101,7 +104,10 @@ impl Lobe for Dielectric {
             sample_smooth(eta, dispersive, wo, u_lobe)
         } else {
             let (eta, wo) = seen_from_above(eta[0], wo);
-            sample_rough(eta, dispersive, distribution, wo, u_lobe, u)
+            match self.bounces(eta, wo) {
+                Some(bounces) => bounces.sample(self, eta, wo, u_lobe, u),
+                None => sample_rough(eta, dispersive, distribution, wo, u_lobe, u),
+            }
         };
         sample.map(|sample| if below { BsdfSample { wi: mirrored(sample.wi), ..sample } } else { sample })
     }
@@ -117,6 +123,81 @@ impl Lobe for Dielectric {
             needs_single_wavelength: self.index.dispersive && !is_delta,
         }
     }
+}
+
+/// What bounces more than once between facets, seen from `wo`, above them.
+struct Bounces {
+    row: GlassRow,
+    shared: Shared,
+    /// R(wo).
+    left: f32,
+}
+
+impl Dielectric {
+    /// The part of light from everywhere on the side of the normal that bounces more than once between the facets.
+    pub fn multiple_scattering(&self) -> f32 {
+        (1.0 - GlassRow::of(self.index.eta[0], self.distribution).mean()[0]).max(0.0)
+    }
+
+    #[inline]
+    fn bounces(&self, eta: f32, wo: Vec3) -> Option<Bounces> {
+        if !self.energy_compensation {
+            return None;
+        }
+        let row = GlassRow::of(eta, self.distribution);
+        let shared = shared_out(1.0, eta, row.mean().map(|once| 1.0 - once))?;
+        let left = (1.0 - row.directional(wo)[0]).max(0.0);
+        Some(Bounces { row, shared, left })
+    }
+}
+
+impl Bounces {
+    /// Value and density of both lobes together, of which the facets' own are given.
+    #[inline]
+    fn with(&self, wi: Vec3, (f, pdf): (f32, f32)) -> (f32, f32) {
+        let Self { row, shared: Shared { scales, crossing }, left } = self;
+        let cos = wi.z.abs();
+        let side = usize::from(wi.z < 0.0);
+        let other = (1.0 - row.directional(Vec3::new(wi.x, wi.y, cos))[side]).max(0.0);
+        let share = if side == 0 { 1.0 - crossing } else { *crossing };
+        (f + scales[side] * left * other, (1.0 - left) * pdf + left * share * cos * FRAC_1_PI)
+    }
+
+    /// Either lobe by what it gives back.
+    #[inline]
+    fn sample(&self, glass: &Dielectric, eta: f32, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
+        let &Dielectric { index: RelativeIndex { dispersive, .. }, distribution, .. } = glass;
+        let facets = 1.0 - self.left;
+        let wi = if u_lobe < facets {
+            sample_rough(eta, dispersive, distribution, wo, u_lobe / facets, u)?.wi
+        } else {
+            let spread = Vec3::from(warp::cosine_hemisphere(u));
+            if u_lobe - facets < self.left * self.shared.crossing { mirrored(spread) } else { spread }
+        };
+        let (f, pdf) = self.with(wi, eval_rough(eta, distribution, wo, wi));
+        let sample = BsdfSample::reflected(lanes(f, dispersive), wi, Pdf::new(pdf));
+        let is_transmission = wi.z < 0.0;
+        let eta = if is_transmission { eta } else { 1.0 };
+        (pdf > 0.0 && !is_grazing(wi)).then(|| BsdfSample {
+            is_transmission,
+            terminates_secondary: dispersive,
+            eta,
+            ..sample
+        })
+    }
+}
+
+/// Value and density of one bounce at facets, `wo` above them.
+#[inline]
+fn eval_rough(eta: f32, distribution: Ggx, wo: Vec3, wi: Vec3) -> (f32, f32) {
+    if wi.z > 0.0 {
+        let kernel = distribution.reflection(wo, wi);
+        let reflectance = fresnel::dielectric(kernel.cos_facet, eta).reflectance;
+        return (kernel.value * reflectance, kernel.pdf * reflectance);
+    }
+    let Some(facet) = Refraction::between(eta, wo, wi) else { return (0.0, 0.0) };
+    let transmittance = fresnel::between(facet.cos_o.min(1.0), facet.cos_i.min(1.0), eta).transmittance;
+    refraction(distribution, wo, wi, &Refraction { transmittance, ..facet })
 }
 
 /// One interface, `wo` above it: reflection with the hero's probability R, refraction with 1 − R.

@@ -94,3 +94,24 @@ pub fn schlick_weight(cos_incident: f32) -> f32 {
     let squared = m * m;
     squared * squared * m
 }
+
+/// Mean over the hemisphere of the reflectance of an interface, F̄
+/// ([KullaConty17](photosite_core::references#kullaconty17)): for η > 1 a fit; for η < 1 by 1 − F̄(1/η) = η²(1 −
+/// F̄(η)), what goes in being what comes out.
+#[inline]
+pub fn mean_dielectric(eta: f32) -> f32 {
+    let denser = |eta: f32| (eta - 1.0) / (4.085_67 + 1.000_71 * eta);
+    if eta >= 1.0 { denser(eta) } else { 1.0 - eta * eta * (1.0 - denser(1.0 / eta)) }
+}
+
+/// Mean over the hemisphere of the reflectance of a metal, ∫2μ·R(μ) dμ, by Gauss–Legendre quadrature with 4 points.
+#[inline]
+pub fn mean_conductor(eta: SampledSpectrum, k: SampledSpectrum) -> SampledSpectrum {
+    const RULE: [(f32, f32); 4] = [
+        (0.069_431_844, 0.173_927_42),
+        (0.330_009_48, 0.326_072_58),
+        (0.669_990_5, 0.326_072_58),
+        (0.930_568_16, 0.173_927_42),
+    ];
+    RULE.iter().fold(SampledSpectrum::ZERO, |sum, &(mu, weight)| sum + conductor(mu, eta, k) * (2.0 * mu * weight))
+}

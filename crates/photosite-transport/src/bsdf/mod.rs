@@ -31,6 +31,7 @@ pub mod microfacet;
 mod model;
 
 mod albedo;
+mod compensation;
 mod conductor;
 mod dielectric;
 mod diffuse;

@@ -3,33 +3,50 @@
 //! glTF's `KHR_materials_sheen`, "Sheen distribution" and "Sheen visibility", after
 //! [Estevez17](photosite_core::references#estevez17): α = roughness², D = (2 + 1/α)·sin^(1/α) θ_h/(2π), G = 1/(1 +
 //! Λ(cos θₒ) + Λ(cos θᵢ)) with the fit of Λ that is given there, f = colour·D·G/(4·cos θₒ·cos θᵢ). No Fresnel factor.
+//!
+//! The published lobe of α < 0.06 gives back more than arrives near the horizon, E(w) = ∫ f·cos θᵢ dωᵢ up to 2.1. Here
+//! it is divided by max(1, E(wo), E(wi)): reciprocal, at most 1 in all, and as published wherever that conserves energy.
 
 use std::f32::consts::TAU;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::directions::is_above;
 
 /// Below this α the lobe is so narrow a rim that it cannot be integrated; also what the default roughness 0 becomes.
-const SMALLEST_ALPHA: f32 = 0.01;
+pub(super) const SMALLEST_ALPHA: f32 = 0.01;
 
-/// f for a colour of 1; both directions above the surface.
+/// Cosines below this count as this, so that E has a limit along the surface.
+const SMALLEST_COSINE: f32 = 1e-4;
+
+/// The published f for a colour of 1; both directions above the surface.
 #[inline]
-pub(super) fn value(alpha: f32, wo: Vec3, wi: Vec3) -> f32 {
+pub(super) fn published(alpha: f32, wo: Vec3, wi: Vec3) -> f32 {
     if !(is_above(wo) && is_above(wi)) {
         return 0.0;
     }
     let alpha = alpha.max(SMALLEST_ALPHA);
-    let cos_half = (wo + wi).normalize().z;
+    let hidden = 1.0 + lambda(wo.z, alpha) + lambda(wi.z, alpha);
+    density((wo + wi).normalize().z, alpha) / (hidden * 4.0 * at_least(wo.z) * at_least(wi.z))
+}
+
+#[inline]
+fn at_least(cos: f32) -> f32 {
+    cos.max(SMALLEST_COSINE)
+}
+
+/// D.
+#[inline]
+fn density(cos_half: f32, alpha: f32) -> f32 {
     let sin_squared = (1.0 - cos_half * cos_half).max(0.0);
     let inverse = 1.0 / alpha;
-    let density = (2.0 + inverse) * sin_squared.powf(0.5 * inverse) / TAU;
-    density / ((1.0 + lambda(wo.z, alpha) + lambda(wi.z, alpha)) * 4.0 * wo.z * wi.z)
+    (2.0 + inverse) * sin_squared.powf(0.5 * inverse) / TAU
 }
 
 /// Area hidden over area seen.
 #[inline]
 fn lambda(cos: f32, alpha: f32) -> f32 {
+    let cos = at_least(cos);
     let t = (1.0 - alpha) * (1.0 - alpha);
     let fit = |at_one: f32, at_zero: f32| at_one + (at_zero - at_one) * t;
     let a = fit(21.5473, 25.3245);
@@ -41,20 +58,36 @@ fn lambda(cos: f32, alpha: f32) -> f32 {
     if cos < 0.5 { l(cos).exp() } else { (2.0 * l(0.5) - l(1.0 - cos)).exp() }
 }
 
-/// ∫ f·cos θᵢ dωᵢ for a colour of 1, by the midpoint rule over cosine and azimuth.
-pub(super) fn albedo(alpha: f32, mu: f32) -> f32 {
-    const STEPS: usize = 48;
-    let wo = Vec3::new((1.0 - mu * mu).max(0.0).sqrt(), 0.0, mu.max(1e-4));
-    let at = |i: usize| (i as f32 + 0.5) / STEPS as f32;
-    let mut sum = 0.0;
-    for i in 0..STEPS {
-        // Steps in √z: the lobe hugs the horizon.
-        let (z, width) = (at(i) * at(i), 2.0 * at(i) / STEPS as f32);
-        let radius = (1.0 - z * z).sqrt();
-        for j in 0..STEPS {
-            let (sin, cos) = (0.5 * TAU * at(j)).sin_cos();
-            sum += value(alpha, wo, Vec3::new(radius * cos, radius * sin, z)) * z * width;
-        }
+/// Albedos for a colour of 1 at the cosines (i/(`nodes` − 1))²: E of the published lobe, and that of the lobe in use,
+/// ∫ f/max(1, E(wo), E(wi))·cos θᵢ dωᵢ.
+pub(super) fn albedos(alpha: f32, nodes: usize) -> Vec<Vec2> {
+    const AZIMUTHS: usize = 32;
+    let step = 1.0 / (nodes - 1) as f32;
+    let cosines: Vec<f32> = (0..nodes).map(|i| at_least((i as f32 * step).powi(2))).collect();
+    // ∫ f·z dz by the trapezoidal rule in √z, dz = 2√z d√z: the lobe hugs the horizon.
+    let weights: Vec<f32> =
+        (0..nodes).map(|i| 2.0 * step * (i as f32 * step).powi(3) * if i == nodes - 1 { 0.5 } else { 1.0 }).collect();
+    let hidden: Vec<f32> = cosines.iter().map(|&cos| lambda(cos, alpha)).collect();
+    // ∫ f dφ, the same both ways.
+    let mut kernel = vec![0.0; nodes * nodes];
+    for (i, j) in (0..nodes).flat_map(|i| (0..=i).map(move |j| (i, j))) {
+        let (a, b) = (cosines[i], cosines[j]);
+        let sines = ((1.0 - a * a) * (1.0 - b * b)).sqrt();
+        let mean = (0..AZIMUTHS)
+            .map(|k| {
+                let azimuth = 0.5 * TAU * (k as f32 + 0.5) / AZIMUTHS as f32;
+                let squared_length = 2.0 * (1.0 + a * b + sines * azimuth.cos());
+                density((a + b) / squared_length.sqrt().max(a + b), alpha)
+            })
+            .sum::<f32>()
+            / AZIMUTHS as f32;
+        let f = mean * TAU / ((1.0 + hidden[i] + hidden[j]) * 4.0 * a * b);
+        (kernel[i * nodes + j], kernel[j * nodes + i]) = (f, f);
     }
-    sum * TAU / STEPS as f32
+    let integral = |i: usize, g: &dyn Fn(usize) -> f32| -> f32 {
+        (0..nodes).map(|j| kernel[i * nodes + j] * weights[j] * g(j)).sum()
+    };
+    let published: Vec<f32> = (0..nodes).map(|i| integral(i, &|_| 1.0)).collect();
+    let used = |i: usize| integral(i, &|j| 1.0 / published[i].max(published[j]).max(1.0));
+    (0..nodes).map(|i| Vec2::new(published[i], used(i))).collect()
 }

@@ -107,6 +107,8 @@ pub(super) struct Contribution {
     pub(super) light: SampledSpectrum,
     /// Whether it comes from a light without a surface, which panes let through.
     pub(super) is_delta: bool,
+    /// The absorbing medium in which the ray sets out, where it is to be followed through panes.
+    pub(super) medium: Option<SpectrumId>,
 }
 
 /// What paths need to advance.
@@ -442,16 +444,21 @@ impl Path {
         scene: &Scene,
         queues: &mut Queues,
     ) {
-        if let Some((ray, light)) = self.direct_light(scene, vertex, sample) {
+        if let Some((ray, light, medium)) = self.direct_light(scene, vertex, sample) {
             queues.shadow_rays.push(ray);
             let light = self.throughput * light;
-            queues.contributions.push(Contribution { path: index, light, is_delta: sample.is_delta });
+            queues.contributions.push(Contribution { path: index, light, is_delta: sample.is_delta, medium });
         }
     }
 
-    /// The shadow ray and contribution of a light sample.
+    /// The shadow ray and contribution of a light sample, and the medium whose absorption is still to be counted.
     #[inline]
-    fn direct_light(&self, scene: &Scene, vertex: &Vertex<'_>, light: &LightSample) -> Option<(Ray, SampledSpectrum)> {
+    fn direct_light(
+        &self,
+        scene: &Scene,
+        vertex: &Vertex<'_>,
+        light: &LightSample,
+    ) -> Option<(Ray, SampledSpectrum, Option<SpectrumId>)> {
         let Vertex { point, shading, wo, wo_local, .. } = vertex;
         let wavelengths = &self.wavelengths;
 
@@ -467,9 +474,10 @@ impl Path {
         let cos = wi_local.z.abs();
         let mut contribution = light.radiance * scattering.f * (cos / light.pdf.0);
 
-        // Absorb on the way; light from outside would have to come through the boundary, where shadow rays end
+        // Absorb on the way. Where shadow rays end at the boundary, light comes from within; others are followed.
         let medium = if is_transmission { scene.medium_across(point, light.wi, self.medium) } else { self.medium };
-        if let (Some(medium), Some((position, _))) = (medium, light.position) {
+        let is_followed = light.is_delta && scene.has_panes();
+        if let (false, Some(medium), Some((position, _))) = (is_followed, medium, light.position) {
             contribution *= scene.transmittance(medium, point.position.distance(position), wavelengths);
         }
         if contribution.is_black() {
@@ -485,7 +493,8 @@ impl Path {
             weight *= self.mis_ratio.mis_weight_light(&path_vertex, density, light.pdf.0);
         }
         let to = scene.lights().triangle_of(light.light);
-        Some((Ray { to, ..shadow_ray(point, light.wi, light.position) }, contribution * weight))
+        let ray = Ray { to, ..shadow_ray(point, light.wi, light.position) };
+        Some((ray, contribution * weight, medium.filter(|_| is_followed)))
     }
 
     /// MIS weight of emission that BSDF sampling has found at `distance` (m) from the last vertex.

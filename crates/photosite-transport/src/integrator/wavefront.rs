@@ -194,14 +194,14 @@ impl Wavefront {
     fn trace_shadow_rays(&mut self, scene: &Scene) {
         let Self { paths, queues: Queues { shadow_rays, contributions, .. }, occluded, .. } = self;
         scene.occluded_each(shadow_rays, occluded);
-        for ((Contribution { path, light, is_delta }, ray), occluded) in
+        for ((Contribution { path, light, is_delta, medium }, ray), occluded) in
             contributions.drain(..).zip(&*shadow_rays).zip(&*occluded)
         {
             let path = &mut paths[path as usize];
-            if !occluded {
+            if !occluded && medium.is_none() {
                 path.light += light;
             } else if is_delta && scene.has_panes() {
-                path.light += light * scene.through_panes(ray, &path.wavelengths);
+                path.light += light * scene.through_panes(ray, medium, &path.wavelengths);
             }
         }
         shadow_rays.clear();
@@ -263,6 +263,7 @@ mod tests {
                 MaterialModel::Dielectric(Dielectric {
                     index: library::glass("SF11").expect("a glass"),
                     distribution: Roughness::SMOOTH,
+                    energy_compensation: false,
                 }),
             ),
             (
@@ -270,11 +271,17 @@ mod tests {
                 MaterialModel::Dielectric(Dielectric {
                     index: library::glass("SF11").expect("a glass"),
                     distribution: Roughness::isotropic(0.3),
+                    energy_compensation: false,
                 }),
             ),
             (
                 1.5,
-                MaterialModel::Conductor(Conductor { eta: silver.eta, k: silver.k, distribution: Roughness::SMOOTH }),
+                MaterialModel::Conductor(Conductor {
+                    eta: silver.eta,
+                    k: silver.k,
+                    distribution: Roughness::SMOOTH,
+                    energy_compensation: false,
+                }),
             ),
         ];
         let leaning = [[0.0, 0.0], [3.0, -1.0], [0.5, 0.5], [-8.0, 0.2]].map(|[x, y]| Vec3::new(x, y, 1.0));

@@ -123,7 +123,9 @@ impl SceneTraits for LayeredMaterial {
         // A texture may make it polished.
         let is_smooth = |roughness: f32| Ggx::new(roughness * roughness, roughness * roughness).is_smooth();
         let may_be_smooth = self.roughness.texture.is_some() || is_smooth(self.roughness.value);
-        !self.has_volume && self.transmission.value > 0.0 && may_be_smooth
+        // Of index 1 nothing is reflected: a volume that only absorbs.
+        let is_pane = if self.has_volume { self.f0 == 0.0 && !self.dispersive } else { may_be_smooth };
+        self.transmission.value > 0.0 && is_pane
     }
 
     fn may_cast_caustics(&self) -> bool {

@@ -6,6 +6,8 @@
 
 use std::ops::{Add, Mul, Sub};
 
+use glam::Vec2;
+
 /// What can be interpolated.
 pub(in crate::bsdf) trait Value:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f32, Output = Self>
@@ -37,6 +39,10 @@ impl<T: Value> Grid<T> {
         let square = |x: f32| x * x;
         let directional: Vec<T> =
             (0..alphas * mus).map(|i| f(square(node(i / mus, alphas)), square(node(i % mus, mus)))).collect();
+        Self::from_values(mus, directional)
+    }
+
+    fn from_values(mus: usize, directional: Vec<T>) -> Self {
         let mean = directional.chunks_exact(mus).map(cosine_mean).collect();
         Self { mus, directional, mean }
     }
@@ -47,6 +53,31 @@ impl<T: Value> Grid<T> {
         let (i, fraction) = locate(alpha.sqrt(), self.mean.len());
         let row = |i: usize| &self.directional[i * self.mus..(i + 1) * self.mus];
         GridRow { below: row(i), above: row(i + 1), mean: mix(self.mean[i], self.mean[i + 1], fraction), fraction }
+    }
+}
+
+impl Grid<Vec2> {
+    /// Tabulates what interpolation is not to lie below. `row(α, n)` gives the values at `n` even nodes of √μ; it is
+    /// asked for nodes twice as close as the grid's, and where their values lie above a cell its corners are raised.
+    pub(super) fn from_above(alphas: usize, mus: usize, row: impl Fn(f32, usize) -> Vec<Vec2>) -> Self {
+        let (rows, columns) = (2 * alphas - 1, 2 * mus - 1);
+        let fine: Vec<Vec<Vec2>> = (0..rows).map(|i| row(node(i, rows) * node(i, rows), columns)).collect();
+        let exact = |i: usize, j: usize| fine[2 * i][2 * j];
+        let mut raised: Vec<Vec2> = (0..alphas * mus).map(|k| exact(k / mus, k % mus)).collect();
+        for (i, j) in (0..alphas - 1).flat_map(|i| (0..mus - 1).map(move |j| (i, j))) {
+            let along = |i: usize, t: f32| mix(exact(i, j), exact(i, j + 1), t);
+            let lacking = (0..9).fold(Vec2::ZERO, |lacking, k| {
+                let (down, right) = (k / 3, k % 3);
+                let t = 0.5 * right as f32;
+                let found = mix(along(i, t), along(i + 1, t), 0.5 * down as f32);
+                lacking.max(fine[2 * i + down][2 * j + right] - found)
+            });
+            for (i, j) in [(i, j), (i, j + 1), (i + 1, j), (i + 1, j + 1)] {
+                let corner = &mut raised[i * mus + j];
+                *corner = corner.max(exact(i, j) + lacking);
+            }
+        }
+        Self::from_values(mus, raised)
     }
 }
 

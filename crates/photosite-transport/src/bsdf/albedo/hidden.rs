@@ -7,7 +7,7 @@ use glam::Vec2;
 use super::grid::{Grid, GridRow, locate, mix, node};
 use super::lattice::{from_cosine, integrate};
 use super::reflection::{Albedo, isotropic, schlick_parts};
-use super::sheen::sheen_grid;
+use super::sheen::{position, sheen_grid};
 use crate::bsdf::microfacet::Ggx;
 
 /// Reflectance at normal incidence of a coat, whose index glTF fixes at 1.5.
@@ -58,13 +58,13 @@ impl Hidden {
     pub(in crate::bsdf) fn by_sheen(sheen: f32, base: Ggx) -> Self {
         static TABLE: OnceLock<Vec<Grid<Vec2>>> = OnceLock::new();
         let table = TABLE.get_or_init(|| {
-            let layer = |alpha| {
-                let row = sheen_grid().row(alpha);
-                move |mu| row.directional(mu)
+            let layer = |position| {
+                let row = sheen_grid().row(position);
+                move |mu| row.directional(mu).y
             };
             Self::table(layer)
         });
-        Self::of(table, sheen, base)
+        Self::of(table, position(sheen), base)
     }
 
     /// Nodes along the roughness of either layer and along √μ.

@@ -21,5 +21,5 @@ pub(super) use glass::GlassRow;
 pub(super) use grid::node;
 pub(super) use hidden::{COAT_F0, Hidden, HiddenPart};
 pub(super) use reflection::{Albedo, Row};
-pub(super) use sheen::SheenRow;
+pub(super) use sheen::{SheenAlbedo, SheenRow};
 pub(super) use thin_film_glass::FilmGlassRow;

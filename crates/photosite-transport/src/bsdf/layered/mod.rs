@@ -37,7 +37,8 @@
 //! that facet. A smooth white surface seen from 80° then gives back 1.35 times what arrives. It also loses the light
 //! that bounces twice between facets.
 //!
-//! Sheen attenuates wavelength by wavelength, not by its largest channel. Coat and sheen lie on both sides of thin
+//! Sheen of low roughness is scaled where it would give back more than arrives, see `sheen`. It attenuates wavelength by
+//! wavelength, not by its largest channel. Coat and sheen lie on both sides of thin
 //! surfaces that transmit, and on all but the clear part of those that bound a volume. A coat with a normal of its own
 //! is not reciprocal, as no mapped normal is. Facets that refract give back up to 4 % too much or too little where they
 //! are anisotropic, as exact as their table is.
@@ -88,11 +89,16 @@ impl Layered {
 
     #[inline]
     pub(super) fn straight(&self, wo: Vec3) -> SampledSpectrum {
-        let passes = self.transmission > 0.0 && self.is_two_sided() && self.distribution.is_smooth();
-        if !passes || is_grazing(wo) || wo.z < 0.0 {
+        let is_inside = wo.z < 0.0;
+        let goes_straight = match self.refracting() {
+            None => self.distribution.is_smooth() && !is_inside,
+            Some(volume) => volume.eta == SampledSpectrum::ONE,
+        };
+        if self.transmission <= 0.0 || !goes_straight || is_grazing(wo) {
             return SampledSpectrum::ZERO;
         }
-        let sample = View::new(self, wo, false).and_then(|view| view.pass_undisturbed());
+        let view = View::new(self, if is_inside { mirrored(wo) } else { wo }, is_inside);
+        let sample = view.and_then(|view| view.pass_undisturbed());
         sample.map_or(SampledSpectrum::ZERO, |sample| sample.f * sample.wi.z.abs())
     }
 

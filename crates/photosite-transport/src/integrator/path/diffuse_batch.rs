@@ -283,7 +283,7 @@ impl DiffuseBatch {
         let (time, from, to) = (arrival.ray.time, arrival.hit.facet(), emitter.triangle);
         queues.shadow_rays.push(Ray { origin, direction, t_max: 1.0, time, from, to });
         let light = path.throughput * (contribution * direct.weight[lane]);
-        queues.contributions.push(Contribution { path: arrival.index, light, is_delta: false });
+        queues.contributions.push(Contribution { path: arrival.index, light, is_delta: false, medium: None });
     }
 }
 

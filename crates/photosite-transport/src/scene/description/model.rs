@@ -2,8 +2,11 @@
 
 use super::layered::LayeredDescription;
 use super::texture::{TextureDescription, TexturedColour};
-use crate::bsdf::{Form, Ggx, Map, MapAll, Mix, Model};
-use photosite_core::spectrum::{Dispersion, Spectrum};
+use crate::bsdf::{Conductor, Dielectric, Form, Ggx, Map, MapAll, Mix, Model, RelativeIndex, Sampled};
+use photosite_core::spectrum::{Dispersion, SampledSpectrum, Spectrum};
+
+/// Where the eye is most sensitive, nm.
+const BRIGHTEST_NM: f32 = 555.0;
 
 /// A scattering model as files describe it.
 pub type MaterialModel = Model<Described>;
@@ -58,6 +61,36 @@ pub trait Visit {
 }
 
 impl MaterialModel {
+    /// The part of light from everywhere that the microfacets of this model lose, since it bounces more than once
+    /// between them; of a metal and of glass, at the wavelength that eyes see best.
+    pub fn lost_light(&self) -> f32 {
+        match self {
+            Self::Conductor(metal) if !metal.energy_compensation => {
+                let [eta, k] = [&metal.eta, &metal.k].map(|part| SampledSpectrum::splat(part.eval(BRIGHTEST_NM)));
+                let distribution = metal.distribution.distribution();
+                Conductor::<Sampled> { eta, k, distribution, energy_compensation: false }.multiple_scattering()[0]
+            }
+            Self::Dielectric(glass) if !glass.energy_compensation => {
+                let index = RelativeIndex::constant(glass.index.index(f64::from(BRIGHTEST_NM)) as f32);
+                let distribution = glass.distribution.distribution();
+                Dielectric::<Sampled> { index, distribution, energy_compensation: false }.multiple_scattering()
+            }
+            Self::Mix(mix) => {
+                let [first, second] = mix.models.each_ref().map(Self::lost_light);
+                first + (second - first) * mix.weight
+            }
+            Self::Conductor(_)
+            | Self::Dielectric(_)
+            | Self::Diffuse(_)
+            | Self::OrenNayar(_)
+            | Self::Phong(_)
+            | Self::Translucent(_)
+            | Self::ThinDielectric(_)
+            | Self::Retroreflective(_)
+            | Self::Layered(_) => 0.0,
+        }
+    }
+
     /// Shows a visitor all parameters.
     pub fn visit(&self, visitor: &mut impl Visit) {
         self.map(&mut Visited(visitor));

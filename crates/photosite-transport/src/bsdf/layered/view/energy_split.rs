@@ -4,9 +4,10 @@ use std::f32::consts::{FRAC_1_PI, PI};
 
 use glam::Vec3;
 
-use super::reflectance::{at_nodes, mean_dielectric};
-use super::state::{EnergySplit, NOTHING_LEFT, ONE, Spread, Under, View, ZERO, at_least_zero};
+use super::reflectance::at_nodes;
+use super::state::{EnergySplit, ONE, Spread, Under, View, ZERO, at_least_zero};
 use crate::bsdf::albedo::{COAT_F0, FILM_NODES, FilmGlassRow, FilmRow, GlassRow, node};
+use crate::bsdf::compensation::{NOTHING_LEFT, further_bounces, shared_out};
 use crate::bsdf::fresnel;
 use photosite_core::spectrum::SampledSpectrum;
 
@@ -25,10 +26,7 @@ impl View<'_> {
                 }
                 (None, _) | (Some(_), None) => (0.0, None),
             },
-            sheen: tables
-                .sheen
-                .as_ref()
-                .map_or((0.0, None), |(row, hidden)| (row.directional(w.z), Some(hidden.directional(w.z)))),
+            sheen: tables.sheen.as_ref().map(|(row, hidden)| (row.directional(w.z), hidden.directional(w.z))),
             glass: tables.glass.as_ref().map_or([1.0; 2], |row| row.directional(w)),
             thin_film_glass: tables.thin_film_glass.as_ref().map(|row| row.directional(w.z)),
         }
@@ -45,7 +43,7 @@ impl View<'_> {
                 .coat
                 .as_ref()
                 .map_or((0.0, None), |(row, hidden)| (weight * row.mean().at(COAT_F0), Some(hidden.mean()))),
-            sheen: tables.sheen.as_ref().map_or((0.0, None), |(row, hidden)| (row.mean(), Some(hidden.mean()))),
+            sheen: tables.sheen.as_ref().map(|(row, hidden)| (row.mean(), hidden.mean())),
             glass: tables.glass.as_ref().map_or([1.0; 2], GlassRow::mean),
             thin_film_glass: tables.thin_film_glass.as_ref().map(FilmGlassRow::mean),
         }
@@ -69,24 +67,24 @@ impl View<'_> {
         if layers.coat.is_none() && layers.sheen.is_none() {
             let (left, left_by_white) = (at_least_zero(ONE - bare), at_least_zero(ONE - bare_white));
             let (dielectric, white) = (bare, bare_white);
-            return EnergySplit { coat: 0.0, sheen: ZERO, dielectric, white, left, left_by_white, left_by_glass };
+            return EnergySplit { dielectric, white, left, left_by_white, left_by_glass, ..EnergySplit::NOTHING };
         }
         let (coat, hidden_by_coat) = under.coat;
-        let (sheen_albedo, hidden_by_sheen) = under.sheen;
         let weight = layers.coat.map_or(0.0, |coat| coat.weight);
         let colour = layers.sheen.map_or(ZERO, |s| s.colour);
         // The part of the facets' light that the layers let through.
         let let_through = |f0: f32| {
             let by_coat = hidden_by_coat.map_or(0.0, |hidden| weight * hidden.at(f0));
-            let by_sheen = hidden_by_sheen.map_or(0.0, |hidden| hidden.at(f0));
+            let by_sheen = under.sheen.map_or(0.0, |(_, hidden)| hidden.at(f0));
             (ONE - colour * by_sheen) * (1.0 - by_coat)
         };
         let (dielectric, white) = (bare * let_through(layers.f0.mean()), bare_white * let_through(1.0));
-        let sheen = colour * sheen_albedo;
+        let (sheen, sheen_excess) = under.sheen.map_or((ZERO, 1.0), |(s, _)| (colour * s.albedo(), s.excess()));
         let below = (ONE - sheen) * (1.0 - coat);
         EnergySplit {
             coat,
             sheen,
+            sheen_excess,
             dielectric,
             white,
             left: at_least_zero(below - dielectric),
@@ -125,7 +123,7 @@ impl View<'_> {
         if metal > 0.0 {
             let f = self.mean_reflectance(1, layers.base_colour);
             let e = self.tables.facets.mean().at(1.0);
-            bounced += f * f * (metal * e) / (ONE - f * (1.0 - e));
+            bounced += further_bounces(metal, f, e);
         }
         let (mut passed, mut glass) = (ZERO, [ZERO; 2]);
         match self.refracting {
@@ -136,16 +134,10 @@ impl View<'_> {
             }
             Some(volume) => {
                 let [here, there] = self.mean.left_by_glass;
-                let let_in = 1.0 - mean_dielectric(volume.eta[0]);
                 for lane in 0..4 {
-                    let (here, there) = (here[lane], there[lane]);
-                    let most = here.max(there);
-                    if most > NOTHING_LEFT {
-                        // What crosses is let_in·there/most of what is left here, and reciprocally.
-                        let crossing = let_in * there / most;
-                        glass[0].0[lane] = clear * FRAC_1_PI * (1.0 - crossing) / here.max(NOTHING_LEFT);
-                        let over_squared_index = FRAC_1_PI * let_in / (most * volume.eta[0] * volume.eta[0]);
-                        glass[1].0[lane] = layers.base_colour[lane] * (clear * over_squared_index);
+                    if let Some(shared) = shared_out(clear, volume.eta[0], [here[lane], there[lane]]) {
+                        glass[0].0[lane] = shared.scales[0];
+                        glass[1].0[lane] = layers.base_colour[lane] * shared.scales[1];
                     }
                 }
             }
@@ -196,6 +188,7 @@ impl EnergySplit {
     pub(super) const NOTHING: Self = Self {
         coat: 0.0,
         sheen: ZERO,
+        sheen_excess: 1.0,
         dielectric: ZERO,
         white: ZERO,
         left: ZERO,

@@ -93,12 +93,3 @@ pub(super) fn coat_fresnel(cos: f32) -> f32 {
 pub(super) fn coat_reflectance(weight: f32, kernel: &ReflectionKernel) -> f32 {
     weight * coat_fresnel(kernel.cos_facet) * kernel.value
 }
-
-/// Mean over the hemisphere of the reflectance of an interface, F̄
-/// ([KullaConty17](photosite_core::references#kullaconty17)): for η > 1 a fit; for η < 1 by 1 − F̄(1/η) = η²(1 −
-/// F̄(η)), what goes in being what comes out.
-#[inline]
-pub(super) fn mean_dielectric(eta: f32) -> f32 {
-    let denser = |eta: f32| (eta - 1.0) / (4.085_67 + 1.000_71 * eta);
-    if eta >= 1.0 { denser(eta) } else { 1.0 - eta * eta * (1.0 - denser(1.0 / eta)) }
-}

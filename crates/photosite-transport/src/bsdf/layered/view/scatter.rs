@@ -120,7 +120,9 @@ impl View<'_> {
         }
         if let Some(sheen) = layers.sheen {
             let below_coat = 1.0 - self.seen.coat.max(other.coat);
-            f += sheen.colour * (sheen::value(sheen.alpha, self.wo, wi) * below_coat * self.layered_part());
+            let excess = self.seen.sheen_excess.max(other.sheen_excess);
+            let value = sheen::published(sheen.alpha, self.wo, wi) / excess;
+            f += sheen.colour * (value * below_coat * self.layered_part());
             pdf += self.lobes.sheen / TAU;
         }
         if let Some(coat) = layers.coat.filter(|coat| !coat.distribution.is_smooth()) {

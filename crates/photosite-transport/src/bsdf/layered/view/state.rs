@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 
 use crate::bsdf::albedo::{
-    Albedo, FILM_NODES, FilmGlassRow, FilmRow, FilmWeights, GlassRow, Hidden, HiddenPart, Row, SheenRow,
+    Albedo, FILM_NODES, FilmGlassRow, FilmRow, FilmWeights, GlassRow, Hidden, HiddenPart, Row, SheenAlbedo, SheenRow,
 };
 use crate::bsdf::layered::layers::{Layered, Volume};
 use photosite_core::spectrum::SampledSpectrum;
@@ -13,9 +13,6 @@ pub(super) const ONE: SampledSpectrum = SampledSpectrum::ONE;
 
 /// Mean of Schlick's weight over the hemisphere, ∫2μ(1 − μ)⁵ dμ.
 pub(super) const MEAN_WEIGHT: f32 = 1.0 / 21.0;
-
-/// Remainders with a smaller mean are no more than rounding of the tables.
-pub(super) const NOTHING_LEFT: f32 = 1e-5;
 
 /// The lobes that samples are drawn from, with their probabilities.
 #[derive(Clone, Copy, Debug, Default)]
@@ -41,7 +38,7 @@ pub(super) struct Under {
     /// c·E of the coat, and what it hides.
     pub(super) coat: (f32, Option<HiddenPart>),
     /// E of sheen of colour 1, and what it hides.
-    pub(super) sheen: (f32, Option<HiddenPart>),
+    pub(super) sheen: Option<(SheenAlbedo, HiddenPart)>,
     /// One bounce at a refracting interface: from the side of `wo`, and from the other.
     pub(super) glass: [f32; 2],
     /// The change of that by a film, by its nodes.
@@ -65,6 +62,8 @@ pub(super) struct EnergySplit {
     pub(super) coat: f32,
     /// s·E(w) of the sheen.
     pub(super) sheen: SampledSpectrum,
+    /// What the published sheen is divided by for this direction, at least 1.
+    pub(super) sheen_excess: f32,
     /// E(w) of the facets over the coloured or clear base, under the layers.
     pub(super) dielectric: SampledSpectrum,
     /// E(w) of white facets under the layers.
