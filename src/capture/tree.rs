@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use photosite_core::suggest::{did_you_mean, list};
+use photosite_core::toml_text;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -297,11 +298,11 @@ fn element(elements: &[Node], key: &str, span: &Range<usize>) -> Result<usize, N
 /// Parses a TOML document that begins at byte `start` of the imagined text. The error has its span there, too.
 pub(super) fn parse(text: &str, start: usize) -> Result<Node, (Option<Range<usize>>, String)> {
     let moved = |span: Range<usize>| span.start + start..span.end + start;
-    match DeTable::parse(text) {
+    match toml_text::parse(text) {
         Ok(table) => {
             Ok(Node { span: moved(table.span()), value: Value::Table(convert_table(table.into_inner(), start)) })
         }
-        Err(error) => Err((error.span().map(moved), error.message().to_owned())),
+        Err(error) => Err((error.span.map(moved), error.message)),
     }
 }
 

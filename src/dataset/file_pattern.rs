@@ -1,12 +1,17 @@
 //! Patterns of file names in a data set file, such as "textures/*.png".
 
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 
 use glob::{MatchOptions, Pattern};
+use walkdir::WalkDir;
 
 use crate::capture::relative_path;
 use crate::{Invalid, Result, Sandbox};
+
+/// Files and folders that are looked through at most: links can lead on to any number of them.
+const MOST: usize = 1_000_000;
 
 /// The files that a pattern stands for, in the order of their names, as they read from the folder of the capture. It is
 /// relative to the data set file.
@@ -16,26 +21,57 @@ pub(super) fn files_of(
     capture: &Path,
     sandbox: &Sandbox,
 ) -> Result<Vec<String>, Invalid> {
-    let folder = dataset.parent().unwrap_or(Path::new(""));
-    let is_whole = Path::new(pattern).is_absolute() || folder.as_os_str().is_empty();
-    let whole =
-        if is_whole { pattern.to_owned() } else { format!("{}/{pattern}", Pattern::escape(&folder.to_string_lossy())) };
-    let options = MatchOptions { require_literal_leading_dot: true, ..MatchOptions::new() };
-    let found = glob::glob_with(&whole, options).map_err(|error| {
-        Invalid::new("", format!("{pattern:?} is not a pattern: {}", error.msg)).help("for example \"textures/*.png\"")
-    })?;
+    let (folder, parts) = split(pattern);
+    let folder = dataset.parent().unwrap_or(Path::new("")).join(folder);
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { &folder };
     let capture = if capture.as_os_str().is_empty() { Path::new(".") } else { capture };
+    let pattern_of = |part: &str| {
+        Pattern::new(part).map_err(|error| {
+            let message = format!("{pattern:?} is not a pattern: {}", error.msg);
+            Invalid::new("", message).help("for example \"textures/*.png\"")
+        })
+    };
+    let whole = pattern_of(&parts.join("/"))?;
+    // Folders on the way are looked into where they fit, and below `**` all are.
+    let way = parts.iter().take_while(|part| !part.contains("**")).map(|part| pattern_of(part));
+    let way = way.collect::<Result<Vec<_>, _>>()?;
+    let depth = if way.len() == parts.len() { way.len() } else { usize::MAX };
+    // What is not in the sandbox is not looked into: messages would tell what there is.
+    sandbox.check(folder)?;
     let mut names = BTreeSet::new();
-    for path in found {
-        let path = path.map_err(|error| Invalid::new("", format!("cannot be looked for: {error}")))?;
-        if !path.is_file() {
+    let mut walk = WalkDir::new(folder).follow_links(true).max_depth(depth).into_iter();
+    for count in 0.. {
+        let entry = match walk.next() {
+            None => break,
+            Some(Ok(entry)) => entry,
+            // Links to a folder around them, and to nothing.
+            Some(Err(error)) if error.io_error().is_none_or(|io| io.kind() == ErrorKind::NotFound) => continue,
+            Some(Err(error)) => return Err(Invalid::new("", format!("cannot be looked for: {error}"))),
+        };
+        if count > MOST {
+            let message = format!("{pattern:?} leads through more than {MOST} files and folders");
+            return Err(Invalid::new("", message).help("name the folders in it, without **"));
+        }
+        let Some(level) = entry.depth().checked_sub(1) else { continue };
+        let name = entry.file_name().to_string_lossy();
+        if way.get(level).is_some_and(|part| !part.matches_with(&name, OPTIONS)) {
+            if entry.file_type().is_dir() {
+                walk.skip_current_dir();
+            }
             continue;
         }
-        sandbox.check(&path)?;
+        if entry.path_is_symlink() {
+            sandbox.check(entry.path())?;
+        }
+        let found = entry.path().strip_prefix(folder).unwrap_or(entry.path());
+        if !entry.file_type().is_file() || !whole.matches_path_with(found, OPTIONS) {
+            continue;
+        }
+        let path = if folder == Path::new(".") { found } else { entry.path() };
         if path.to_str().is_none() {
             return Err(Invalid::new("", format!("{} has a name that is not text", path.display())).help("rename it"));
         }
-        names.insert(relative_path(&path, capture));
+        names.insert(relative_path(path, capture));
     }
     if names.is_empty() {
         let message = format!("no file matches {pattern:?}");
@@ -43,4 +79,18 @@ pub(super) fn files_of(
         return Err(Invalid::new("", message).help(help));
     }
     Ok(names.into_iter().collect())
+}
+
+/// `*` stands for letters of one name, and hidden files are named in full.
+const OPTIONS: MatchOptions =
+    MatchOptions { case_sensitive: true, require_literal_separator: true, require_literal_leading_dot: true };
+
+/// The folder that a pattern begins with, without any letter that stands for others, and the parts below it.
+fn split(pattern: &str) -> (PathBuf, Vec<&str>) {
+    let parts: Vec<&str> = pattern.split('/').collect();
+    // A name alone is looked for in the folder before it.
+    let plain = parts.iter().take_while(|part| !part.contains(['*', '?', '['])).count().min(parts.len() - 1);
+    let (folder, rest) = parts.split_at(plain);
+    let root = if pattern.starts_with('/') { "/" } else { "" };
+    (Path::new(root).join(folder.join("/")), rest.to_vec())
 }

@@ -57,7 +57,7 @@ impl DatasetFolder {
             if names.any(|name| !name.to_string_lossy().starts_with(".photosite")) && !marker.exists() {
                 return Err(not_of_set(format!("{} is not empty and does not contain a data set", path.display())));
             }
-            write_new(&marker, |to| writeln!(to, "{}", pretty_json(identity)))?;
+            write_identity(path, identity)?;
         }
         let earlier = read_identity(&marker)?;
         if let Some(difference) = refusal(&earlier, identity) {
@@ -85,6 +85,11 @@ impl DatasetFolder {
     /// Whether processes that fill the folder together know of each other.
     pub(super) fn knows_locks(&self) -> bool {
         self.knows_locks
+    }
+
+    /// Writes `dataset.json` again where somebody took it away: without it nothing opens the folder.
+    pub(super) fn restore(&self, identity: &Value) -> Result<()> {
+        if self.path.join(IDENTITY).exists() { Ok(()) } else { write_identity(&self.path, identity) }
     }
 
     /// Where it is.
@@ -200,6 +205,10 @@ pub(super) fn check_folder(path: &Path, identity: &Value) -> Result<()> {
         Some(difference) => Err(not_of_set(format!("{} {difference}", path.display()))),
         None => Ok(()),
     }
+}
+
+fn write_identity(folder: &Path, identity: &Value) -> Result<()> {
+    write_new(&folder.join(IDENTITY), |to| writeln!(to, "{}", pretty_json(identity))).map(|_| ())
 }
 
 fn check_is_folder(path: &Path) -> Result<()> {

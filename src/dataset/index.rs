@@ -58,6 +58,7 @@ impl Index {
 /// write knows of the pictures of all.
 pub(super) fn write_index(folder: &DatasetFolder, file: &DatasetFile, identity: &Value, plan: &Plan) -> Result<Index> {
     let _lock = Lock::wait_for_folder(folder.path())?;
+    folder.restore(identity)?;
     folder.sweep(plan)?;
     let path = folder.path().join(MANIFEST);
     let earlier = report_sums(&path);

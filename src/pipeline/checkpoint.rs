@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::file_names::named;
-use super::provenance::difference;
+use super::provenance::{FINGERPRINT, difference};
 use super::strips::Strips;
 use super::throttle::Throttle;
 
@@ -205,7 +205,7 @@ impl<'a> Checkpoints<'a> {
         let [earlier, now] = [&header.provenance, self.provenance];
         let ([from_sample, to_sample], [first_row, end]) = (header.samples, header.rows);
         let has_films = first_row < end;
-        let another = if earlier.get("fingerprint") != now.get("fingerprint") {
+        let another = if earlier.get(FINGERPRINT) != now.get(FINGERPRINT) {
             let [earlier, now] = [earlier, now].map(|provenance| Value::Object(provenance.clone()));
             Some(difference(&earlier, &now).to_owned())
         } else if header.is_part != self.is_part {

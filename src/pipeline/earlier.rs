@@ -6,7 +6,7 @@ use super::file_names::PART;
 use super::monitor::{Event, Monitor};
 use super::output_folder::OutputFolder;
 use super::parts::read_part;
-use super::provenance::provenance;
+use super::provenance::{FINGERPRINT, provenance};
 use super::render::Rendered;
 use super::request::LightSource;
 use crate::Result;
@@ -56,7 +56,7 @@ fn earlier(folder: &Path, capture: &Capture, light: &LightSource<'_>) -> Result<
     let Some(listing) = Some(&path).filter(|path| path.is_file()).and_then(|path| Listing::read(path).ok()) else {
         return Ok(None);
     };
-    if listing.fingerprint.is_none() || listing.fingerprint.as_deref() != provenance(capture)?["fingerprint"].as_str() {
+    if listing.fingerprint.is_none() || listing.fingerprint.as_deref() != provenance(capture)?[FINGERPRINT].as_str() {
         return Ok(None);
     }
     let damage = listing.damage(folder, Look::Sizes);

@@ -21,7 +21,7 @@ use super::camera::pixels;
 use super::completed_rows::CompletedRows;
 use super::file_names::{PART, named};
 use super::output_folder::OutputFolder;
-use super::provenance::{difference, provenance};
+use super::provenance::{FINGERPRINT, difference, provenance};
 use super::strips::Strips;
 use crate::report::{PartReport, REPORT};
 
@@ -66,7 +66,7 @@ impl Parts {
         let range = |[a, b]: [u32; 2]| format!("{a}..{b}");
         for ((folder, part), (next_folder, next)) in parts.iter().zip(&parts[1..]) {
             let [one, two] = [folder, next_folder].map(|folder| folder.display());
-            if part.provenance["fingerprint"] != next.provenance["fingerprint"] {
+            if part.provenance.get(FINGERPRINT) != next.provenance.get(FINGERPRINT) {
                 let [earlier, now] = [part, next].map(|part| Value::Object(part.provenance.clone()));
                 let difference = difference(&earlier, &now);
                 let message = format!("{one} and {two} are not parts of the same render: in {two}, {difference}");
@@ -115,7 +115,7 @@ impl Parts {
     pub(super) fn check(&self, capture: &Capture) -> Result<()> {
         let now = provenance(capture)?;
         let (folder, part) = &self.parts[0];
-        if part.provenance["fingerprint"] == now["fingerprint"] {
+        if part.provenance.get(FINGERPRINT) == now.get(FINGERPRINT) {
             return Ok(());
         }
         let difference = difference(&Value::Object(part.provenance.clone()), &Value::Object(now));
@@ -186,6 +186,9 @@ pub(super) fn read_part(folder: &Path) -> Result<PartReport> {
     let part: PartReport = serde_json::from_slice(&text).map_err(|error| damaged(error.to_string()))?;
     if part.samples[0] >= part.samples[1] || part.samples[1] > part.samples_per_pixel {
         return Err(damaged(format!("samples {:?} of {}", part.samples, part.samples_per_pixel)));
+    }
+    if !part.provenance.get(FINGERPRINT).is_some_and(Value::is_string) {
+        return Err(damaged(format!("it has no {FINGERPRINT}")));
     }
     Ok(part)
 }

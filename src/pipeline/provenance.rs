@@ -8,6 +8,9 @@ use crate::io::file_sum::hex;
 use serde_json::{Map, Value, json};
 use sha2::{Digest, Sha256};
 
+/// The key of the hash of all the others.
+pub(super) const FINGERPRINT: &str = "fingerprint";
+
 /// Everything that decides what a render gives.
 pub(crate) fn provenance(capture: &Capture) -> Result<Map<String, Value>> {
     let mut hashes = Map::new();
@@ -73,7 +76,7 @@ fn add_file(name: &str, path: &Path, source: &CaptureSource, hashes: &mut Map<St
 pub(crate) fn fingerprinted(whole: Value) -> Map<String, Value> {
     let fingerprint = hex(&Sha256::digest(whole.to_string()));
     let keys = if let Value::Object(keys) = whole { keys } else { Map::new() };
-    std::iter::once(("fingerprint".to_owned(), Value::from(fingerprint))).chain(keys).collect()
+    std::iter::once((FINGERPRINT.to_owned(), Value::from(fingerprint))).chain(keys).collect()
 }
 
 /// The first thing in which the provenance of two results differs, of the later one.

@@ -9,7 +9,7 @@ use super::output_folder::OutputFolder;
 use super::parts::check_samples;
 use super::picture_report::{Made, picture_report};
 use super::prepare::Prepared;
-use super::provenance::provenance;
+use super::provenance::{FINGERPRINT, provenance};
 use super::request::{LightSource, Request};
 use super::series::{Recorded, Series};
 use super::strips::Strips;
@@ -155,7 +155,7 @@ fn record_into(
             paths,
             warnings: &warnings,
             not_found: &not_found,
-            fingerprint: provenance["fingerprint"].as_str(),
+            fingerprint: provenance[FINGERPRINT].as_str(),
             files: folder.files(),
             sums: folder.sums().clone(),
             timings: request.is_timed.then_some(timings),

@@ -1,6 +1,7 @@
 //! What light has to be traced anew for: changes to camera, lens and sensor, and what has been changed in all.
 
 use hyper::StatusCode;
+use photosite_core::toml_text;
 use serde_json::{Map, Value};
 
 use super::answer::Failure;
@@ -64,7 +65,7 @@ pub(super) fn tables(changes: &[String]) -> toml::Table {
     let mut all = toml::Table::new();
     for change in changes {
         let Some((key, value)) = change.split_once('=') else { continue };
-        if let Ok(one) = toml::from_str::<toml::Table>(&format!("{key} = {value}")) {
+        if let Ok(one) = toml_text::read::<toml::Table>(&format!("{key} = {value}")) {
             lay_over(&mut all, one);
         }
     }

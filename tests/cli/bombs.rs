@@ -80,3 +80,60 @@ fn headers_of_more_pixels_than_the_file_holds_are_refused() {
         folder.fail(command, 1, &[file, "cannot hold 30000 × 30000 pixels"]);
     }
 }
+
+/// Nested in whatever way, also where the parser recovers from an error.
+#[test]
+fn texts_that_nest_without_end_are_refused() {
+    let folder = Folder::new([]);
+    folder.add("recovering.toml", "a={b,c{d=1}\n".repeat(20_000));
+    folder.add("dots.toml", "a.".repeat(100_000));
+    folder.add("lists.toml", format!("a = {}", "[".repeat(100_000)));
+    folder.add("lists.json", "[".repeat(100_000));
+    for name in ["recovering.toml", "dots.toml", "lists.toml", "lists.json"] {
+        for command in ["info", "render -o o", "dataset -o d", "lens", "emva1288 -o e", "view"] {
+            let outcome = folder.run(&format!("{command} {name}"));
+            assert!(matches!(outcome.status, Some(1 | 2)), "{command} {name}: {:?} {}", outcome.status, outcome.stderr);
+            assert!(outcome.stderr.len() < 2000, "{command} {name}: {} bytes", outcome.stderr.len());
+        }
+    }
+}
+
+/// What files hold is quoted by its beginning.
+#[test]
+fn messages_do_not_repeat_long_words() {
+    let word = "w".repeat(100_000);
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+    let files = [
+        ("a.stl", format!("solid a\nfacet {word}\n")),
+        ("a.ply", format!("ply\nformat ascii 1.0\n{word}\n")),
+        ("a.obj", obj.to_owned()),
+        ("a.mtl", format!("newmtl x\nKd {word} 0 0\n")),
+        ("b.obj", obj.replace("mtllib a.mtl", &format!("mtllib {word}"))),
+        ("c.obj", obj.replace("usemtl a", &format!("usemtl {word}")).replace("1 2 3", "1 2 9")),
+        ("d.txt", format!("v 4.0\n{word}\n")),
+        ("x.zmx", format!("{word} 1\n")),
+        ("key.toml", format!("[scene]\n{word} = 1\n")),
+        ("value.toml", format!("[scene]\ngeometry = ['{word}']\n")),
+        ("type.toml", format!("[scene]\ngeometry = ['a.obj']\n[materials.a]\ntype = '{word}'\n")),
+        ("set.toml", format!("capture = '{word}'\nframes = 1\n")),
+        ("a.gltf", format!("{{\"asset\": {{\"version\": \"{word}\"}}}}")),
+    ];
+    let folder = Folder::new(files.map(|(name, text)| (name, text.into())));
+    for command in [
+        "info a.stl",
+        "info a.ply",
+        "info a.obj",
+        "info b.obj",
+        "info c.obj",
+        "emva1288-report d.txt",
+        "lens x.zmx",
+        "render key.toml -o o",
+        "render value.toml -o o",
+        "render type.toml -o o",
+        "dataset set.toml -o o",
+        "info a.gltf",
+    ] {
+        let outcome = folder.run(command);
+        assert!(outcome.stderr.len() < 5000, "{command}: {} bytes: {:.600}", outcome.stderr.len(), outcome.stderr);
+    }
+}

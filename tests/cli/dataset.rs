@@ -1,7 +1,10 @@
 //! Data sets: rigs, poses, changes from frame to frame; that none is lost, made twice or mixed with another.
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::path::PathBuf;
+use std::thread::sleep;
+use std::time::Duration;
 
 use rstest::rstest;
 use serde_json::Value;
@@ -171,6 +174,22 @@ fn a_set_that_is_killed_again_and_again_ends_as_one_that_is_not() {
     }
     folder.succeed("dataset set.toml -o killed --quiet");
     assert!(files(&folder, "whole") == files(&folder, "killed"));
+}
+
+/// Taken away while the set is made, `dataset.json` is written again with the manifest.
+#[test]
+fn a_set_that_loses_its_description_has_it_again_in_the_end() {
+    let folder = folder("frames = 40\n");
+    let mut making =
+        folder.command("dataset set.toml -o out --quiet --set render.samples_per_pixel=64").spawn().expect("started");
+    while !folder.path("out/camera/000000").exists() {
+        assert_eq!(making.try_wait().expect("a child"), None, "it ends before it begins");
+        sleep(Duration::from_millis(1));
+    }
+    fs::remove_file(folder.path("out/dataset.json")).expect("removed");
+    assert!(making.wait().expect("a child").success());
+    folder.succeed("status out");
+    folder.succeed("dataset set.toml -o out --quiet --verify --set render.samples_per_pixel=64");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::fs;
 
 use rstest::rstest;
+use serde_json::{Map, Value};
 
 use crate::dataset::{files, folder as board, manifest};
 use crate::folder::Folder;
@@ -198,6 +199,34 @@ fn damaged_and_foreign_parts_are_refused(#[case] damage: fn(&Folder), #[case] st
     let folder = parts();
     damage(&folder);
     folder.fail("merge part0 part1 part2 -o merged", status, wanted);
+}
+
+/// Whatever a part has lost, it is told in words.
+#[test]
+fn parts_without_one_of_their_keys_are_refused_or_merged() {
+    let folder = parts();
+    let whole: Value = serde_json::from_slice(&folder.results("part1")["part.json"]).expect("JSON");
+    let keys = |value: &Value| value.as_object().into_iter().flat_map(Map::keys).cloned().collect::<Vec<_>>();
+    let mut pointers: Vec<[String; 2]> = Vec::new();
+    for key in keys(&whole) {
+        pointers.extend(keys(&whole[&key]).into_iter().map(|inner| [format!("/{key}"), inner]));
+        pointers.push([String::new(), key]);
+    }
+    assert!(pointers.contains(&[String::new(), "fingerprint".to_owned()]), "{pointers:?}");
+    for [table, key] in pointers {
+        let mut part = whole.clone();
+        part.pointer_mut(&table).and_then(Value::as_object_mut).expect("a table").remove(&key);
+        folder.add("part1/part.json", part.to_string());
+        let outcome = folder.run("merge part0 part1 part2 -o merged --force --quiet");
+        assert!(
+            matches!(outcome.status, Some(0..=2)) && !outcome.stderr.contains("panicked"),
+            "{table}/{key}: {}",
+            outcome.stderr
+        );
+        if key == "fingerprint" {
+            assert!(outcome.status == Some(1) && outcome.stderr.contains("is damaged"), "{}", outcome.stderr);
+        }
+    }
 }
 
 #[rstest]

@@ -105,6 +105,36 @@ fn links_lead_nowhere_else() {
     }
 }
 
+/// Patterns of data sets look neither outside nor for ever.
+#[cfg(unix)]
+#[rstest]
+#[case::links_to_themselves("deep/*/*/*/*/*/*/*/*/*/*/*/*/*/*/*/*/*.none", "no file matches")]
+#[case::all_folders("**/*.none", "no file matches")]
+#[case::beside("../*.hdr", "not in the sandbox")]
+#[case::beside_by_name("../private*", "not in the sandbox")]
+#[case::from_the_root("/etc/host*", "not in the sandbox")]
+#[case::link("all/*.hdr", "not in the sandbox")]
+#[case::any_link("*/private.hdr", "not in the sandbox")]
+fn patterns_stay_inside_and_end(#[case] pattern: &str, #[case] wanted: &str) {
+    use std::os::unix::fs::symlink;
+    let folder = folder("");
+    folder.add("in/deep/own.hdr", "");
+    folder.add("private.hdr", "");
+    for (to, link) in [(".", "deep/a"), (".", "deep/b"), (".", "deep/c"), ("..", "deep/up")] {
+        symlink(to, folder.path("in").join(link)).expect("linked");
+    }
+    if wanted == "not in the sandbox" {
+        symlink(folder.path(""), folder.path("in/all")).expect("linked");
+    }
+    let vary = format!("[[vary]]\nkey = 'scene.environment.image'\nfiles = '{pattern}'\n");
+    folder.add("in/set.toml", format!("capture = 'capture.toml'\nframes = 1\n{vary}"));
+    let outcome = folder.run("dataset --dry-run in/set.toml -o o --sandbox in");
+    let text = &outcome.stderr;
+    assert!(outcome.status == Some(1) && text.contains(wanted) && text.contains("vary[0].files"), "{text}");
+    // Names of what lies outside are told only where the file has them itself.
+    assert!(pattern.contains("private") || !text.contains("private.hdr") && !text.contains("hostname"), "{text}");
+}
+
 #[test]
 fn what_lies_inside_is_read_wherever_the_capture_is() {
     let more = "environment = { illuminant = 'D65', illuminance_lux = 500 }\n[materials.a]\ntype = 'diffuse'\nreflectance = { file = 'own.csv' }\n[render]\nsamples_per_pixel = 1\n";

@@ -9,6 +9,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::help::{Help, Remedy};
+use crate::shorten::shorten;
 use miette::{Diagnostic, NamedSource, SourceSpan};
 
 /// The result of anything that a user or a file can make fail.
@@ -28,7 +29,7 @@ pub struct Invalid {
 impl Invalid {
     /// An invalid value at `key`.
     pub fn new(key: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { key: key.into(), message: message.into(), help: None }
+        Self { key: key.into(), message: shorten(message.into()), help: None }
     }
 
     /// Says what to write instead.
@@ -95,8 +96,8 @@ impl Invalid {
         InputError {
             path: path.to_owned(),
             line,
-            key,
-            message,
+            key: shorten(key),
+            message: shorten(message),
             help,
             source_code: None,
             is_override: false,
@@ -150,7 +151,7 @@ pub struct InputError {
 impl InputError {
     fn describe(&self) -> String {
         let override_of = if self.is_override { "override " } else { "" };
-        let mut text = format!("{override_of}{}", self.path.display());
+        let mut text = shorten(format!("{override_of}{}", self.path.display()));
         if let Some(line) = self.line {
             text += &format!(":{line}");
         }
@@ -169,7 +170,7 @@ pub enum Error {
     #[diagnostic(transparent)]
     Input(Box<InputError>),
     /// The operating system refused to read or write.
-    #[error("{}: cannot {action}: {reason}", path.display())]
+    #[error("{}: cannot {action}: {reason}", shorten(path.display().to_string()))]
     Io {
         /// The file or folder.
         path: PathBuf,

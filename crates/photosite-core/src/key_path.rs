@@ -4,6 +4,8 @@
 
 use glob::Pattern;
 
+use crate::toml_text;
+
 /// An override, `key=value`, as its key and its value; `None` where it has no value.
 pub fn split_change(change: &str) -> Option<(&str, &str)> {
     let equals = outside_quotes(change, '=').next().or_else(|| change.find('='))?;
@@ -13,7 +15,10 @@ pub fn split_change(change: &str) -> Option<(&str, &str)> {
 /// The value of an override as TOML reads it; `None` for a bare word, which stands for itself.
 pub fn toml_value(text: &str) -> Option<toml::Value> {
     // A value may not smuggle in lines of its own.
-    text.parse().ok().filter(|_| !text.contains(['\n', '\r']))
+    if text.contains(['\n', '\r']) {
+        return None;
+    }
+    toml_text::read::<toml::Table>(&format!("value = {text}")).ok()?.remove("value")
 }
 
 /// The keys of a path, without their quotes.
@@ -79,8 +84,7 @@ fn unquoted(part: &str) -> Option<String> {
     if !part.starts_with(['"', '\'']) {
         return None;
     }
-    let mut table: toml::Table = format!("key = {part}").parse().ok()?;
-    match table.remove("key") {
+    match toml_value(part) {
         Some(toml::Value::String(text)) => Some(text),
         _ => None,
     }

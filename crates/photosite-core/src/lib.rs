@@ -25,8 +25,10 @@ pub mod projection;
 pub mod references;
 pub mod sandbox;
 pub mod schema_range;
+mod shorten;
 pub mod spectrum;
 pub mod suggest;
+pub mod toml_text;
 pub mod units;
 pub mod warnings;
 

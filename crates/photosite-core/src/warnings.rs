@@ -1,5 +1,7 @@
 //! Things worth telling the user once.
 
+use crate::shorten::shorten;
+
 /// Messages in the order in which they first came up, each once.
 #[derive(Debug, Default)]
 pub struct Warnings {
@@ -9,7 +11,7 @@ pub struct Warnings {
 impl Warnings {
     /// Adds a message unless it is there already.
     pub fn once(&mut self, message: impl Into<String>) {
-        let message = message.into();
+        let message = shorten(message.into());
         if !self.messages.contains(&message) {
             self.messages.push(message);
         }

@@ -9,12 +9,12 @@ use std::ops::Range;
 
 use photosite_core::Invalid;
 use photosite_core::spectrum::{Dispersion, Spectrum, library};
-use photosite_core::suggest;
+use photosite_core::{suggest, toml_text};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 use serde_json::Value;
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
 
 use super::draft::{Draft, Fault, Medium, Numbers, Opening, Read, Row, Setting};
 use super::json_value;
@@ -142,9 +142,9 @@ struct PositionFile {
 
 /// Reads a TOML file.
 pub(super) fn read_toml(text: &str) -> Read<Draft> {
-    let file: LensFile = toml::from_str(text).map_err(|error| {
-        let line = error.span().map(|span| 1 + text[..span.start].matches('\n').count());
-        Fault { line, invalid: Invalid::new("", error.message()) }
+    let file: LensFile = toml_text::read(text).map_err(|error| {
+        let line = error.span.map(|span| 1 + text[..span.start].matches('\n').count());
+        Fault { line, invalid: Invalid::new("", error.message) }
     })?;
     draft(file)
 }
@@ -196,7 +196,7 @@ const MOST_KEYS_TOLD: usize = 8;
 
 /// The bytes of the value at a path of a TOML text, or of the innermost one around it.
 pub(super) fn toml_span(text: &str, path: &str) -> Option<Range<usize>> {
-    let table = DeTable::parse(text).ok()?;
+    let table = toml_text::parse(text).ok()?;
     let mut steps = path.split(['.', '[']).map(|step| step.trim_end_matches(']')).filter(|step| !step.is_empty());
     let mut current: &Spanned<DeValue> = table.get_ref().get(steps.next()?)?;
     for step in steps {
