@@ -31,6 +31,7 @@ mod sampling;
 mod sensor_cases;
 mod sensor_ccd;
 mod sensor_cells;
+mod sensor_domain;
 mod sensor_kinds;
 mod sensor_lag;
 mod sensor_light;
