@@ -60,7 +60,7 @@ impl NotFound {
 pub struct Correspondence {
     /// Continuous pixel coordinates; they may lie beyond the picture.
     pub pixel: DVec2,
-    /// The same on the sensor.
+    /// Continuous pixel coordinates on the sensor.
     pub on_sensor: DVec2,
     /// Whether the point is within the part of the picture that sees light, with nothing in front of it.
     pub visible: bool,
@@ -139,12 +139,12 @@ impl<'a> View<'a> {
         self.found(position, |eye, time| is_seen(self.scene, &self.scene.point(hit, time as f32), eye))
     }
 
-    /// The same of a point that is known to lie on a surface.
+    /// Place in the picture of a point that is known to lie on a surface.
     pub fn landmark(&self, point: DVec3) -> Option<Correspondence> {
         self.moving_landmark(|_| point)
     }
 
-    /// The same of one that is at `position` when a part of the picture's time, 0 to 1, has gone by.
+    /// Place in the picture of a point on a surface that is at `position` when a part of the picture's time, 0 to 1, has gone by.
     pub fn moving_landmark(&self, position: impl Fn(f64) -> DVec3) -> Option<Correspondence> {
         self.found(&position, |eye, time| {
             let mut ray = Ray::new(eye, position(time).as_vec3() - eye).at_time(time as f32);
