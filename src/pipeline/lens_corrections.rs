@@ -42,8 +42,8 @@ pub(super) fn read_out_grid(sensor: &SensorModel, region: &RegionOfInterest, sta
     let ([width, height], factor) = match &sensor.frame_grabber {
         Some(grabber) => (grabber.size, grabber.pixels_per_sample(sensor.resolution)),
         None => {
-            let [across, down] = region.binning.factor;
-            ([area.width / across, area.height / down], [across, down].map(|n| n as f64))
+            let bins = region.binning.whole_bins([area.width, area.height], &sensor.cfa);
+            (bins, region.binning.factor.map(|n| n as f64))
         }
     };
     // The line carries pixels, or the charge of bins.
