@@ -5,7 +5,7 @@
 use glam::{DVec2, DVec3};
 use photosite_core::image_grid::ImageGrid;
 
-use crate::calibration::truth::project;
+use crate::calibration::truth::{NotFound, project};
 use crate::capture::Capture;
 use crate::optics::{Camera, LensKind};
 use crate::pipeline::{image_grid, standalone_recording_camera};
@@ -26,10 +26,11 @@ pub struct Sight {
     camera: Camera,
     grid: ImageGrid,
     space: Space,
+    not_found: NotFound,
 }
 
 impl Sight {
-    /// Of a capture's camera.
+    /// Sight of a capture's camera.
     ///
     /// # Errors
     ///
@@ -41,7 +42,7 @@ impl Sight {
         }
         let camera = standalone_recording_camera(capture)?;
         let grid = image_grid(capture, &camera);
-        Ok(Self { camera, grid, space })
+        Ok(Self { camera, grid, space, not_found: NotFound::default() })
     }
 
     /// Where a point appears; not-a-number where the lens does not show it.
@@ -49,9 +50,14 @@ impl Sight {
         let point = DVec3::from_array(point);
         let pixel = match self.space {
             Space::Camera => self.camera.project_camera(flipped(point)),
-            Space::World => project(&self.camera, point),
+            Space::World => project(&self.camera, point, &self.not_found),
         };
         (self.grid.in_image(pixel.unwrap_or(DVec2::NAN)) - 0.5).to_array()
+    }
+
+    /// Warning about points that the lens shows, but that are in no row at its own time: what became of them is not known.
+    pub fn warning(&self) -> Option<String> {
+        self.not_found.warning()
     }
 
     /// The unit vector of what a pixel looks at; not-a-number where it sees nothing.

@@ -72,7 +72,8 @@ pub(super) fn projection(table: &LensTable) -> Result<Projection, Invalid> {
 
 fn omnidirectional(xi: Option<f64>, distortion: BrownConrady) -> Result<Projection, Invalid> {
     let xi = xi.ok_or_else(|| {
-        Invalid::new("", "the key `xi` is missing").help("write the mirror parameter, for example xi = 1.2")
+        Invalid::new("xi", "is missing, and projection = \"omnidirectional\" needs it")
+            .help("write the mirror parameter, for example xi = 1.2")
     })?;
     if !(xi.is_finite() && xi >= 0.0) {
         return Err(Invalid::new("xi", format!("must be 0 or more, got {xi}")));

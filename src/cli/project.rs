@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::log::warning;
 use super::print::println_out;
 use super::scene_args::SceneArgs;
 use crate::capture::Capture;
@@ -68,6 +69,7 @@ pub(super) fn run(args: &ProjectArgs, sandbox: &Sandbox) -> Result<()> {
         out += &answer.to_lowercase();
         out.push('\n');
     }
+    sight.warning().iter().for_each(|words| warning!("{words}"));
     println_out(out.trim_end())
 }
 

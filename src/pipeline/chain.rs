@@ -93,8 +93,8 @@ pub(super) struct Exposed {
     pub(super) exposure: Exposure,
     /// Mean electrons with the variance that light transport leaves, e⁻ and (e⁻)².
     pub(super) electrons: Arc<Estimate>,
-    /// A warning about the automatic exposure.
-    pub(super) warning: Option<String>,
+    /// Warnings about the exposure.
+    pub(super) warnings: Vec<String>,
 }
 
 /// The spectrum of all light of a scene, the largest value 1; 0 everywhere in the dark. Only the colour of the light
@@ -228,7 +228,8 @@ impl<'a> Chain<'a> {
             Arc::new(Arc::unwrap_or_clone(light).scaled(exposure.time.0 / collected.0))
         };
         let warning = warning.or_else(|| self.saturation_warning(&electrons.mean, &exposure));
-        Ok(Exposed { exposure, electrons, warning })
+        let clipped = self.settings.sensor.clipped_blacks(&exposure, self.settings.exposure.stages);
+        Ok(Exposed { exposure, electrons, warnings: warning.into_iter().chain(clipped).collect() })
     }
 
     /// Tells where most of a picture whose exposure is stated is saturated. A bracket is meant to be, in part.

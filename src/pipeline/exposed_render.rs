@@ -72,7 +72,7 @@ impl ExposedRender {
         }
         let (exposed, more) = sensor.expose(light)?;
         warnings.extend(more);
-        warnings.extend(exposed.warning.clone());
+        warnings.extend_from_slice(&exposed.warnings);
         let timings = Timings { load_s, expose_s: start.elapsed().as_secs_f64(), ..Timings::default() };
         Ok(Self { sensor, exposed, warnings, input, overrides, timings })
     }

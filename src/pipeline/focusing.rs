@@ -7,12 +7,13 @@ use glam::DAffine3;
 use super::autofocus;
 use super::camera::camera_of;
 use super::responses::{importance, responses};
-use crate::Result;
 use crate::capture::Capture;
 use crate::optics::{AutofocusMethod, Camera, Focus, LensDescription, LensKind};
+use crate::projection::Projection;
 use crate::report::FocusStepReport;
 use crate::scene::description::SceneDescription;
 use crate::scene::{self, Scene};
+use crate::{Invalid, Result};
 
 /// A camera in its place, focused.
 pub(super) struct FocusedCamera {
@@ -65,7 +66,17 @@ pub(super) fn focus_camera<'a>(
     };
     match camera.check_coverage() {
         Ok(()) => Ok(FocusedCamera { camera, steps, is_nearest }),
-        Err(invalid) => Err(capture.source.error(invalid.within("lens"))),
+        Err(invalid) => {
+            // A lens without distortion ends where its focal length lets it.
+            let is_ideal = capture.lens.projection == Projection::Perspective;
+            let key = match capture.lens.intrinsics {
+                _ if !is_ideal => invalid.key,
+                Some(_) => "intrinsics".to_owned(),
+                None => "focal_length_mm".to_owned(),
+            };
+            let invalid = Invalid { key, ..invalid };
+            Err(capture.source.error(invalid.within("lens")))
+        }
     }
 }
 

@@ -42,8 +42,8 @@ pub(super) fn read_out_grid(sensor: &SensorModel, region: &RegionOfInterest, sta
     let ([width, height], factor) = match &sensor.frame_grabber {
         Some(grabber) => (grabber.size, grabber.pixels_per_sample(sensor.resolution)),
         None => {
-            let [across, down] = region.binning.factor;
-            ([area.width / across, area.height / down], [across, down].map(|n| n as f64))
+            let bins = region.binning.whole_bins([area.width, area.height], &sensor.cfa);
+            (bins, region.binning.factor.map(|n| n as f64))
         }
     };
     // The line carries pixels, or the charge of bins.
@@ -260,10 +260,23 @@ impl<'a> LensSeen<'a> {
             }
         }
         let whole = ImageGrid { is_staggered: self.grid.is_staggered, ..self.sensor_px.into() };
-        if let (Some(truth), true) = (truth, self.grid != whole && (output.electrons || output.irradiance.is_some())) {
+        let of_sensor: Vec<&str> = [
+            ("electrons.exr", output.electrons),
+            ("irradiance.exr", output.irradiance.is_some()),
+            ("ideal.exr", output.ideal),
+        ]
+        .into_iter()
+        .filter_map(|(name, is_written)| is_written.then_some(name))
+        .collect();
+        if self.grid != whole && !of_sensor.is_empty() && (truth.is_some() || output.ideal) {
+            let truth = truth.unwrap_or("raw images are");
             warnings.push(format!(
-                "{truth} in the pixels that are read out; electrons.exr and irradiance.exr have all pixels of the sensor, and \
-                 pixel_grid in capture.json says where those lie on it"
+                "{truth} in the pixels that are read out; {} of all pixels of the sensor, and pixel_grid in capture.json says \
+                 where those lie on it",
+                match &of_sensor[..] {
+                    [only] => format!("{only} is"),
+                    names => format!("{} are", names.join(", ")),
+                }
             ));
         }
         warnings
@@ -297,7 +310,7 @@ impl<'a> LensSeen<'a> {
         self.grid.intrinsics(&self.whole_intrinsics())
     }
 
-    /// The same on that of the sensor.
+    /// Intrinsics on the grid of the sensor.
     fn whole_intrinsics(&self) -> Intrinsics {
         self.fitted.map_or(self.camera.intrinsics(), |fitted| fitted.intrinsics)
     }

@@ -63,7 +63,7 @@ impl Prepared {
         Self::after(None, capture)
     }
 
-    /// The same, where what the capture has in common with an earlier one is shared with that. The scene is, where one
+    /// Capture made ready, where what it has in common with an earlier one is shared with that. The scene is, where one
     /// capture was made of the other by [`Capture::with`] and their sensors see the same wavelengths.
     ///
     /// # Errors

@@ -152,5 +152,5 @@ fn shot(exposed: &Exposed, time: Seconds) -> Exposed {
     // No picture needs the variance.
     let variance = Planes::zeros::<&str>(mean.width(), mean.height(), []);
     let electrons = Arc::new(Estimate { mean, variance });
-    Exposed { exposure: Exposure { time, ..exposed.exposure }, electrons, warning: None }
+    Exposed { exposure: Exposure { time, ..exposed.exposure }, electrons, warnings: Vec::new() }
 }

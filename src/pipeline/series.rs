@@ -280,9 +280,9 @@ impl Series<'_> {
         timings.expose_s += start.elapsed().as_secs_f64();
         let exposure = exposed.exposure;
         // An automatic exposure is one for all pictures.
-        if let Some(warning) = exposed.warning.clone().filter(|_| frames.begin()) {
-            monitor.report(Event::Warning(&warning));
-            warnings.push(warning);
+        if frames.begin() {
+            exposed.warnings.iter().for_each(|warning| monitor.report(Event::Warning(warning)));
+            warnings.extend_from_slice(&exposed.warnings);
         }
         let first = write_results(monitor, chain, exposed, frames, folder, timings, state, |folder, number| {
             if capture.output.ideal {

@@ -103,8 +103,8 @@ impl Prepared {
         let exposed = chain.expose(rates, Seconds(1.0), None)?;
         let mut carried = before.clone();
         let (raw, noise_maps, exposure) = chain.read_out_next(&exposed, frame, maps, &mut carried)?;
-        let Exposed { electrons, warning, .. } = exposed;
-        warnings.extend(warning);
+        let Exposed { electrons, warnings: of_exposure, .. } = exposed;
+        warnings.extend(of_exposure);
         Ok(Shot { raw, exposure, electrons, noise_maps, carried, warnings })
     }
 

@@ -69,7 +69,7 @@ pub struct FittedLensReport {
 }
 
 impl FittedLensReport {
-    /// Of a fitted model.
+    /// Report of a fitted model.
     fn new(fitted: &FittedLens) -> Self {
         let FittedLens { intrinsics, projection, rms_px, largest_px, distance_m } = *fitted;
         Self {
@@ -97,7 +97,7 @@ pub struct FieldOfViewReport {
 }
 
 impl FieldOfViewReport {
-    /// Of what a camera sees.
+    /// Report of what a camera sees.
     pub fn new(field: &FieldOfView) -> Self {
         Self {
             across_deg: field.across_rad.map(|angle| angle.map(f64::to_degrees)),

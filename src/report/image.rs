@@ -31,7 +31,7 @@ pub struct ImageReport {
 }
 
 impl ImageReport {
-    /// Of an image with these intrinsics and that projection.
+    /// Report of an image with these intrinsics and that projection.
     pub fn new(
         resolution_px: [usize; 2],
         pixel_aspect: f64,
@@ -68,7 +68,7 @@ pub struct PixelGridReport {
 }
 
 impl PixelGridReport {
-    /// Of a grid, with the matrix of the camera on it.
+    /// Report of a grid, with the matrix of the camera on it.
     pub fn new(grid: &ImageGrid, intrinsics: &Intrinsics) -> Self {
         Self {
             resolution_px: grid.resolution,

@@ -92,7 +92,7 @@ pub struct KeypointReport {
 }
 
 impl ObjectsReport {
-    /// Of the objects of the view's scene, in their order.
+    /// Report of the objects of the view's scene, in their order.
     pub fn new(view: &View<'_>, objects: &[TruthObject]) -> Self {
         let found = silhouettes(view, objects);
         let report = |(number, (object, found))| ObjectReport::new(number, object, &found, view);

@@ -91,7 +91,7 @@ pub struct TargetReport {
 }
 
 impl TargetReport {
-    /// Of a target in the world, as a view shows it.
+    /// Report of a target in the world, as a view shows it.
     pub fn new(placed: &PlacedTarget, view: &View<'_>) -> Self {
         let found: Vec<_> = placed.points().map(|(_, point)| view.landmark(point)).collect();
         let is_vignetted =

@@ -289,3 +289,28 @@ fn rows_that_follow_each_other_have_their_pose_at_the_middle_one() {
         assert!((column - px[0]).abs() < 1e-8 && (row - px[1]).abs() < 1e-8, "{column}, {row}: {px:?}");
     }
 }
+
+/// Things that sink by a row in a row's time are below each row by as much, in all of them but for what rounding makes equal.
+#[test]
+fn points_that_outrun_the_rows_are_counted() {
+    let capture = |v: f64| {
+        format!(
+            "[scene]\ngeometry = ['wall.obj']\nenvironment = {{ illuminant = 'D65', illuminance_lux = 500 }}\n\
+             [camera]\nposition_m = [0, 0, 2]\nlook_at_m = [0, 0, 0]\nmotion.velocity_m_per_s = [0, {v}, 0]\n\
+             [lens]\ntype = 'pinhole'\nfocal_length_mm = 4\n[sensor]\npreset = 'sony-imx249-mono'\n\
+             resolution_px = [64, 48]\npixel_pitch_um = [125, 125]\nshutter = {{ kind = 'rolling', row_time_us = 1000 }}\n\
+             [exposure]\ntime_s = 2e-5\n"
+        )
+    };
+    let wall = b"v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n".to_vec();
+    let points = b"0, -0.3, 0\n0.1, 0.2, 0\n0, 0, 3\n".to_vec();
+    let folder = Folder::new([("wall.obj", wall), ("points.csv", points)]);
+    // 32 px per radian from 2 m: 16 px for a metre, a row in a thousandth of 62.5 m/s. The last point is behind the camera.
+    for (v, lost) in [(62.5, 2), (31.25, 0)] {
+        folder.add("capture.toml", capture(v));
+        let answer = folder.succeed("project capture.toml --points points.csv");
+        let nan = answer.stdout.lines().filter(|line| *line == "nan,nan").count();
+        assert_eq!(nan, lost + 1, "{v}: {}", answer.stdout);
+        assert_eq!(answer.stderr.contains(&format!("{lost} points of ground truth")), lost > 0, "{}", answer.stderr);
+    }
+}

@@ -105,7 +105,9 @@ truth = ["depth", "position", "object-position", "nocs", "instance"]
 truth_formats = ["npy"]
 """
 STILL = "[camera]\nposition_m = [0.2, 0.3, 2]\nlook_at_m = [0.05, 0, 0]\n"
-MOVING = STILL + "[camera.motion]\nvelocity_m_per_s = [3, -1, 0]\nangular_velocity_deg_per_s = [0, 0, 300]\n"
+# Of the camera: along the world's axes, about its own, and from row to row.
+MOVES_M_PER_S, TURNS_DEG_PER_S, ROW_TIME_S = [3, -1, 0], [0, 0, 300], 3e-4
+MOVING = STILL + f"[camera.motion]\nvelocity_m_per_s = {MOVES_M_PER_S}\nangular_velocity_deg_per_s = {TURNS_DEG_PER_S}\n"
 FOCUS = 'f_number = 8\nfocal_length_mm = 4\nfocus_distance_m = "infinity"\n'
 LENSES = {
     "perspective": "[lens]\n" + FOCUS,
@@ -147,6 +149,16 @@ def project(camera: dict, thing: dict, points: np.ndarray) -> np.ndarray:
     else:
         found, _ = cv2.projectPoints(points, rotation, translation, matrix, distortion if distortion.size else None)
     return found.reshape(-1, 2)
+
+
+def at_row(thing: dict, row: float) -> dict:
+    """What stands still, where the moving camera stands in the middle of the exposure of a row: stated is the pose halfway."""
+    seconds = (row - (SIZE[1] - 1) / 2) * ROW_TIME_S
+    halfway, flip = np.array(thing["rotation"]), np.diag([1.0, -1.0, -1.0])
+    turned, _ = cv2.Rodrigues(-np.radians(TURNS_DEG_PER_S) * seconds)
+    moved = halfway @ np.array(thing["rotation_to_world"]).T @ np.array(MOVES_M_PER_S) * seconds
+    turned = flip @ turned @ flip
+    return {"rotation": turned @ halfway, "translation_m": turned @ (np.array(thing["translation_m"]) - moved)}
 
 
 class Complaints(list):
@@ -206,14 +218,22 @@ def judge(program: Path, folder: Path, lens: str, sensor: str, camera: str, comp
         in_world = points @ to_world[0].T + to_world[1]
         complaints.expect(np.allclose(in_world, layer(picture, "position")[visible], atol=2e-5), f"{at}: world")
         facts["objects"] += 1
-        if camera is MOVING:
-            continue
         rows, columns = np.nonzero(visible)
         if len(rows):
-            error = np.abs(project(report["camera"], thing, points) - np.stack([columns, rows], axis=1)).max()
+            found = project(report["camera"], thing, points)
+            if camera is MOVING:
+                found = [project(report["camera"], at_row(thing, row), p)[0] for row, p in zip(rows, points)]
+            error = np.abs(found - np.stack([columns, rows], axis=1)).max()
             facts["worst_px"] = max(facts["worst_px"], float(error))
             complaints.expect(error <= TOLERANCE_PX, f"{at}: points {error:.4f} px from their pixels")
             facts["points"] += len(rows)
+        if camera is MOVING:
+            # Continuous rows have their time, too, and the point is where it is seen in its own.
+            for point in thing["keypoints"]:
+                expected = project(report["camera"], at_row(thing, point["px"][1]), np.array(point["position_m"]))[0]
+                complaints.expect(np.allclose(expected, point["px"], atol=1e-6), f"{at}: {point['name']}")
+                facts["points"] += 1
+            continue
         corners = [[(low, high)[i >> axis & 1][axis] for axis in range(3)] for i in range(8)]
         found = project(report["camera"], thing, np.array(corners))
         stated = np.array(thing["box_corners_px"], dtype=float)
@@ -237,7 +257,7 @@ def main() -> None:
         folder = Path(folder)
         (folder / "tetrahedron.obj").write_text(TETRAHEDRON)
         (folder / "frame.obj").write_text(FRAME)
-        rolling = '[sensor.shutter]\nkind = "rolling"\nrow_time_us = 300\n'
+        rolling = f'[sensor.shutter]\nkind = "rolling"\nrow_time_us = {ROW_TIME_S * 1e6:.0f}\n'
         for lens, sensor, camera in [
             ("perspective", "", STILL),
             ("brown-conrady", "", STILL),

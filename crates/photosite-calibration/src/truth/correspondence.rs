@@ -45,7 +45,7 @@ impl NotFound {
             format!(
                 "{count} {points} of ground truth (flow, disparity, key points, corners of boxes, points of targets) could not be \
                  found: the lens shows them, but they are in no row at the time when it is exposed, as what outruns the rolling \
-                 shutter, or comes into sight while it runs; they are null or not valid"
+                 shutter, or comes into sight while it runs; they are null, nan or not valid"
             )
         })
     }
@@ -60,18 +60,29 @@ impl NotFound {
 pub struct Correspondence {
     /// Continuous pixel coordinates; they may lie beyond the picture.
     pub pixel: DVec2,
-    /// The same on the sensor.
+    /// Continuous pixel coordinates on the sensor.
     pub on_sensor: DVec2,
     /// Whether the point is within the part of the picture that sees light, with nothing in front of it.
     pub visible: bool,
 }
 
 /// Continuous pixel coordinates on the sensor of a world point that a camera alone sees, as [`View::project`] has those
-/// in an image.
-pub fn project(camera: &Camera, point: DVec3) -> Option<DVec2> {
-    match sighting(camera, &DAffine3::IDENTITY, |_| point) {
-        Sighting::At(pixel) => Some(pixel),
-        Sighting::Unseen | Sighting::InNoRow => None,
+/// in an image. Those that it does not find are counted.
+pub fn project(camera: &Camera, point: DVec3, not_found: &NotFound) -> Option<DVec2> {
+    sighting(camera, &DAffine3::IDENTITY, |_| point).counted(Some(not_found))
+}
+
+impl Sighting {
+    /// The place, if there is one; a point in no row is counted.
+    fn counted(self, not_found: Option<&NotFound>) -> Option<DVec2> {
+        match self {
+            Self::At(pixel) => Some(pixel),
+            Self::Unseen => None,
+            Self::InNoRow => {
+                not_found.inspect(|not_found| not_found.add());
+                None
+            }
+        }
     }
 }
 
@@ -123,14 +134,7 @@ impl<'a> View<'a> {
     }
 
     fn project_moving(&self, position: impl Fn(f64) -> DVec3) -> Option<DVec2> {
-        match sighting(self.camera, &self.place, position) {
-            Sighting::At(pixel) => Some(pixel),
-            Sighting::Unseen => None,
-            Sighting::InNoRow => {
-                self.not_found.inspect(|not_found| not_found.add());
-                None
-            }
-        }
+        sighting(self.camera, &self.place, position).counted(self.not_found)
     }
 
     /// Where a surface point of the scene appears in the picture. `None` where it has no place in it.
@@ -139,12 +143,12 @@ impl<'a> View<'a> {
         self.found(position, |eye, time| is_seen(self.scene, &self.scene.point(hit, time as f32), eye))
     }
 
-    /// The same of a point that is known to lie on a surface.
+    /// Place in the picture of a point that is known to lie on a surface.
     pub fn landmark(&self, point: DVec3) -> Option<Correspondence> {
         self.moving_landmark(|_| point)
     }
 
-    /// The same of one that is at `position` when a part of the picture's time, 0 to 1, has gone by.
+    /// Place in the picture of a point on a surface that is at `position` when a part of the picture's time, 0 to 1, has gone by.
     pub fn moving_landmark(&self, position: impl Fn(f64) -> DVec3) -> Option<Correspondence> {
         self.found(&position, |eye, time| {
             let mut ray = Ray::new(eye, position(time).as_vec3() - eye).at_time(time as f32);

@@ -15,7 +15,7 @@ pub enum TruthLayer {
     Position,
     /// Unit normal of the surface in the world, on the camera's side.
     Normal,
-    /// The same with the smoothing of the geometry's normals and without that of normal maps.
+    /// Unit normal with the smoothing of the geometry's normals and without that of normal maps.
     ShadingNormal,
     /// UV coordinates, first set.
     Uv,

@@ -26,7 +26,7 @@ pub struct TruthObject {
 }
 
 impl TruthObject {
-    /// Those of a scene, in the order of their numbers.
+    /// Objects of a scene, in the order of their numbers.
     pub fn of_scene(scene: &SceneDescription) -> Vec<Self> {
         scene.all_objects().iter().map(|object| Self::new(object, scene)).collect()
     }

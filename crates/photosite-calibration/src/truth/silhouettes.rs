@@ -1,6 +1,6 @@
 //! Which pixels see each object, and which would if nothing else were there.
 //!
-//! The same rays as those of the other layers: through the whole lens, in the middle of the exposure of each row.
+//! Rays are those of the other layers: through the whole lens, in the middle of the exposure of each row.
 
 use std::ops::Range;
 
@@ -20,9 +20,9 @@ pub struct Mask {
 /// The pixels of an object.
 #[derive(Clone, Debug, Default)]
 pub struct Silhouettes {
-    /// Those that see it.
+    /// Pixels that see it.
     pub visible: Mask,
-    /// Those that would if nothing else were there.
+    /// Pixels that would see it if nothing else were there.
     pub alone: Mask,
 }
 

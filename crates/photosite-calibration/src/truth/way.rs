@@ -26,7 +26,7 @@ impl Way {
         self.motion.as_ref().map_or(self.first, |motion| motion.to_world(time))
     }
 
-    /// The same on straight lines from key to key, as the vertices of what shines go.
+    /// Frame → world on straight lines from key to key, as the vertices of what shines go.
     pub(super) fn straight_at(&self, time: f64) -> DAffine3 {
         if self.parts == 0 {
             return self.first;

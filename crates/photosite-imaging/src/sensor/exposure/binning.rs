@@ -106,7 +106,7 @@ impl Binning {
     }
 
     /// Columns and rows of whole bins among so many of pixels.
-    pub(in crate::sensor) fn whole_bins(&self, pixels: [usize; 2], cfa: &Cfa) -> [usize; 2] {
+    pub fn whole_bins(&self, pixels: [usize; 2], cfa: &Cfa) -> [usize; 2] {
         let cell = self.cell(cfa);
         [0, 1].map(|axis| pixels[axis] / cell[axis] * (cell[axis] / self.factor[axis]))
     }

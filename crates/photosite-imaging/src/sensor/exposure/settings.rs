@@ -118,10 +118,14 @@ impl Exposure {
             return Err(Invalid::new("digital_gain_db", message).help("smaller numbers would never reach white"));
         }
         self.region.validate(sensor)?;
-        let dark = sensor.noise.dark_electrons(self.temperature, self.time);
-        if !(self.temperature.0 > -photosite_core::units::ZERO_CELSIUS && dark.0.is_finite()) {
+        if !(self.temperature.0 > -photosite_core::units::ZERO_CELSIUS && self.temperature.0.is_finite()) {
             let message = format!("no sensor works at {} °C", self.temperature.0);
             return Err(Invalid::new("temperature_c", message).help("for example temperature_c = 25.0"));
+        }
+        if !sensor.noise.dark_electrons(self.temperature, self.time).0.is_finite() {
+            let message = format!("the dark current of the sensor is infinite at {} °C", self.temperature.0);
+            let help = "lower it, or raise noise.dark_current_reference_c of the sensor or its dark_current_doubling_k";
+            return Err(Invalid::new("temperature_c", message).help(help));
         }
         if let Some(interval) = self.frame_interval
             && !(interval.0.is_finite() && interval.0 >= sensor.frame_interval(self.time, None).0)

@@ -107,7 +107,8 @@ impl SensorModel {
             }
         }
         if let Some(surplus) = d.channels.keys().find(|name| !cfa.channels().contains(name)) {
-            let message = format!("the colour filter array {:?} has no channel {surplus:?}", d.cfa);
+            let message =
+                format!("the colour filter array {:?} has no channel {surplus:?}, as its key cfa says", d.cfa);
             let channels = cfa.channels().join(", ");
             let help = format!("its channels are {channels}; for a preset, write without = [\"channels.{surplus}\"]");
             return Err(Invalid::new(format!("channels.{surplus}"), message).help(help));

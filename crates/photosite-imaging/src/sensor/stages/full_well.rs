@@ -7,7 +7,7 @@ use crate::sensor::signal::effects::Stage;
 /// The end of what pixels can hold.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::sensor) struct FullWell {
-    capacity_e: f32,
+    pub(in crate::sensor) capacity_e: f32,
 }
 
 impl FullWell {

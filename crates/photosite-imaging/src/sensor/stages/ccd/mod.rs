@@ -17,6 +17,7 @@ use crate::sensor::model::{Ccd, CcdArchitecture, Overscan};
 use crate::sensor::signal::charge_plane::ChargePlane;
 use crate::sensor::signal::effects::Stage;
 use crate::sensor::stages::frame::Frame;
+use crate::sensor::stages::full_well::FullWell;
 
 /// Adds smear to the mean electrons of the pixels. Returns what a well that passes through a whole column collects, for
 /// each column.
@@ -53,6 +54,7 @@ pub(in crate::sensor) fn shift_out(ccd: &Ccd, frame: &Frame<'_>, charge: ChargeP
 
     let vertical = stays_behind(ccd.vertical_inefficiency, Stage::VerticalTransfer);
     let shot_noise = frame.temporal(Stage::ShotNoise);
+    let holds = FullWell::new(frame).map_or(f64::INFINITY, |full_well| full_well.capacity_e.into());
     let storage_rows = match ccd.architecture {
         CcdArchitecture::FrameTransfer => charge.height,
         CcdArchitecture::Interline | CcdArchitecture::FullFrame => 0,
@@ -65,7 +67,8 @@ pub(in crate::sensor) fn shift_out(ccd: &Ccd, frame: &Frame<'_>, charge: ChargeP
             if let Some(&mean) = passing.get(x) {
                 for (y, well) in column.iter_mut().enumerate().skip(pixel_rows) {
                     let random = shot_noise.as_ref().map(|streams| streams.pixel(x, y));
-                    *well = random.map_or(mean.into(), |mut random| poisson(mean.into(), &mut random));
+                    let collected = random.map_or(mean.into(), |mut random| poisson(mean.into(), &mut random));
+                    *well = collected.min(holds);
                 }
             }
             if let Some(streams) = &vertical {

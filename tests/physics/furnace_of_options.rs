@@ -1,0 +1,94 @@
+//! Materials with options drawn at random from the schema, in an even environment: none gives back more than arrives.
+
+use std::fs;
+use std::path::Path;
+
+use photosite::capture::capture_schema;
+use photosite::math::philox::Philox;
+use photosite::pipeline::Prepared;
+use photosite::{Capture, Error, Options};
+use rand::seq::IndexedRandom;
+use serde_json::{Value, json};
+
+use crate::option_pairs::{BALL, Draw};
+
+const MATERIALS: u64 = 120;
+
+/// Keys by which a material shines, or that are files.
+const LEFT_OUT: [&str; 4] = ["emission", "normal_map", "metallic_roughness_map", "double_sided"];
+
+const SCENE: &str = "
+[scene]
+environment = { illuminant = 'D65', illuminance_lux = 500 }
+objects = [{ file = 'ball.obj' }]
+[camera]
+position_m = [0, 0, 2]
+look_at_m = [0, 0, 0]
+[lens]
+type = 'pinhole'
+focal_length_mm = 12
+[sensor]
+preset = 'sony-imx249-mono'
+resolution_px = [12, 12]
+pixel_pitch_um = [300, 300]
+[exposure]
+time_s = 0.01
+[render]
+samples_per_pixel = 64
+max_depth = 12
+";
+
+/// The sum of mean electrons of all pixels, and its variance.
+fn electrons(values: &Value, folder: &Path) -> Result<[f64; 2], Error> {
+    let prepared = Prepared::new(Capture::of_values(values, &folder.join("capture.toml"), &[])?)?;
+    let shot = prepared.expose(&prepared.trace(Options::default())?, 0)?;
+    let estimate = &shot.electrons;
+    Ok([&estimate.mean, &estimate.variance].map(|planes| planes.channels()[0].data.iter().map(|&v| f64::from(v)).sum()))
+}
+
+/// A material of one of the types of the schema.
+fn material(draw: &mut Draw<'_>, without: &[&str]) -> Value {
+    let all = draw.schema["$defs"]["TypedMaterialTable"]["oneOf"].as_array().expect("types");
+    let is_wanted = |of: &&Value| !without.iter().any(|name| of["properties"]["type"]["const"] == *name);
+    let all: Vec<&Value> = all.iter().filter(is_wanted).collect();
+    let of = *all.choose(&mut draw.random).expect("a type");
+    let mut material = draw.value("material", of);
+    LEFT_OUT.iter().for_each(|key| drop(material.as_object_mut().expect("a table").remove(*key)));
+    material
+}
+
+#[test]
+fn materials_of_any_options_give_back_no_more_than_arrives() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::write(folder.path().join("ball.obj"), BALL).expect("written");
+    let schema = capture_schema();
+    let scene = serde_json::to_value(SCENE.parse::<toml::Table>().expect("TOML")).expect("JSON");
+    let mut empty = scene.clone();
+    empty["scene"]["objects"][0]["visible"] = json!(false);
+    let [arrives, _] = electrons(&empty, folder.path()).expect("an empty scene");
+    let (mut told, mut taken) = (Vec::new(), 0);
+    for seed in 0..MATERIALS {
+        let mut draw = Draw { schema: &schema, random: Philox::new(seed, 0xf0a3) };
+        let mut values = scene.clone();
+        let drawn = material(&mut draw, &[]);
+        if drawn["type"] == "mix" {
+            values["materials"] = json!({ "a": material(&mut draw, &["mix"]), "b": material(&mut draw, &["mix"]) });
+        }
+        values["materials"]["ball"] = drawn;
+        let case = format!("{seed}: {}", values["materials"]);
+        match electrons(&values, folder.path()) {
+            Ok([found, variance]) => {
+                taken += 1;
+                // 5 σ of the light, and the roundings of sums of single precision.
+                let room = 5.0 * variance.sqrt() + 1e-5 * arrives;
+                if !found.is_finite() || found > arrives + room {
+                    told.push(format!("{case}: {} of what arrives, ± {}", found / arrives, room / arrives));
+                }
+            }
+            Err(error) if error.to_string().contains("materials.") => {}
+            Err(error) => told.push(format!("{case}: {error}")),
+        }
+    }
+    assert!(told.is_empty(), "{} of {MATERIALS}, {taken} taken\n{}", told.len(), told.join("\n"));
+    assert!(taken > MATERIALS / 4, "{taken} are taken: the test says little");
+}
