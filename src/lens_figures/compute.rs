@@ -249,7 +249,7 @@ impl<'a> InPosition<'a> {
         let rms = |points: &[(DVec2, f64)]| Spot::of(points).map(|spot| spot.rms_mm * 1e3);
         let of_d = self.chief_ray(field)?;
         let mtf = |(_, nm): (&str, f64)| {
-            if options.is_text && nm != lines::D {
+            if spots[1].is_empty() || (options.is_text && nm != lines::D) {
                 return None;
             }
             let chief = self.chief_ray_at(nm, &of_d)?;
@@ -271,21 +271,25 @@ impl<'a> InPosition<'a> {
         let marks = MARKS.iter().copied().filter(|mark| *mark > 1.05 * open && *mark <= 22.0_f64.max(2.0 * open));
         let f_numbers: Vec<f64> = std::iter::once(open).chain(marks).collect();
         let radius_mm = |f_number: f64| self.lens.at(lines::D).stop_radius_of_f_number(f_number);
-        let objects: Vec<ObjectPoint> =
-            fields.iter().map(|field| self.object(field.chief.field_deg.to_radians())).collect();
         let of_stop = |&f_number: &f64| {
             let stopped = self.lens.with_stop_radius(radius_mm(f_number));
             let at = stopped.at(lines::D);
             let area = |height: f64| at.pupil_region(height, DIRECTIONS).map_or(0.0, |region| region.area());
             let axis = area(0.0);
-            let spot = |object: &ObjectPoint| {
-                let of_line = |(_, nm): (&str, f64)| stopped.at(nm).spot(*object, SPOT_DIRECTIONS);
+            // Where the open stop lets no light through, a closed one does not, and a search for it is long.
+            let illumination = |field: &FieldFigures| {
+                if field.illumination_sr == 0.0 { 0.0 } else { area(field.chief.image_height_mm) / axis }
+            };
+            let spot = |field: &FieldFigures| {
+                field.spot_rms_all_um?;
+                let object = self.object(field.chief.field_deg.to_radians());
+                let of_line = |(_, nm): (&str, f64)| stopped.at(nm).spot(object, SPOT_DIRECTIONS);
                 Spot::of(&LINES.map(of_line).concat()).map(|spot| spot.rms_mm * 1e3)
             };
             StopFigures {
                 f_number,
-                relative_illumination: fields.iter().map(|field| area(field.chief.image_height_mm) / axis).collect(),
-                spot_rms_um: objects.iter().map(spot).collect(),
+                relative_illumination: fields.iter().map(illumination).collect(),
+                spot_rms_um: fields.iter().map(spot).collect(),
             }
         };
         f_numbers.par_iter().map(of_stop).collect()

@@ -86,7 +86,9 @@ impl LensAt<'_> {
         let traced = at.pupil_region(chief.image_height_mm, FIRST_DIRECTIONS).and_then(|passing| {
             let [low, high] = passing.bounds();
             let beyond = BEYOND * (high - low).max_element();
-            rays.wavefront([low - beyond, high + beyond], TRACED, |point, _| (1.0, point))
+            // Not in the corners, where rays that no cell asks for are hardest to find.
+            let counts = |point: DVec2| f64::from(passing.depth(point) > -2.0 * beyond);
+            rays.wavefront([low - beyond, high + beyond], TRACED, |point, _| (counts(point), point))
         });
         let of_lens = |lens: &Lens| {
             let at = LensAt { lens, ..self.clone() };

@@ -34,5 +34,5 @@ pub use lateral_colour::LateralColour;
 pub use photosite_core::projection::{BrownConrady, Intrinsics, Projection, Reach, ReachEnd, Seen};
 pub use point_spread::{Kernel, KernelField, PointSpread};
 pub use recording::Recording;
-pub use spread_store::keep_point_spreads;
+pub use spread_store::{Shelf, ShelfOf, keep_point_spreads};
 pub use stop::Stop;

@@ -1,33 +1,29 @@
-//! Pictures of points through lenses from prescriptions, kept from camera to camera and, where a program asks for it, on disk.
+//! Pictures of points through lenses from prescriptions, kept from camera to camera and, where a program has a shelf for them,
+//! from run to run.
 //!
 //! A node of a [`WaveSpread`] takes tens of milliseconds to work out, and a picture needs a thousand of them. Frames of a data
-//! set and moves of a view share those in memory. On disk each node is a file of its own in a folder that is called by what its
-//! pictures follow from; it is written whole or not at all, and one that is broken is worked out anew.
+//! set and moves of a view share those in memory.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-use std::time::SystemTime;
 
-use photosite_lens::wave::{Shelf, WaveSpread};
-use sha2::{Digest, Sha256};
+use photosite_lens::wave::WaveSpread;
+
+pub use photosite_lens::wave::Shelf;
 
 /// Lenses whose pictures stay in memory, the last used ones: some hundred MB each.
 const IN_MEMORY: usize = 2;
-/// Most bytes on disk, beyond which the folders that are not in use for longest are removed.
-const MOST_BYTES: u64 = 4 << 30;
-/// Bytes of the checksum at the end of a file.
-const SUM: usize = 8;
 
-static FOLDER: OnceLock<Option<PathBuf>> = OnceLock::new();
+/// The shelf of a key; `None` where there is none.
+pub type ShelfOf = Box<dyn Fn(&str) -> Option<Arc<dyn Shelf>> + Send + Sync>;
+
+static SHELVES: OnceLock<ShelfOf> = OnceLock::new();
 static RECENT: Mutex<Vec<(String, Arc<WaveSpread>)>> = Mutex::new(Vec::new());
 
-/// Keeps pictures of points through lenses in a folder from now on, or nowhere; the first call counts. Until then they are
-/// kept in memory alone.
-pub fn keep_point_spreads(folder: Option<PathBuf>) {
+/// Keeps pictures of points through lenses on shelves from now on; the first call counts. Until then they are kept in memory
+/// alone.
+pub fn keep_point_spreads(shelves: ShelfOf) {
     // A second call is of the same program.
-    let _ = FOLDER.set(folder);
+    let _ = SHELVES.set(shelves);
 }
 
 /// The pictures as they are known, or these.
@@ -39,9 +35,8 @@ pub(super) fn known(wave: WaveSpread) -> Arc<WaveSpread> {
         recent.push(found.clone());
         return found.1;
     }
-    let shelf = FOLDER.get().and_then(Option::as_deref).and_then(|folder| FolderShelf::new(folder, &key));
-    let wave = Arc::new(match shelf {
-        Some(shelf) => wave.with_shelf(Arc::new(shelf)),
+    let wave = Arc::new(match SHELVES.get().and_then(|shelves| shelves(&key)) {
+        Some(shelf) => wave.with_shelf(shelf),
         None => wave,
     });
     if recent.len() == IN_MEMORY {
@@ -49,112 +44,4 @@ pub(super) fn known(wave: WaveSpread) -> Arc<WaveSpread> {
     }
     recent.push((key, wave.clone()));
     wave
-}
-
-/// A folder with a file for each node.
-#[derive(Debug)]
-struct FolderShelf {
-    folder: PathBuf,
-}
-
-impl FolderShelf {
-    /// The folder of a key among others; `None` where it cannot be made.
-    fn new(among: &Path, key: &str) -> Option<Self> {
-        let name: String = Sha256::digest(key.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect();
-        let folder = among.join(name);
-        fs::create_dir_all(&folder).ok()?;
-        trim(among, &folder);
-        Some(Self { folder })
-    }
-
-    fn path(&self, number: usize) -> PathBuf {
-        self.folder.join(format!("{number:05}"))
-    }
-}
-
-impl Shelf for FolderShelf {
-    fn take(&self, number: usize) -> Option<Vec<u8>> {
-        let mut bytes = fs::read(self.path(number)).ok()?;
-        let (kept, sum) = bytes.split_last_chunk::<SUM>()?;
-        if checksum(kept) != u64::from_le_bytes(*sum) {
-            return None;
-        }
-        bytes.truncate(bytes.len() - SUM);
-        Some(bytes)
-    }
-
-    fn keep(&self, number: usize, bytes: &[u8]) {
-        static WRITTEN: AtomicU64 = AtomicU64::new(0);
-        let ours = format!(".{}-{}", std::process::id(), WRITTEN.fetch_add(1, Ordering::Relaxed));
-        let unfinished = self.folder.join(ours);
-        let whole = [bytes, &checksum(bytes).to_le_bytes()].concat();
-        let is_kept = fs::write(&unfinished, whole).is_ok() && fs::rename(&unfinished, self.path(number)).is_ok();
-        if !is_kept {
-            // Nothing is lost but time.
-            let _ = fs::remove_file(&unfinished);
-        }
-    }
-}
-
-/// The hash of Fowler, Noll and Vo over words of eight bytes, and the length.
-fn checksum(bytes: &[u8]) -> u64 {
-    let (words, rest) = bytes.as_chunks::<8>();
-    let last = rest.iter().fold(bytes.len() as u64, |sum, byte| (sum << 8) | u64::from(*byte));
-    let words = words.iter().map(|word| u64::from_le_bytes(*word));
-    words
-        .chain([last])
-        .fold(0xcbf2_9ce4_8422_2325, |sum, word| (sum ^ word).wrapping_mul(0x0100_0000_01b3).rotate_left(29))
-}
-
-/// Removes folders, the oldest first, until what is left is not too large; one that is in use stays.
-fn trim(among: &Path, in_use: &Path) {
-    let Ok(folders) = fs::read_dir(among) else { return };
-    let size_and_time = |folder: &Path| {
-        let files = fs::read_dir(folder).into_iter().flatten().flatten().filter_map(|file| file.metadata().ok());
-        files.fold((0, SystemTime::UNIX_EPOCH), |(size, time), file| {
-            (size + file.len(), time.max(file.modified().unwrap_or(time)))
-        })
-    };
-    let mut all: Vec<(SystemTime, u64, PathBuf)> = folders
-        .flatten()
-        .map(|folder| folder.path())
-        .map(|folder| (size_and_time(&folder), folder))
-        .map(|((size, time), folder)| (time, size, folder))
-        .collect();
-    all.sort();
-    let mut size: u64 = all.iter().map(|(_, size, _)| size).sum();
-    for (_, of_folder, folder) in all.iter().filter(|(_, _, folder)| folder != in_use) {
-        if size <= MOST_BYTES {
-            return;
-        }
-        if fs::remove_dir_all(folder).is_ok() {
-            size -= of_folder;
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_kept_comes_back_and_what_is_broken_does_not() {
-        let among = tempfile::tempdir().expect("a folder");
-        let shelf = FolderShelf::new(among.path(), "a lens").expect("a folder");
-        let bytes: Vec<u8> = (0..1003).map(|i| (i * 7 % 251) as u8).collect();
-        assert_eq!(shelf.take(3), None);
-        shelf.keep(3, &bytes);
-        shelf.keep(4, &[]);
-        let again = FolderShelf::new(among.path(), "a lens").expect("a folder");
-        assert_eq!((again.take(3), again.take(4)), (Some(bytes.clone()), Some(Vec::new())));
-        assert_eq!(FolderShelf::new(among.path(), "another lens").expect("a folder").take(3), None);
-        let whole = fs::read(shelf.path(3)).expect("a file");
-        for (i, length) in [(0, 1011), (500, 1011), (1002, 1011), (1010, 1011), (0, 1010), (0, 5), (0, 0)] {
-            let mut broken = whole.clone();
-            broken[i] ^= u8::from(length == whole.len());
-            broken.truncate(length);
-            fs::write(shelf.path(3), broken).expect("writes");
-            assert_eq!(shelf.take(3), None, "byte {i} of {length}");
-        }
-    }
 }
