@@ -115,6 +115,8 @@ fn trim(among: &Path, in_use: &Path) {
     let mut all: Vec<(SystemTime, u64, PathBuf)> = folders
         .flatten()
         .map(|folder| folder.path())
+        // Of ours alone, by their names.
+        .filter(|folder| folder.file_name().is_some_and(|name| name.len() == 2 * size_of::<[u8; 32]>()))
         .map(|folder| (size_and_time(&folder), folder))
         .map(|((size, time), folder)| (time, size, folder))
         .collect();
