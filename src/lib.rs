@@ -58,6 +58,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod cache;
 pub mod capture;
 pub mod cli;
 pub mod dataset;

@@ -17,6 +17,7 @@ const MOST_BYTES: u64 = 4 << 20;
 const EXAMPLES: &str = "\
 Examples:
   photosite lens double-gauss
+  photosite lens zoom-laikin --position 2
   photosite lens patent.zmx --f-number 4 -o lens.toml -o lens.html";
 
 /// Show what a lens does: focal length, distortion, MTF …
@@ -40,6 +41,9 @@ pub(super) struct LensArgs {
     /// Half of the angle of view, degrees [default: that of the file].
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     half_field: Option<f64>,
+    /// The position of zoom and focus to show, by its label or its number from 1 on [default: all].
+    #[arg(long, value_name = "POSITION")]
+    position: Option<String>,
     /// In a CODE V .seq without RDM, the first number of each surface is its radius.
     #[arg(long)]
     radii: bool,
@@ -75,7 +79,7 @@ pub(super) fn run(args: &LensArgs) -> Result<()> {
     for words in &reading.report.warnings {
         warning!("{}: {words}", lens.display());
     }
-    let options = options(args)?;
+    let options = Options { is_text: !args.json && !kinds.contains(&Kind::Page), ..options(args)? };
     // The file of ours takes no figures.
     let needs_figures = !args.quiet || kinds.contains(&Kind::Page);
     let figures = if needs_figures { Some(LensFigures::new(&reading, &options)?) } else { None };
@@ -85,6 +89,9 @@ pub(super) fn run(args: &LensArgs) -> Result<()> {
             (Kind::Prescription | Kind::Page, _) => files::to_toml(&reading.prescription),
         };
         write_result(output, args.force, |to| to.write_all(text.as_bytes()))?;
+    }
+    if let Some(lost) = figures.as_ref().and_then(LensFigures::lost) {
+        warning!("{}: {lost}", lens.display());
     }
     match figures {
         Some(figures) if args.json => print_json(&figures),
@@ -143,5 +150,6 @@ fn options(args: &LensArgs) -> Result<Options> {
             Invalid::new("--half-field", format!("{angle}° is not a half field")).help("write an angle above 0°");
         return Err(Error::Usage { message: invalid.to_string(), help: invalid.help });
     }
-    Ok(Options { f_number: args.f_number, half_field_deg: args.half_field })
+    let (f_number, position) = (args.f_number, args.position.clone());
+    Ok(Options { f_number, half_field_deg: args.half_field, position, is_text: false })
 }

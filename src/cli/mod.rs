@@ -61,7 +61,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use self::arguments::start_threads;
 use self::exit_status::{ANOTHER_TRY, DONE, FAILED, WRONG_USAGE};
 use self::remedies::in_options;
-use crate::{Error, Result, Sandbox, memory};
+use crate::{Error, Result, Sandbox, cache, memory};
 
 /// Options that all commands have come last in their help.
 const EVERYWHERE: &str = "Options of every command";
@@ -193,6 +193,7 @@ fn run_parsed(cli: &Cli) -> u8 {
 /// Runs a command, with the threads and the memory that it is given.
 fn run_command(cli: &Cli) -> Result<u8> {
     cli.memory.map_or(Ok(()), memory::set_limit)?;
+    cache::keep_on_disk();
     let sandbox = &cli.sandbox.as_deref().map_or_else(|| Ok(Sandbox::default()), Sandbox::new)?;
     start_threads(cli.threads)?;
     signals::listen()?;

@@ -21,6 +21,8 @@ pub struct LensFigures {
     pub patent: Option<String>,
     /// The f-number that the stop is closed to; null where it is open.
     pub f_number: Option<f64>,
+    /// The position of zoom and focus that was asked for; null where all are here.
+    pub position: Option<String>,
     /// What the file claims of the lens.
     pub claims: Claims,
     /// What the file does not say, and what stands for it.
@@ -35,6 +37,21 @@ pub struct LensFigures {
     pub surfaces: Vec<SurfaceRow>,
     /// Its figures in each position of zoom and focus.
     pub positions: Vec<PositionFigures>,
+}
+
+impl LensFigures {
+    /// Words on the rays of pupils that were not found, where there are some.
+    pub fn lost(&self) -> Option<String> {
+        let fields = self.positions.iter().flat_map(|position| &position.fields);
+        let parts = fields.flat_map(|field| {
+            field.mtf.iter().flatten().map(|mtf| (mtf.lost, field.chief.field_deg)).filter(|(lost, _)| *lost > 0.0)
+        });
+        let (lost, angle) = parts.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(format!(
+            "the lens folds its pupil: path differences and modulation leave out up to {:.1} % of the light, at {angle:.1}°",
+            100.0 * lost
+        ))
+    }
 }
 
 /// What a file claims of its lens.
@@ -93,12 +110,14 @@ pub struct SurfaceRow {
     pub stop: bool,
 }
 
-/// The figures of one position. Objects are at infinity.
+/// The figures of one position, of an object at its distance.
 #[derive(Clone, Debug, Serialize)]
 pub struct PositionFigures {
     /// What it is called; empty for a lens of one position.
     pub label: String,
-    /// First order at F, d, C.
+    /// Distance of the object from the first vertex, mm; null at infinity.
+    pub object_distance_mm: Option<f64>,
+    /// First order at F, d, C, of an object at infinity.
     pub first_order: Vec<FirstOrderRow>,
     /// 1/(2·sin u′) of the light that reaches the middle of the picture, traced.
     pub working_f_number: f64,
@@ -114,7 +133,7 @@ pub struct PositionFigures {
     pub field_from: &'static str,
     /// Figures by field, from the axis to the edge.
     pub fields: Vec<FieldFigures>,
-    /// Figures of chief rays in smaller steps, for curves.
+    /// Figures of chief rays in smaller steps, for curves; none for the text.
     pub curves: Vec<ChiefFigures>,
     /// Spots and illumination at each stop.
     pub stops: Vec<StopFigures>,
@@ -150,7 +169,7 @@ pub struct ChiefFigures {
     pub field_deg: f64,
     /// Height of the chief ray on the sensor at d, mm.
     pub image_height_mm: f64,
-    /// 100·(h/(f·tan θ) − 1), at d.
+    /// 100·(h/h₁ − 1), at d, with the height to first order h₁: f·tan θ, or that of the object times the magnification.
     pub distortion_percent: f64,
     /// Where rays beside the chief ray cross it, in its plane, behind the sensor, mm.
     pub tangential_focus_mm: Option<f64>,
@@ -176,7 +195,7 @@ pub struct FieldFigures {
     pub spot_rms_um: [Option<f64>; 3],
     /// That of all three together.
     pub spot_rms_all_um: Option<f64>,
-    /// Modulation transfer at F, d, C.
+    /// Modulation transfer at F, d, C; for the text at d.
     pub mtf: [Option<MtfFigures>; 3],
 }
 
@@ -185,6 +204,8 @@ pub struct FieldFigures {
 pub struct MtfFigures {
     /// Root mean square of the optical path differences, waves.
     pub rms_waves: f64,
+    /// The part of the pupil whose rays were not found and count nowhere; 0 unless the lens folds it.
+    pub lost: f64,
     /// `wave` from the optical path differences; `rays` from the spot, where they are so large that diffraction adds
     /// nothing.
     pub method: &'static str,

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use photosite_lens::files::Reading;
 
-use super::compute::{Options, lenses};
+use super::compute::{InPosition, Options, lenses};
 use super::figures::{ABSORPTION, FirstOrderRow, LensFigures, PositionFigures};
 use super::{plots, section, spots};
 use crate::characterisation::report::html::{self, escaped, page};
@@ -23,26 +23,30 @@ pub fn html(reading: &Reading, figures: &LensFigures) -> String {
         let _ = writeln!(body, "<p><strong>Warning:</strong> {}</p>", escaped(warning));
     }
     // The stop of the figures: that of the first position tells how far it was closed.
-    let options = Options { f_number: figures.f_number, half_field_deg: None };
+    let options = Options { f_number: figures.f_number, position: figures.position.clone(), ..Options::default() };
     let lenses = lenses(reading, &options).unwrap_or_default();
-    for ((_, lens), position) in lenses.iter().zip(&figures.positions) {
+    for ((of_file, lens), position) in lenses.iter().zip(&figures.positions) {
+        let in_position = InPosition::new(*of_file, lens);
         if !position.label.is_empty() {
             let _ = writeln!(body, "<h2>{}</h2>", escaped(&position.label));
         }
         body += &html::conditions(&facts(position));
         let _ = writeln!(
             body,
-            "<figure style=\"margin-top:1.4rem\"><figcaption><strong>Cross-section.</strong> Rays of d from infinitely far \
+            "<figure style=\"margin-top:1.4rem\"><figcaption><strong>Cross-section.</strong> Rays of d from {} \
              at {}; the stop is drawn thick.</figcaption>\n{}</figure>",
+            position
+                .object_distance_mm
+                .map_or_else(|| "infinitely far".to_owned(), |mm| format!("{mm} mm before the lens")),
             section::angles(position),
-            section::svg(lens, position)
+            section::svg(lens, &in_position, position)
         );
         body += &html::figures(&plots::plots(position));
         let _ = writeln!(
             body,
             "<figure style=\"margin-top:1.4rem\"><figcaption><strong>Spots.</strong> {}</figcaption>\n{}</figure>",
             spots::CAPTION,
-            spots::svg(lens, position)
+            spots::svg(lens, &in_position, position)
         );
         body += &stops(position);
     }

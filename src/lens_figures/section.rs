@@ -4,15 +4,19 @@ use std::fmt::Write;
 
 use glam::{DVec2, DVec3};
 use photosite_lens::profile::Travel;
+use photosite_lens::spots::ObjectPoint;
 use photosite_lens::trace::{Apertures, Step};
 use photosite_lens::{Lens, LensAt};
 
+use super::compute::InPosition;
 use super::figures::PositionFigures;
 use super::plots::{COLOURS, shown_fields};
 use crate::spectrum::dispersion::lines;
 
 /// Points of a drawn surface from rim to rim.
 const POINTS: u32 = 48;
+/// Directions in which the edge of a beam is looked for, two of them in the plane of the drawing.
+const DIRECTIONS: usize = 64;
 /// Rays of a beam.
 const RAYS: u32 = 7;
 
@@ -24,7 +28,7 @@ pub(super) fn angles(position: &PositionFigures) -> String {
 }
 
 /// As an `svg` element; its unit is the mm.
-pub(super) fn svg(lens: &Lens, position: &PositionFigures) -> String {
+pub(super) fn svg(lens: &Lens, in_position: &InPosition, position: &PositionFigures) -> String {
     let at = lens.at(lines::D);
     let rim = lens.surfaces().iter().map(|surface| surface.semi_aperture_mm).fold(0.0, f64::max);
     let edge = position.fields.last().map_or(0.0, |field| field.chief.image_height_mm.abs());
@@ -48,7 +52,7 @@ pub(super) fn svg(lens: &Lens, position: &PositionFigures) -> String {
     glasses(&mut svg, lens);
     for (i, colour) in shown_fields(position).into_iter().zip(COLOURS) {
         let colour = format!("#{:02x}{:02x}{:02x}", colour.0, colour.1, colour.2);
-        for path in rays(&at, position.fields[i].chief.field_deg.to_radians(), before) {
+        for path in rays(&at, in_position.object(position.fields[i].chief.field_deg.to_radians()), before) {
             let _ = writeln!(svg, "<path d=\"{path}\" stroke=\"{colour}\" {THIN}/>");
         }
     }
@@ -110,8 +114,8 @@ fn stop(svg: &mut String, lens: &Lens, half_height: f64) {
 }
 
 /// Paths of a beam's rays in the plane of the drawing, from `before` to the sensor.
-fn rays(at: &LensAt, field: f64, before: f64) -> Vec<String> {
-    let Some(beam) = at.beam(field) else { return Vec::new() };
+fn rays(at: &LensAt, object: ObjectPoint, before: f64) -> Vec<String> {
+    let Some(beam) = at.beam_of(object, DIRECTIONS) else { return Vec::new() };
     let [low, high] = beam.region.bounds();
     let path = |i: u32| {
         // Just within the rims, which cut off what lies on them.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use glam::DVec2;
 use photosite_lens::Lens;
 
-use super::compute::LINES;
+use super::compute::{InPosition, LINES};
 use super::figures::PositionFigures;
 use super::plots::COLOURS;
 
@@ -18,14 +18,15 @@ const ACROSS: u32 = 20;
 const SIDE: f64 = 220.0;
 
 /// As an `svg` element: a diagram for every field, all at one scale.
-pub(super) fn svg(lens: &Lens, position: &PositionFigures) -> String {
+pub(super) fn svg(lens: &Lens, in_position: &InPosition, position: &PositionFigures) -> String {
     let diagrams: Vec<Vec<Vec<DVec2>>> = position
         .fields
         .iter()
         .map(|field| {
             let chief = DVec2::new(0.0, field.chief.image_height_mm);
+            let object = in_position.object(field.chief.field_deg.to_radians());
             let of_line = |(_, nm): (&str, f64)| {
-                let points = lens.at(nm).spot_diagram(field.chief.field_deg.to_radians(), ACROSS);
+                let points = lens.at(nm).spot_diagram(object, ACROSS);
                 points.into_iter().map(|point| (point - chief) * 1e3).collect()
             };
             LINES.into_iter().map(of_line).collect()

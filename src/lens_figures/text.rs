@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::figures::{ABSORPTION, FieldFigures, LensFigures, PositionFigures};
+use super::mtf::TOLD_PER_MM;
 
 impl LensFigures {
     /// Text for people, without a line break at its end.
@@ -116,7 +117,9 @@ fn position(text: &mut String, position: &PositionFigures) {
         "traced f/{:.3}, length {:.3} mm, axial colour F to C {:.4} mm, sensor {:.4} mm behind the paraxial focus",
         position.working_f_number, position.length_mm, position.axial_colour_mm, position.defocus_mm
     );
-    let _ = writeln!(text, "\nFields{label}, ±{:.3}° {}", position.half_field_deg, position.field_from);
+    let object =
+        position.object_distance_mm.map_or_else(String::new, |mm| format!(", objects {mm} mm before the lens"));
+    let _ = writeln!(text, "\nFields{label}{object}, ±{:.3}° {}", position.half_field_deg, position.field_from);
     let optional = |x: Option<f64>, digits: usize| x.map_or_else(|| "–".to_owned(), |x| format!("{x:.digits$}"));
     let rows: Vec<Vec<String>> = position
         .fields
@@ -135,8 +138,8 @@ fn position(text: &mut String, position: &PositionFigures) {
                 optional(field.spot_rms_um[1], 2),
                 optional(field.spot_rms_um[2], 2),
                 optional(field.spot_rms_all_um, 2),
-                modulation(field, 20.0),
-                modulation(field, 40.0),
+                modulation(field, TOLD_PER_MM[0]),
+                modulation(field, TOLD_PER_MM[1]),
             ]
         })
         .collect();

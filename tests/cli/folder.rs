@@ -45,6 +45,8 @@ impl Folder {
     pub(crate) fn command(&self, arguments: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_photosite"));
         command.current_dir(self.0.path()).args(arguments.split_whitespace()).stdin(Stdio::null());
+        // What other tests have worked out tells nothing here.
+        command.env("PHOTOSITE_CACHE", "off");
         command
     }
 

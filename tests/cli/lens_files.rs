@@ -105,3 +105,33 @@ fn what_cannot_be_shown_is_said() {
     folder.fail("lens double-gauss -o lens.zmx", 2, &["lens.zmx", ".toml"]);
     folder.fail("lens", 2, &[]);
 }
+
+/// A plano-convex lens, its curved side first, at infinity and at 900 mm.
+const SINGLET: &str = "[descriptive data]\ntitle\tsinglet\n[constants]\nAsphericalOddCount\t1\n[variable distances]\n\
+    Focal Length\t96.7\t97\nF-Number\t9.7\t9.7\nAngle of View\t10\t9\nImage Height\t17\t17\nd0\tInfinity\t900\n\
+    d2\t90\t95\n[lens data]\n1\t50\t4\t1.5168\t16\t64.2\tN-BK7\tSchott\n2\tInfinity\td2\t\t16\n3\tAS\t5\t\t30\n\
+    [aspherical data]\n1\t50\t-0.5\t1e-5\t1e-7\t1e-9\t1e-11\n";
+
+/// All power is at the first vertex, where the principal plane of the object's side is: the image is 1/(1/f − 1/900 mm) from
+/// the other, that is f before the focus.
+#[test]
+fn figures_of_a_near_position_are_for_objects_there() {
+    let folder = Folder::new([("singlet.txt", SINGLET.into())]);
+    let figures: Value =
+        serde_json::from_str(&folder.succeed("lens singlet.txt --position 2 --json").stdout).expect("JSON");
+    assert_eq!(figures["positions"].as_array().map(Vec::len), Some(1));
+    let position = &figures["positions"][0];
+    assert_eq!(position["object_distance_mm"], 900.0);
+    let of_d = |key: &str| position["first_order"][1][key].as_f64().expect("a number");
+    let (f, back) = (of_d("efl_mm"), of_d("bfl_mm"));
+    let image = back - f + 1.0 / (1.0 / f - 1.0 / 900.0);
+    let defocus = position["defocus_mm"].as_f64().expect("a number");
+    assert!((defocus - (5.0 - image)).abs() < 1e-9, "{defocus} {image}");
+    let axis = &position["fields"][0];
+    // Rays 1e-4 mm beside the axis are paraxial.
+    for key in ["tangential_focus_mm", "sagittal_focus_mm"] {
+        assert!((axis[key].as_f64().expect("a number") + defocus).abs() < 1e-4, "{axis} {defocus}");
+    }
+    folder.fail("lens singlet.txt --position 3", 2, &["no position", "1 (", "2 ("]);
+    folder.fail("lens double-gauss --position 1", 2, &["leave --position out"]);
+}

@@ -232,3 +232,35 @@ fn points_whose_chief_ray_is_blocked_are_flagged() {
     }
     assert!(flags.iter().any(|flag| flag == true) && flags.iter().any(|flag| flag == false), "{flags:?}");
 }
+
+/// Pictures of points come from the disk as they were worked out, and are worked out anew where what lies there is broken.
+#[test]
+fn pictures_of_points_from_the_disk_give_the_same_bytes() {
+    let lens = "prescription = 'cooke-triplet'\nf_number = 8\nfocus_distance_m = 1.05\npsf = { kind = 'wave' }\n";
+    let folder = Folder::new([("board.toml", board(lens).into())]);
+    let render = |out: &str, cache: &str| {
+        let small = "--set sensor.resolution_px=[8,6] --set render.samples_per_pixel=1";
+        let mut command = folder.command(&format!("render board.toml -o {out} --quiet {small}"));
+        assert!(command.env("PHOTOSITE_CACHE", cache).status().expect("the binary runs").success());
+        std::fs::read(folder.path(out).join("image.png")).expect("a picture")
+    };
+    let kept = || -> Vec<std::path::PathBuf> {
+        let lenses = std::fs::read_dir(folder.path("cache/point-spreads")).expect("a folder");
+        let files = |lens: std::fs::DirEntry| std::fs::read_dir(lens.path()).expect("a folder of a lens");
+        lenses.flat_map(|lens| files(lens.expect("an entry"))).map(|file| file.expect("an entry").path()).collect()
+    };
+    let without = render("off", "off");
+    assert_eq!(render("cold", "cache"), without);
+    let files = kept();
+    let last_written =
+        |file: &std::path::PathBuf| std::fs::metadata(file).and_then(|data| data.modified()).expect("a time");
+    let times: Vec<_> = files.iter().map(last_written).collect();
+    assert_eq!(render("warm", "cache"), without);
+    assert_eq!(files.iter().map(last_written).collect::<Vec<_>>(), times);
+    for (i, file) in files.iter().enumerate() {
+        let bytes = std::fs::read(file).expect("a file");
+        std::fs::write(file, if i % 2 == 0 { &bytes[..bytes.len() / 2] } else { &b"words"[..] }).expect("writes");
+    }
+    assert_eq!(render("broken", "cache"), without);
+    assert_eq!(kept().len(), files.len());
+}

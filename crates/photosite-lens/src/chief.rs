@@ -38,6 +38,11 @@ impl ChiefRay {
         origin.z - origin.y / direction.y * direction.z
     }
 
+    /// Where it crosses the plane so far before the first vertex, mm from the axis.
+    pub fn object_height_mm(&self, distance_mm: f64) -> f64 {
+        self.before.at_z(-distance_mm).y
+    }
+
     /// The distortion of a field angle θ, 100·(h/(f·tan θ) − 1) in per cent, with the focal length f of the wavelength.
     /// Not a number on the axis.
     pub fn distortion_percent(&self, efl_mm: f64) -> f64 {
@@ -101,6 +106,11 @@ impl LensAt<'_> {
     /// The chief ray that meets the sensor at a height in mm; `None` where none does.
     pub fn chief_ray_at_height(&self, image_height_mm: f64) -> Option<ChiefRay> {
         self.find_chief_ray(image_height_mm, |chief| chief.image_height_mm)
+    }
+
+    /// The chief ray of a point of the plane so far before the first vertex, at a height, mm; `None` where the lens has none.
+    pub fn chief_ray_of_object(&self, height_mm: f64, distance_mm: f64) -> Option<ChiefRay> {
+        self.find_chief_ray(height_mm, |chief| chief.object_height_mm(distance_mm))
     }
 
     /// The chief ray nearest to the axis of which a quantity, 0 on the axis, has this value.

@@ -6,6 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::profile::Travel;
 use crate::region::Region;
 use crate::trace::{Apertures, LensAt, Ray};
 
@@ -29,7 +30,14 @@ impl LensAt<'_> {
         let (about, reach) = self.rear_opening(image_height_mm);
         let chief = self.chief_ray_at_height(image_height_mm);
         let seed = chief.map_or(about, |chief| -chief.behind.direction.truncate());
-        Region::find(|cosines| self.passes(point, cosines), seed, about, reach, directions)
+        let depth = |cosines: DVec2| {
+            if cosines.length_squared() < 1.0 {
+                self.margin(self.ray_from_sensor(point, cosines), Travel::ToScene)
+            } else {
+                f64::NEG_INFINITY
+            }
+        };
+        Region::find(depth, seed, about, reach, directions)
     }
 
     /// A circle of direction cosines, centre and radius, that holds all rays from the sensor point (0, h) to the last

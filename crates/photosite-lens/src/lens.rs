@@ -155,6 +155,19 @@ impl Lens {
         position.stop_semi_aperture_mm.map_or(lens.clone(), |radius_mm| lens.with_stop_radius(radius_mm))
     }
 
+    /// How far a point is within the opening of a surface, mm from the axis, as a part of its radius; below 0 outside.
+    pub(crate) fn margin(&self, surface: usize, point: DVec2) -> f64 {
+        let radius = self.surfaces[surface].semi_aperture_mm;
+        let within = 1.0 - point.length() / radius;
+        match &self.blades {
+            Some(blades) if surface == self.stop => {
+                let edges = blades.normals.iter().map(|normal| blades.apothem - normal.dot(point) / radius);
+                edges.fold(within, f64::min)
+            }
+            Some(_) | None => within,
+        }
+    }
+
     /// Whether light passes a surface at a point, mm from the axis.
     pub(crate) fn passes(&self, surface: usize, point: DVec2) -> bool {
         let radius = self.surfaces[surface].semi_aperture_mm;

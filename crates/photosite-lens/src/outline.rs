@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec2;
 
-use crate::region::{PRECISION, outermost};
+use crate::region::{PRECISION, depth_of, outermost};
 
 /// Corners of a polygon.
 pub(crate) const CORNERS: usize = 64;
@@ -51,11 +51,11 @@ impl Outline {
         let half = FINER * CORNERS / 2;
         let mut fine = vec![0.0_f64; half + 1];
         for wavelength in 0..wavelengths {
-            let passes = |point| passes(wavelength, point);
+            let depth = |point| depth_of(passes(wavelength, point));
             let mut guess = None;
             for (i, most) in fine.iter_mut().enumerate() {
                 let angle = PI * i as f64 / half as f64 - FRAC_PI_2;
-                let radius = outermost(&passes, DVec2::new(0.0, centre), angle, guess, circle, PRECISION);
+                let radius = outermost(&depth, DVec2::new(0.0, centre), angle, guess, circle, PRECISION);
                 guess = Some(radius);
                 *most = most.max(radius);
             }

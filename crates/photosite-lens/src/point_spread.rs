@@ -13,6 +13,7 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 
 use crate::chief::ChiefRay;
+use crate::lens::Lens;
 use crate::trace::{Apertures, LensAt};
 use crate::wavefront::{Rays, Wavefront};
 
@@ -58,7 +59,7 @@ impl Wavefront {
         };
         let field: Vec<Complex64> = self.levelled().into_iter().zip(&self.covered).map(of_path).collect();
         let middle_mm = self.plane(|number| self.covered[number]).map_or(DVec2::ZERO, |plane| plane.tilt_mm);
-        let spread = PointSpread::of_field(&field, PADDING * self.size, wavelength_mm / self.spacing);
+        let spread = PointSpread::of_field(&field, PADDING * self.size, wavelength_mm / self.spacing, false);
         PointSpread { middle_mm, farthest_mm: self.steepest_mm(|_| true, middle_mm), ..spread }
     }
 }
@@ -72,21 +73,41 @@ impl LensAt<'_> {
     /// would land farther away than half the size of the picture is folded back into it: at a round pupil
     /// 2/(π²·n) of all, with n the distance in units of λ·N, 0.3 % of the smallest.
     pub fn point_spread(&self, chief: ChiefRay, distance_mm: f64) -> Option<PointSpread> {
-        let rays = Rays::new(self, chief, distance_mm);
-        // About what passes to where the chief ray lands
-        let passing = self.pupil_region(chief.image_height_mm, FIRST_DIRECTIONS)?;
-        let [low, high] = passing.bounds();
-        let beyond = BEYOND * (high - low).max_element();
-        let traced = rays.wavefront([low - beyond, high + beyond], TRACED, |point, _| (1.0, point))?;
+        self.point_spreads(chief, distance_mm, &[self.lens.clone()]).pop()?
+    }
 
+    /// The pictures of such a point through lenses that differ from this one in the blades of their stops, whose edges alone
+    /// make the difference: W is traced once.
+    pub(crate) fn point_spreads(&self, chief: ChiefRay, distance_mm: f64, lenses: &[Lens]) -> Vec<Option<PointSpread>> {
+        let round = self.lens.with_round_stop();
+        let at = LensAt { lens: &round, ..self.clone() };
+        let rays = Rays::new(&at, chief, distance_mm);
+        // About what passes to where the chief ray lands
+        let traced = at.pupil_region(chief.image_height_mm, FIRST_DIRECTIONS).and_then(|passing| {
+            let [low, high] = passing.bounds();
+            let beyond = BEYOND * (high - low).max_element();
+            // Not in the corners, where rays that no cell asks for are hardest to find.
+            let counts = |point: DVec2| f64::from(passing.depth(point) > -2.0 * beyond);
+            rays.wavefront([low - beyond, high + beyond], TRACED, |point, _| (counts(point), point))
+        });
+        let of_lens = |lens: &Lens| {
+            let at = LensAt { lens, ..self.clone() };
+            Rays::new(&at, chief, distance_mm).point_spread(traced.as_ref()?)
+        };
+        lenses.iter().map(of_lens).collect()
+    }
+}
+
+impl Rays<'_> {
+    /// The picture of the point, of path differences that are traced on a coarse grid.
+    fn point_spread(&self, traced: &Wavefront) -> Option<PointSpread> {
         // What passes of all that comes from the point
-        let exact = rays.landing_from_chief();
-        let landing = |cosines: DVec2| traced.between(cosines).map(|(_, point)| point).or_else(|| exact(cosines));
-        let region = rays.region(landing, DIRECTIONS)?;
+        let region = self.region(DIRECTIONS)?;
+        let exact = self.landing_from_chief();
         let [low, high] = region.bounds();
         let width = (high - low).max_element();
         let plane = traced.plane(|number| region.cell(traced.cosines[number], traced.spacing).0)?;
-        let wavelength_mm = self.wavelength_nm * 1e-6;
+        let wavelength_mm = traced.wavelength_nm * 1e-6;
 
         // As fine as half a wave from a point to the next at most
         let farthest_mm = traced.steepest_mm(|cosines| region.depth(cosines) >= 0.0, plane.tilt_mm);
@@ -99,7 +120,7 @@ impl LensAt<'_> {
         let at = |i: usize| {
             let point = first + spacing * DVec2::new((i % fine) as f64, (i / fine) as f64);
             let (covered, cosines) = region.cell(point, spacing);
-            let traced_here = || Some(rays.path(exact(cosines)?, cosines, Apertures::Ignore)? - traced.zero_mm);
+            let traced_here = || Some(self.path(exact(cosines)?, cosines, Apertures::Ignore)? - traced.zero_mm);
             let path = || traced.between(cosines).map(|(path, _)| path).or_else(traced_here);
             match if covered > 0.0 { path() } else { None } {
                 Some(path) => Complex64::from_polar(covered, TAU * (path - plane.at(cosines)) / wavelength_mm),
@@ -107,31 +128,37 @@ impl LensAt<'_> {
             }
         };
         let field: Vec<Complex64> = (0..fine * fine).map(at).collect();
-        let spread = PointSpread::of_field(&field, size, wavelength_mm / spacing);
+        let spread = PointSpread::of_field(&field, size, wavelength_mm / spacing, self.at.lens.stop_edges().is_none());
         Some(PointSpread { middle_mm: plane.tilt_mm, farthest_mm, ..spread })
     }
 }
 
 impl PointSpread {
-    /// |FT|² of a field over a square of the pupil, zero-padded to `size`², whose picture is `width_mm` wide.
-    fn of_field(field: &[Complex64], size: usize, width_mm: f64) -> Self {
+    /// |FT|² of a field over a square of the pupil, zero-padded to `size`², whose picture is `width_mm` wide. Of a field that is
+    /// its own mirror image along each row, so is the picture: half of it is worked out.
+    fn of_field(field: &[Complex64], size: usize, width_mm: f64, is_mirrored: bool) -> Self {
         let given = (field.len() as f64).sqrt() as usize;
         let fft = FftPlanner::new().plan_fft_forward(size);
-        let mut padded = vec![Complex64::default(); size * size];
-        for (row, of_row) in field.chunks(given).enumerate() {
-            padded[row * size..][..given].copy_from_slice(of_row);
+        // Rows of nothing stay so.
+        let mut rows = vec![Complex64::default(); given * size];
+        for (row, of_row) in rows.chunks_mut(size).zip(field.chunks(given)) {
+            row[..given].copy_from_slice(of_row);
         }
-        // Rows, then columns: a transposition, twice over, leaves the order as it was. Rows of nothing stay so.
-        fft.process(&mut padded[..given * size]);
-        padded = transposed(&padded, size);
-        fft.process(&mut padded);
-        padded = transposed(&padded, size);
-        let total: f64 = padded.iter().map(Complex64::norm_sqr).sum();
+        fft.process(&mut rows);
+        let known = if is_mirrored { size / 2 + 1 } else { size };
+        let mut columns = vec![Complex64::default(); known * size];
+        by_blocks(given, known, |row, column| columns[column * size + row] = rows[row * size + column]);
+        fft.process(&mut columns);
         // Frequency 0 in the middle.
-        let moved = |i: usize| (i + size - size / 2) % size;
-        let energy = (0..size * size).map(|i| padded[moved(i / size) * size + moved(i % size)].norm_sqr() / total);
-        let (spacing_mm, energy) = (width_mm / size as f64, energy.collect());
-        Self { size, spacing_mm, energy, middle_mm: DVec2::ZERO, farthest_mm: 0.0 }
+        let moved = |i: usize| (i + size / 2) % size;
+        let mut energy = vec![0.0; size * size];
+        by_blocks(size, size, |row, column| {
+            let like = if column < known { column } else { size - column };
+            energy[moved(row) * size + moved(column)] = columns[like * size + row].norm_sqr();
+        });
+        let total: f64 = energy.iter().sum();
+        energy.iter_mut().for_each(|energy| *energy /= total);
+        Self { size, spacing_mm: width_mm / size as f64, energy, middle_mm: DVec2::ZERO, farthest_mm: 0.0 }
     }
 
     /// How far from the middle it reaches, mm: light that would land farther away is folded back into it.
@@ -141,25 +168,24 @@ impl PointSpread {
 
     /// The modulation transfer at a frequency ν in cycles per mm along `axis`, a unit vector: |Σ E·exp(−2πi·ν·x)|.
     pub fn mtf(&self, axis: DVec2, frequency_per_mm: f64) -> f64 {
-        let middle = (self.size / 2) as f64;
-        let at = |i: usize| DVec2::new((i % self.size) as f64 - middle, (i / self.size) as f64 - middle);
-        let phase = |i: usize| -TAU * frequency_per_mm * self.spacing_mm * at(i).dot(axis);
-        let all = self.energy.iter().enumerate().map(|(i, energy)| DVec2::from_angle(phase(i)) * *energy);
-        all.sum::<DVec2>().length()
+        // The phase is that of the column times that of the row.
+        let phases = |along: f64| -> Vec<Complex64> {
+            let step = -TAU * frequency_per_mm * self.spacing_mm * along;
+            (0..self.size).map(|i| Complex64::cis(step * i as f64)).collect()
+        };
+        let (columns, rows) = (phases(axis.x), phases(axis.y));
+        let row = |energy: &[f64]| energy.iter().zip(&columns).map(|(energy, phase)| phase * energy).sum::<Complex64>();
+        self.energy.chunks(self.size).zip(&rows).map(|(energy, phase)| row(energy) * phase).sum::<Complex64>().norm()
     }
 }
 
-/// Rows of a square as columns.
-fn transposed(square: &[Complex64], size: usize) -> Vec<Complex64> {
+/// Visits rows and columns so that what is read by rows and written by columns, or the other way, stays near.
+fn by_blocks(rows: usize, columns: usize, mut visit: impl FnMut(usize, usize)) {
     /// So many of each fit into the fastest memory.
     const BLOCK: usize = 16;
-    let mut turned = vec![Complex64::default(); size * size];
-    for block in (0..size).step_by(BLOCK) {
-        for row in 0..size {
-            for column in block..size.min(block + BLOCK) {
-                turned[column * size + row] = square[row * size + column];
-            }
+    for block in (0..columns).step_by(BLOCK) {
+        for row in 0..rows {
+            (block..columns.min(block + BLOCK)).for_each(|column| visit(row, column));
         }
     }
-    turned
 }

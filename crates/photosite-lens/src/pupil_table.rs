@@ -183,7 +183,7 @@ fn outline(lens: &Lens, height_mm: f64, wavelengths_nm: &[f64]) -> Option<Outlin
     let at: Vec<LensAt<'_>> = wavelengths_nm.iter().map(|nm| lens.at(*nm)).collect();
     let region = at[at.len() / 2].pupil_region(height_mm, FIRST_DIRECTIONS)?;
     let centre = DVec2::new(0.0, region.centre.y);
-    let farthest = region.radii.iter().fold(0.0_f64, |most, radius| most.max(*radius));
+    let farthest = region.farthest();
     // What lies farther out between those directions, and at other wavelengths, is little.
     let circle = (centre, 1.5 * (farthest + region.centre.x.abs()));
     let point = DVec2::new(0.0, height_mm);

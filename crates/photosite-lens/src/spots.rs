@@ -2,13 +2,15 @@
 
 use glam::{DVec2, DVec3};
 
+use crate::chief::ChiefRay;
+use crate::profile::Travel;
 use crate::region::Region;
 use crate::trace::{Apertures, LensAt, Ray};
 
 /// Directions in which the edge of a beam is looked for.
 const DIRECTIONS: usize = 64;
 
-/// Landing points of rays of equal weight.
+/// Landing points of rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
     /// Their mean, mm.
@@ -20,39 +22,77 @@ pub struct Spot {
 }
 
 impl Spot {
-    /// The spot of some landing points; `None` of none.
-    pub fn of(points: &[DVec2]) -> Option<Self> {
+    /// The spot of some landing points with their weights; `None` of none.
+    pub fn of(points: &[(DVec2, f64)]) -> Option<Self> {
+        let total: f64 = points.iter().map(|(_, weight)| weight).sum();
         if points.is_empty() {
             return None;
         }
-        let count = points.len() as f64;
-        let centroid_mm = points.iter().sum::<DVec2>() / count;
-        let rms_mm = (points.iter().map(|point| point.distance_squared(centroid_mm)).sum::<f64>() / count).sqrt();
+        let centroid_mm = points.iter().map(|(point, weight)| *point * *weight).sum::<DVec2>() / total;
+        let square = |(point, weight): &(DVec2, f64)| point.distance_squared(centroid_mm) * weight;
+        let rms_mm = (points.iter().map(square).sum::<f64>() / total).sqrt();
         Some(Self { centroid_mm, rms_mm, rays: points.len() })
     }
 }
 
-/// The parallel beam of an object at infinity that passes the lens: its rays start in a plane across it.
+/// A point of the scene, seen along a line that goes into the lens.
+#[derive(Clone, Copy, Debug)]
+pub struct ObjectPoint {
+    /// A point of the line.
+    pub origin: DVec3,
+    /// Direction of the line, (0, sin θ, cos θ).
+    pub direction: DVec3,
+    /// From there back along the line, mm; infinite for parallel light, below 0 for light that comes together behind it.
+    pub distance_mm: f64,
+}
+
+impl ObjectPoint {
+    /// The point on a chief ray, so far from that ray's point on the first surface.
+    pub fn on(chief: &ChiefRay, distance_mm: f64) -> Self {
+        let Ray { origin, direction } = chief.before;
+        Self { origin, direction, distance_mm }
+    }
+
+    /// Unit vectors across the line.
+    pub(crate) fn across(&self) -> [DVec3; 2] {
+        [DVec3::X, DVec3::new(0.0, self.direction.z, -self.direction.y)]
+    }
+
+    /// Its ray through a point of the plane across the line, mm.
+    pub fn ray(&self, point: DVec2) -> Ray {
+        let [x, y] = self.across();
+        let offset = x * point.x + y * point.y;
+        let towards = self.direction + offset / self.distance_mm;
+        Ray { origin: self.origin + offset, direction: towards.normalize() }
+    }
+
+    /// Where a place is seen from it in that plane, mm.
+    fn place(&self, place: DVec3) -> DVec2 {
+        let from = place - self.origin;
+        let [x, y] = self.across().map(|axis| from.dot(axis));
+        DVec2::new(x, y) / (1.0 + from.dot(self.direction) / self.distance_mm)
+    }
+
+    /// How much of its light an area of that plane gets at a point, over that in the middle.
+    fn flux(&self, point: DVec2) -> f64 {
+        (1.0 + (point / self.distance_mm).length_squared()).powf(-1.5)
+    }
+}
+
+/// The light of a point that passes a lens.
 #[derive(Clone, Debug)]
 pub struct Beam {
-    /// Direction of its rays, (0, sin θ, cos θ).
-    direction: DVec3,
-    /// Origin of the plane's coordinates: a point of the chief ray.
-    origin: DVec3,
-    /// What of the plane passes every aperture; coordinates along x and (0, cos θ, −sin θ), mm.
+    /// The point.
+    pub object: ObjectPoint,
+    /// What of the plane across its line passes every aperture, mm.
     pub region: Region,
 }
 
 impl Beam {
     /// The ray of a point of the plane.
     pub fn ray(&self, point: DVec2) -> Ray {
-        start(self.origin, self.direction, point)
+        self.object.ray(point)
     }
-}
-
-fn start(origin: DVec3, direction: DVec3, point: DVec2) -> Ray {
-    let up = DVec3::new(0.0, direction.z, -direction.y);
-    Ray { origin: origin + DVec3::X * point.x + up * point.y, direction }
 }
 
 impl LensAt<'_> {
@@ -65,25 +105,38 @@ impl LensAt<'_> {
 
     /// The beam of an object at infinity at an angle in rad from the axis; `None` where none of it passes.
     pub fn beam(&self, field_rad: f64) -> Option<Beam> {
+        // Before all of the lens, so that rays from the side start before it, too.
+        let origin = self.chief_ray(field_rad).map_or(DVec3::ZERO, |chief| chief.before.origin);
         let direction = DVec3::new(0.0, field_rad.sin(), field_rad.cos());
+        self.beam_of(ObjectPoint { origin, direction, distance_mm: f64::INFINITY }, DIRECTIONS)
+    }
+
+    /// The beam of a point, with its edge in so many directions; `None` where none of it passes.
+    pub fn beam_of(&self, object: ObjectPoint, directions: usize) -> Option<Beam> {
         let first = &self.lens.surfaces()[0];
         // All rays that pass meet the first surface, which lies within this of its vertex.
         let sag = first.profile.sag(first.semi_aperture_mm.powi(2)).unwrap_or(0.0);
         let reach = first.semi_aperture_mm.hypot(sag);
-        let vertex = DVec3::ZERO;
-        // Before all of the lens, so that rays from the side start before it, too.
-        let origin = self.chief_ray(field_rad).map_or(vertex, |chief| chief.before.origin);
-        let passes = |point: DVec2| self.trace_in(start(origin, direction, point), Apertures::Clip).is_ok();
-        let up = DVec3::new(0.0, direction.z, -direction.y);
-        let about = DVec2::new((vertex - origin).x, (vertex - origin).dot(up));
-        let region = Region::find(passes, DVec2::ZERO, about, reach, DIRECTIONS)?;
-        Some(Beam { direction, origin, region })
+        // As the point sees it: what is nearer looks larger.
+        let nearest = (1.0 - 2.0 * reach / object.distance_mm.abs()).max(0.1);
+        let depth = |point: DVec2| self.margin(object.ray(point), Travel::ToSensor);
+        let region = Region::find(depth, DVec2::ZERO, object.place(DVec3::ZERO), reach / nearest, directions)?;
+        Some(Beam { object, region })
     }
 
-    /// Landing points of an object at infinity at an angle in rad from the axis: of those rays of a square grid of
-    /// `across`² over the beam that pass every aperture. Empty where none does.
-    pub fn spot_diagram(&self, field_rad: f64, across: u32) -> Vec<DVec2> {
-        let Some(beam) = self.beam(field_rad) else { return Vec::new() };
+    /// Landing points of the light of a point, mm, and how much of it lands there: over all that passes every aperture, by
+    /// quadrature. Empty where nothing passes.
+    pub fn spot(&self, object: ObjectPoint, directions: usize) -> Vec<(DVec2, f64)> {
+        let Some(beam) = self.beam_of(object, directions) else { return Vec::new() };
+        let landing =
+            |(point, area)| Some((self.landing(beam.ray(point), Apertures::Ignore)?, area * object.flux(point)));
+        beam.region.points().filter_map(landing).collect()
+    }
+
+    /// Landing points of a point of the scene, to be drawn: of those rays of a square grid of `across`² over its beam that
+    /// pass every aperture. Empty where none does.
+    pub fn spot_diagram(&self, object: ObjectPoint, across: u32) -> Vec<DVec2> {
+        let Some(beam) = self.beam_of(object, DIRECTIONS) else { return Vec::new() };
         let [low, high] = beam.region.bounds();
         let at = |i: u32| (f64::from(i) + 0.5) / f64::from(across);
         let points = (0..across * across).map(|i| low + (high - low) * DVec2::new(at(i % across), at(i / across)));
@@ -91,10 +144,10 @@ impl LensAt<'_> {
     }
 }
 
-/// The modulation that spots alone leave: |Σ exp(−2πi·ν·x)|/n for the frequency ν, cycles per mm, along `axis`, a unit
+/// The modulation that spots alone leave: |Σ w·exp(−2πi·ν·x)|/Σ w for the frequency ν, cycles per mm, along `axis`, a unit
 /// vector.
-pub fn geometric_mtf(points: &[DVec2], axis: DVec2, frequency_per_mm: f64) -> f64 {
-    let phases =
-        points.iter().map(|point| DVec2::from_angle(std::f64::consts::TAU * frequency_per_mm * point.dot(axis)));
-    phases.sum::<DVec2>().length() / points.len() as f64
+pub fn geometric_mtf(points: &[(DVec2, f64)], axis: DVec2, frequency_per_mm: f64) -> f64 {
+    let phase = |point: DVec2| DVec2::from_angle(std::f64::consts::TAU * frequency_per_mm * point.dot(axis));
+    let sum: DVec2 = points.iter().map(|(point, weight)| phase(*point) * *weight).sum();
+    sum.length() / points.iter().map(|(_, weight)| weight).sum::<f64>()
 }

@@ -13,11 +13,13 @@ use crate::point_spread::PointSpread;
 
 /// Cells along a side of each level.
 const SIDE: usize = 128;
+/// Levels of the largest picture, and some more.
+const MOST_LEVELS: usize = 8;
 /// Those of a level that a finer one covers.
 const INNER: std::ops::Range<usize> = SIDE / 4..SIDE - SIDE / 4;
 
 /// A picture of a point as cells of even light, row by row.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SpreadTable {
     /// Light up to and with each cell of a row, of levels from the finest on.
     cells: Vec<f32>,
@@ -68,6 +70,39 @@ impl SpreadTable {
             middle_mm: spread.middle_mm - 0.5 * cell_mm,
             farthest_and_reach_mm: [spread.farthest_mm, spread.reach_mm()],
         }
+    }
+
+    /// Its numbers as bytes, after each other.
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
+        let Self { cells, rows, cell_mm, middle_mm, farthest_and_reach_mm: [farthest, reach] } = self;
+        let head = [rows.len() as f64, *cell_mm, middle_mm.x, middle_mm.y, *farthest, *reach];
+        let doubles = head.iter().chain(rows).flat_map(|number| number.to_le_bytes());
+        doubles.chain(cells.iter().flat_map(|number| number.to_le_bytes())).collect()
+    }
+
+    /// The table at the start of some bytes, which are taken off; `None` where there is none.
+    pub(crate) fn from_bytes(bytes: &mut &[u8]) -> Option<Self> {
+        let mut double = || {
+            let (number, rest) = bytes.split_first_chunk()?;
+            *bytes = rest;
+            Some(f64::from_le_bytes(*number))
+        };
+        let mut head = [0.0; 6];
+        for number in &mut head {
+            *number = double()?;
+        }
+        let [count, cell_mm, x, y, farthest, reach] = head;
+        let count = count as usize;
+        if count == 0 || !count.is_multiple_of(SIDE) || count > MOST_LEVELS * SIDE {
+            return None;
+        }
+        let rows = (0..count).map(|_| double()).collect::<Option<Vec<_>>>()?;
+        let (of_cells, rest) = bytes.split_at_checked(count * SIDE * size_of::<f32>())?;
+        *bytes = rest;
+        let (cells, _) = of_cells.as_chunks();
+        let cells = cells.iter().map(|number| f32::from_le_bytes(*number)).collect();
+        let (middle_mm, farthest_and_reach_mm) = (DVec2::new(x, y), [farthest, reach]);
+        Some(Self { cells, rows, cell_mm, middle_mm, farthest_and_reach_mm })
     }
 
     /// An offset of light from where the chief ray lands, mm, by numbers in [0, 1).

@@ -8,7 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec2;
 
-use crate::region::outermost;
+use crate::region::{depth_of, outermost};
 
 /// Sides of a polygon. Around a circle one of 16 has 1.3 % more area.
 pub(crate) const SIDES: usize = 16;
@@ -44,10 +44,10 @@ impl SupportPolygon {
         let centre = DVec2::new(0.0, centre);
         let mut reach = [f64::NEG_INFINITY; SIDES];
         for wavelength in 0..wavelengths {
-            let passes = |point| passes(wavelength, point);
+            let depth = |point| depth_of(passes(wavelength, point));
             let step = PI / DIRECTIONS as f64;
             let boundary = |angle: f64, guess: Option<f64>| {
-                let radius = outermost(&passes, centre, angle, guess, circle, PRECISION);
+                let radius = outermost(&depth, centre, angle, guess, circle, PRECISION);
                 (radius, centre + DVec2::from_angle(angle) * radius)
             };
             // From −y to +y: the other half is its mirror image.

@@ -159,6 +159,17 @@ impl LensAt<'_> {
         self.trace(ray, Travel::ToScene, steps, apertures, |_| {})
     }
 
+    /// How far within all apertures a ray goes through the lens, as the least part of a radius; below 0 where one cuts it off,
+    /// and −∞ where it ends otherwise.
+    pub(crate) fn margin(&self, ray: Ray, travel: Travel) -> f64 {
+        let mut least = f64::INFINITY;
+        let visit = |hit: &Hit| least = least.min(self.lens.margin(hit.surface, hit.point.truncate()));
+        let surfaces = self.lens.surfaces().len();
+        let in_order = |i: usize| Step::refract(if travel == Travel::ToSensor { i } else { surfaces - 1 - i });
+        let traced = self.trace(ray, travel, (0..surfaces).map(in_order), Apertures::Ignore, visit);
+        if traced.is_ok() || least < 0.0 { least } else { f64::NEG_INFINITY }
+    }
+
     /// Leads a ray through a sequence of surfaces and shows each meeting to `visit`. `travel` is its way at first, which
     /// reflections turn. The surfaces of the sequence must follow each other as a ray meets them.
     ///

@@ -13,14 +13,14 @@
 //! at f/2. Of light of many, the next nodes take what one lacks.
 
 use std::f64::consts::TAU;
-use std::sync::OnceLock;
+use std::fmt::Debug;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DVec2, DVec3};
 use photosite_core::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 
 use crate::chief_map::{ChiefMap, Sighting};
 use crate::lens::Lens;
-use crate::point_spread::PointSpread;
 use crate::pupil_table::rotation;
 use crate::spread_table::SpreadTable;
 
@@ -34,6 +34,8 @@ const LEAST_STEP: f64 = 0.005;
 const STEP: f64 = 1.75e-7;
 /// Azimuths from one blade of a stop to the next.
 const AZIMUTHS: usize = 4;
+/// Number of the way that tables are worked out, which is raised when their numbers change between releases.
+const EDITION: u32 = 1;
 /// As far as a point that counts as infinitely far, mm.
 const FAR_MM: f64 = 1e9;
 
@@ -89,8 +91,17 @@ pub struct WaveSpread {
     azimuths: usize,
     /// By wavelength.
     chiefs: Vec<OnceLock<Option<ChiefMap>>>,
-    /// By wavelength, azimuth and height.
-    spreads: Vec<OnceLock<Option<SpreadTable>>>,
+    /// By wavelength and height, of each azimuth; none where no light passes.
+    spreads: Vec<OnceLock<Vec<SpreadTable>>>,
+    shelf: Option<Arc<dyn Shelf>>,
+}
+
+/// Where pictures of points are kept beyond the run of a program.
+pub trait Shelf: Debug + Send + Sync {
+    /// What was kept under a number.
+    fn take(&self, number: usize) -> Option<Vec<u8>>;
+    /// Keeps bytes under a number, if it can.
+    fn keep(&self, number: usize, bytes: &[u8]);
 }
 
 impl WaveSpread {
@@ -111,8 +122,23 @@ impl WaveSpread {
             blades,
             azimuths,
             chiefs: (0..wavelengths).map(|_| OnceLock::new()).collect(),
-            spreads: (0..wavelengths * azimuths * HEIGHTS).map(|_| OnceLock::new()).collect(),
+            spreads: (0..wavelengths * HEIGHTS).map(|_| OnceLock::new()).collect(),
+            shelf: None,
         }
+    }
+
+    /// All that its pictures follow from, as text that no other has.
+    pub fn key(&self) -> String {
+        let Self { lens, focus, highest_mm, step_mm, first, blades, azimuths, chiefs, spreads, shelf: _ } = self;
+        // Of what is derived, Debug leaves out no field, and writes numbers to their last digit.
+        let grid = (highest_mm, step_mm, first, blades, azimuths, chiefs.len(), spreads.len());
+        format!("{EDITION} {} {lens:?} {focus:?} {grid:?}", env!("CARGO_PKG_VERSION"))
+    }
+
+    /// Takes pictures from a shelf of this [`key`](Self::key), and keeps there what is worked out.
+    #[must_use]
+    pub fn with_shelf(self, shelf: Arc<dyn Shelf>) -> Self {
+        Self { shelf: Some(shelf), ..self }
     }
 
     fn nm(&self, wavelength: usize) -> f64 {
@@ -134,22 +160,42 @@ impl WaveSpread {
     /// The picture of points at a node. Of heights whose light does not pass, and of places without a chief ray, that of
     /// the next height towards the axis.
     fn spread(&self, wavelength: usize, azimuth: usize, height: usize) -> Option<&SpreadTable> {
-        let number = (wavelength * self.azimuths + azimuth) * HEIGHTS + height;
-        let table = || self.worked_out(wavelength, azimuth, height).map(|spread| SpreadTable::new(&spread));
-        let own = self.spreads[number].get_or_init(table).as_ref();
+        let number = wavelength * HEIGHTS + height;
+        let tables = || {
+            let kept = self.shelf.as_ref().and_then(|shelf| self.tables_of(&shelf.take(number)?));
+            kept.unwrap_or_else(|| {
+                let tables = self.worked_out(wavelength, height).unwrap_or_default();
+                if let Some(shelf) = &self.shelf {
+                    shelf.keep(number, &tables.iter().flat_map(SpreadTable::to_bytes).collect::<Vec<_>>());
+                }
+                tables
+            })
+        };
+        let own = self.spreads[number].get_or_init(tables).get(azimuth);
         own.or_else(|| self.spread(wavelength, azimuth, height.checked_sub(1)?))
     }
 
-    fn worked_out(&self, wavelength: usize, azimuth: usize, height: usize) -> Option<PointSpread> {
-        let turned = self.lens.with_turned_stop(-self.blade_rad() * azimuth as f64 / self.azimuths as f64);
-        let at = turned.at(self.nm(wavelength));
+    /// The tables of a node from bytes that were kept.
+    fn tables_of(&self, mut bytes: &[u8]) -> Option<Vec<SpreadTable>> {
+        if bytes.is_empty() {
+            return Some(Vec::new());
+        }
+        let tables = (0..self.azimuths).map(|_| SpreadTable::from_bytes(&mut bytes)).collect::<Option<_>>()?;
+        bytes.is_empty().then_some(tables)
+    }
+
+    fn worked_out(&self, wavelength: usize, height: usize) -> Option<Vec<SpreadTable>> {
+        let turned = |azimuth: usize| -self.blade_rad() * azimuth as f64 / self.azimuths as f64;
+        let lenses: Vec<Lens> = (0..self.azimuths).map(|i| self.lens.with_turned_stop(turned(i))).collect();
+        let at = self.lens.at(self.nm(wavelength));
         let chief = at.chief_ray_at_height(self.step_mm * height as f64)?;
         let (front, outward) = (chief.before.origin, -chief.before.direction);
         let on_axis = at.first_order().entrance_pupil_mm;
         let pupil_mm = if height > 0 { chief.entrance_pupil_mm() } else { on_axis };
         let in_focus = self.focus.point(&Sighting { direction: outward, pupil_mm });
         let distance_mm = in_focus.map_or(f64::INFINITY, |point| (point - front).dot(outward));
-        at.point_spread(chief, distance_mm)
+        let spreads = at.point_spreads(chief, distance_mm, &lenses);
+        spreads.iter().map(|spread| spread.as_ref().map(SpreadTable::new)).collect()
     }
 
     /// The largest blur of the picture, as far as the tables see it: how far from the middle of a point's picture rays land,

@@ -3,11 +3,12 @@
 
 use std::cell::Cell;
 
-use glam::{DMat2, DVec2, DVec3};
+use glam::{DMat2, DVec2};
 
 use crate::chief::ChiefRay;
 use crate::profile::Travel;
 use crate::region::Region;
+use crate::spots::ObjectPoint;
 use crate::trace::{Apertures, LensAt, Ray, Step};
 
 /// Directions in which the edge of the pupil is looked for.
@@ -52,19 +53,14 @@ pub struct Wavefront {
 
 /// Finds the rays of one object point by their direction at the sensor.
 pub(crate) struct Rays<'a> {
-    at: &'a LensAt<'a>,
+    pub(crate) at: &'a LensAt<'a>,
     chief: ChiefRay,
-    /// From the chief ray's point on the first surface along it to the object, mm; infinite for parallel light, below 0 for
-    /// light that comes together behind that point.
-    distance_mm: f64,
-    /// Unit vectors across the object's direction.
-    across: [DVec3; 2],
+    object: ObjectPoint,
 }
 
 impl<'a> Rays<'a> {
     pub(crate) fn new(at: &'a LensAt<'a>, chief: ChiefRay, distance_mm: f64) -> Self {
-        let direction = chief.before.direction;
-        Self { at, chief, distance_mm, across: [DVec3::X, DVec3::new(0.0, direction.z, -direction.y)] }
+        Self { at, chief, object: ObjectPoint::on(&chief, distance_mm) }
     }
 
     /// Where the chief ray lands, mm.
@@ -82,11 +78,12 @@ impl<'a> Rays<'a> {
         let out = self.at.trace_out(self.at.ray_from_sensor(point, cosines), Apertures::Ignore).ok()?;
         let (direction, before) = (out.direction, self.chief.before);
         // Per distance, in the plane of the object across the chief ray.
-        let closeness = self.distance_mm.recip();
+        let closeness = self.object.distance_mm.recip();
         let from_chief = out.origin - before.origin;
         let along = 1.0 + closeness * from_chief.dot(before.direction);
         let miss = closeness * from_chief - direction * (along / direction.dot(before.direction));
-        Some(DVec2::new(miss.dot(self.across[0]), miss.dot(self.across[1])))
+        let [x, y] = self.object.across().map(|axis| miss.dot(axis));
+        Some(DVec2::new(x, y))
     }
 
     /// The sensor point at which the object's light arrives with these direction cosines: from the first of some places
@@ -152,12 +149,13 @@ impl<'a> Rays<'a> {
             self.at.trace(ray, Travel::ToScene, steps, apertures, |hit| length += hit.index * hit.distance).ok()?;
         let Ray { origin, direction } = self.chief.before;
         let from_chief = out.origin - origin;
-        length += if self.distance_mm.is_infinite() {
+        length += if self.object.distance_mm.is_infinite() {
             from_chief.dot(direction)
         } else {
             // The distance of the object from there less that from the chief ray's point: a difference of squares over a
             // sum, since both may be long.
-            let (r, object) = (self.distance_mm, -direction * self.distance_mm);
+            let r = self.object.distance_mm;
+            let object = -direction * r;
             let sum = (object - from_chief).length() + r.abs();
             r.signum() * (from_chief - 2.0 * object).dot(from_chief) / sum
         };
@@ -165,14 +163,14 @@ impl<'a> Rays<'a> {
         Some(length + cosines.dot(point - self.chief_landing()))
     }
 
-    /// The directions in which light of the object passes every aperture, by the boundary in so many directions. `landing`
-    /// says where that of a direction lands.
-    pub(crate) fn region(&self, landing: impl Fn(DVec2) -> Option<DVec2>, directions: usize) -> Option<Region> {
-        let (about, reach) = self.at.rear_opening(self.chief.image_height_mm);
-        let passes = |cosines: DVec2| {
-            cosines.length_squared() < 1.0 && landing(cosines).is_some_and(|point| self.at.passes(point, cosines))
-        };
-        Region::find(passes, self.chief_cosines(), about, reach, directions)
+    /// The directions in which light of the object passes every aperture, by the boundary in so many directions: that of the
+    /// beam before the lens, led through it.
+    pub(crate) fn region(&self, directions: usize) -> Option<Region> {
+        let beam = self.at.beam_of(self.object, directions)?;
+        let behind =
+            |point: DVec2| Some(-self.at.trace_in(beam.ray(point), Apertures::Ignore).ok()?.direction.truncate());
+        let edge = (0..directions).filter_map(|i| behind(beam.region.boundary(i))).collect::<Vec<_>>();
+        Region::of_boundary(behind(beam.region.centre)?, &edge, directions)
     }
 
     /// Where light of a direction lands, wherever that may be.
@@ -248,20 +246,37 @@ impl LensAt<'_> {
     /// light, below 0 for light that comes together behind that point.
     pub fn wavefront_of(&self, chief: ChiefRay, distance_mm: f64, size: usize) -> Option<Wavefront> {
         let rays = Rays::new(self, chief, distance_mm);
-        let region = rays.region(rays.landing_from_chief(), DIRECTIONS)?;
+        let region = rays.region(DIRECTIONS)?;
         rays.wavefront(region.bounds(), size, |point, side| region.cell(point, side))
     }
 }
 
-impl Wavefront {
-    /// Root mean square of the path differences in waves, about the plane that fits them best: a tilt only moves the
-    /// picture.
-    pub fn rms_waves(&self) -> f64 {
-        let square = |(path, covered): (&Option<f64>, &f64)| path.map(|path| covered * path * path);
-        let squares: f64 = self.levelled().iter().zip(&self.covered).filter_map(square).sum();
-        (squares / self.covered.iter().sum::<f64>()).sqrt() / (self.wavelength_nm * 1e-6)
+impl LensAt<'_> {
+    /// The path differences of an object on a chief ray, as far from that ray's point on the first surface, mm, by quadrature
+    /// over its pupil; `None` where no light of it passes.
+    pub fn path_differences(&self, chief: ChiefRay, distance_mm: f64) -> Option<PathDifferences> {
+        let rays = Rays::new(self, chief, distance_mm);
+        let (mut known, mut lost, mut whole) = (Vec::new(), 0.0, 0.0);
+        let (mut near, mut derivatives) = (rays.chief_landing(), None);
+        for (cosines, weight) in rays.region(DIRECTIONS)?.points() {
+            whole += weight;
+            let found = rays.landing(&[near, rays.chief_landing()], cosines, &mut derivatives);
+            match found.and_then(|point| Some((point, rays.path(point, cosines, Apertures::Ignore)?))) {
+                Some((point, path)) => {
+                    near = point;
+                    known.push((cosines, path, weight));
+                }
+                None => lost += weight,
+            }
+        }
+        let plane = Plane::fit(&known)?;
+        let square = |(cosines, path, weight): &(DVec2, f64, f64)| weight * (path - plane.at(*cosines)).powi(2);
+        let rms_mm = (known.iter().map(square).sum::<f64>() / (whole - lost)).sqrt();
+        Some(PathDifferences { rms_waves: rms_mm / (self.wavelength_nm * 1e-6), lost: lost / whole })
     }
+}
 
+impl Wavefront {
     /// W less its best plane.
     pub(crate) fn levelled(&self) -> Vec<Option<f64>> {
         let Some(plane) = self.plane(|number| self.covered[number]) else { return self.path_mm.clone() };
@@ -318,24 +333,18 @@ impl Wavefront {
     /// The plane that fits W best by the weights of the grid's points; `None` where all are 0.
     pub(crate) fn plane(&self, weight: impl Fn(usize) -> f64) -> Option<Plane> {
         let of_point = |(i, path): (usize, &Option<f64>)| path.map(|path| (self.cosines[i], path, weight(i)));
-        let known: Vec<(DVec2, f64, f64)> =
-            self.path_mm.iter().enumerate().filter_map(of_point).filter(|(_, _, weight)| *weight > 0.0).collect();
-        if known.is_empty() {
-            return None;
-        }
-        let total = known.iter().map(|(_, _, weight)| weight).sum::<f64>();
-        let middle = known.iter().map(|(point, _, weight)| *point * *weight).sum::<DVec2>() / total;
-        let mean = known.iter().map(|(_, path, weight)| path * weight).sum::<f64>() / total;
-        // Normal equations of w = s·(x, y) about the means.
-        let (mut squares, mut products) = (DMat2::ZERO, DVec2::ZERO);
-        for (point, path, weight) in &known {
-            let d = *point - middle;
-            squares += DMat2::from_cols(d * d.x, d * d.y) * *weight;
-            products += d * (path - mean) * *weight;
-        }
-        let tilt_mm = if squares.determinant() > 0.0 { squares.inverse() * products } else { DVec2::ZERO };
-        Some(Plane { middle, mean, tilt_mm })
+        let known: Vec<_> = self.path_mm.iter().enumerate().filter_map(of_point).collect();
+        Plane::fit(&known)
     }
+}
+
+/// How the light of a point that passes a lens differs from a sphere about a point of the sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PathDifferences {
+    /// Root mean square of W in waves, about the plane that fits it best: a tilt only moves the picture.
+    pub rms_waves: f64,
+    /// The part of the pupil whose rays were not found: 0 unless the lens folds its pupil.
+    pub lost: f64,
 }
 
 /// A plane over the pupil, mm.
@@ -347,6 +356,25 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
+    /// The plane that fits W at places of the pupil best, by their weights; `None` where all are 0.
+    fn fit(known: &[(DVec2, f64, f64)]) -> Option<Self> {
+        let total = known.iter().map(|(_, _, weight)| weight).sum::<f64>();
+        if total <= 0.0 {
+            return None;
+        }
+        let middle = known.iter().map(|(point, _, weight)| *point * *weight).sum::<DVec2>() / total;
+        let mean = known.iter().map(|(_, path, weight)| path * weight).sum::<f64>() / total;
+        // Normal equations of w = s·(x, y) about the means.
+        let (mut squares, mut products) = (DMat2::ZERO, DVec2::ZERO);
+        for (point, path, weight) in known {
+            let d = *point - middle;
+            squares += DMat2::from_cols(d * d.x, d * d.y) * *weight;
+            products += d * (path - mean) * *weight;
+        }
+        let tilt_mm = if squares.determinant() > 0.0 { squares.inverse() * products } else { DVec2::ZERO };
+        Some(Self { middle, mean, tilt_mm })
+    }
+
     pub(crate) fn at(&self, cosines: DVec2) -> f64 {
         self.mean + self.tilt_mm.dot(cosines - self.middle)
     }

@@ -52,6 +52,7 @@ mod _photosite {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        photosite::cache::keep_on_disk();
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -1,13 +1,15 @@
 //! Pictures of points by diffraction, for objects at any distance, and offsets that are drawn from them.
 
+use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
+use std::sync::{Arc, Mutex};
 
 use glam::{DMat2, DVec2, DVec3};
 use photosite_lens::focus::{Distance, FocusBy};
 use photosite_lens::profile::Travel;
 use photosite_lens::spread_table::SpreadTable;
 use photosite_lens::trace::{Apertures, LensAt, Step};
-use photosite_lens::wave::{FocusSurface, WaveSpread};
+use photosite_lens::wave::{FocusSurface, Shelf, WaveSpread};
 use photosite_lens::{Lens, Ray, files};
 
 const NM: f64 = 550.0;
@@ -248,6 +250,85 @@ fn between_nodes_the_modulation_is_nearly_that_of_the_place() {
                 assert!(most < 0.03, "{name} f/{f_number} {height} mm {nm} nm {axis}: {worst:?}");
             }
         }
+    }
+}
+
+/// Every number that pictures follow from is in the key: a change of any makes another one.
+#[test]
+fn another_lens_stop_focus_wavelength_or_sensor_has_another_key() {
+    let prescription = files::shipped("canon-rf24").expect("ships").prescription;
+    let focus = FocusSurface { distance_mm: 2000.0, reference_mm: 30.0, is_flat: true };
+    let key =
+        |lens: &Lens, focus: FocusSurface, corner_mm: f64, nm: f64| WaveSpread::new(lens, focus, corner_mm, nm).key();
+    let lens = Lens::new(&prescription).expect("a lens");
+    let changed = |change: &dyn Fn(&mut photosite_lens::Prescription)| {
+        let mut prescription = prescription.clone();
+        change(&mut prescription);
+        key(&Lens::new(&prescription).expect("a lens"), focus, 21.6, NM)
+    };
+    let asphere = prescription.surfaces.iter().position(|surface| !surface.asphere.is_empty()).expect("an asphere");
+    let glass = prescription.surfaces.iter().position(|surface| surface.glass.is_some()).expect("glass");
+    let other = prescription.surfaces.iter().filter_map(|surface| surface.glass.clone());
+    let other = other.last().expect("glass");
+    let least = 1.0 + 4.0 * f64::EPSILON;
+    let keys = [
+        key(&lens, focus, 21.6, NM),
+        key(&lens.with_stop_radius(lens.stop_radius_mm() / least), focus, 21.6, NM),
+        key(&lens.with_gaps(&[(lens.surfaces().len() - 1, 40.0)]), focus, 21.6, NM),
+        key(&lens, FocusSurface { distance_mm: 2000.0 * least, ..focus }, 21.6, NM),
+        key(&lens, FocusSurface { reference_mm: 30.0 * least, ..focus }, 21.6, NM),
+        key(&lens, FocusSurface { is_flat: false, ..focus }, 21.6, NM),
+        key(&lens, focus, 21.6 * least, NM),
+        key(&lens, focus, 21.6, NM + 1.0),
+        changed(&|p| p.surfaces[glass].radius_mm = p.surfaces[glass].radius_mm.map(|radius| radius * least)),
+        changed(&|p| p.surfaces[glass].thickness_mm *= least),
+        changed(&|p| p.surfaces[glass].semi_aperture_mm = p.surfaces[glass].semi_aperture_mm.map(|semi| semi / least)),
+        changed(&|p| p.surfaces[glass].glass = Some(other.clone())),
+        changed(&|p| p.surfaces[asphere].conic += 1e-15),
+        changed(&|p| p.surfaces[asphere].asphere[0].1 *= least),
+        changed(&|p| p.blades = Some(photosite_lens::prescription::Blades { count: 7, rotation_deg: 0.0 })),
+        changed(&|p| p.blades = Some(photosite_lens::prescription::Blades { count: 9, rotation_deg: 0.0 })),
+        changed(&|p| p.blades = Some(photosite_lens::prescription::Blades { count: 7, rotation_deg: 1.0 })),
+    ];
+    for (i, one) in keys.iter().enumerate() {
+        assert!(keys[..i].iter().all(|other| other != one), "{i}");
+    }
+    assert_eq!(keys[0], key(&lens.clone(), focus, 21.6, NM));
+}
+
+/// A shelf in memory.
+#[derive(Debug, Default)]
+struct Kept(Mutex<HashMap<usize, Vec<u8>>>);
+
+impl Shelf for Kept {
+    fn take(&self, number: usize) -> Option<Vec<u8>> {
+        self.0.lock().expect("whole").get(&number).cloned()
+    }
+
+    fn keep(&self, number: usize, bytes: &[u8]) {
+        self.0.lock().expect("whole").insert(number, bytes.to_vec());
+    }
+}
+
+/// Offsets from what was kept are those of what is worked out, to the last bit, and so are those where what was kept is of
+/// something else.
+#[test]
+fn pictures_that_were_kept_are_the_same() {
+    let prescription = files::shipped("double-gauss").expect("ships").prescription;
+    for blades in [None, Some(photosite_lens::prescription::Blades { count: 6, rotation_deg: 20.0 })] {
+        let lens = Lens::new(&photosite_lens::Prescription { blades, ..prescription.clone() }).expect("a lens");
+        let focus = FocusSurface { distance_mm: f64::INFINITY, reference_mm: 0.0, is_flat: true };
+        let shelf = Arc::new(Kept::default());
+        let wave = || WaveSpread::new(&lens, focus, 21.6, NM).with_shelf(shelf.clone());
+        let offsets = |wave: &WaveSpread| -> Vec<DVec2> {
+            let point = |i: u32| DVec2::from_angle(f64::from(i)) * 3.0;
+            (0..40).map(|i| wave.offset(point(i), NM, [f64::from(i) / 40.0, (f64::from(i) * 0.618).fract()])).collect()
+        };
+        let first = offsets(&wave());
+        let kept = shelf.0.lock().expect("whole").len();
+        assert!(kept > 1 && offsets(&wave()) == first && shelf.0.lock().expect("whole").len() == kept);
+        shelf.0.lock().expect("whole").values_mut().for_each(|bytes| bytes.truncate(bytes.len() - 1));
+        assert_eq!(offsets(&wave()), first);
     }
 }
 

@@ -20,6 +20,7 @@ mod prescribed_tests;
 #[cfg(test)]
 mod prescribed_wave_tests;
 mod recording;
+mod spread_store;
 mod stop;
 
 pub use camera::{
@@ -33,4 +34,5 @@ pub use lateral_colour::LateralColour;
 pub use photosite_core::projection::{BrownConrady, Intrinsics, Projection, Reach, ReachEnd, Seen};
 pub use point_spread::{Kernel, KernelField, PointSpread};
 pub use recording::Recording;
+pub use spread_store::{Shelf, ShelfOf, keep_point_spreads};
 pub use stop::Stop;

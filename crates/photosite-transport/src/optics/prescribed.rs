@@ -5,11 +5,11 @@
 //! line of the lens as it is focused; its axes are those of the prescription.
 
 use std::f64::consts::FRAC_PI_2;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::{Focus, LensDescription, PointSpread, Seen};
+use super::{Focus, LensDescription, PointSpread, Seen, spread_store};
 use photosite_core::Invalid;
 use photosite_core::math::monotone_cubic::MonotoneCubic;
 use photosite_core::spectrum::dispersion::lines;
@@ -55,7 +55,7 @@ pub(super) struct PrescribedLens {
     tables: OnceLock<Tables>,
     entrance: OnceLock<EntranceTable>,
     /// Where points are spread as waves are, and not as the rays of the glass land.
-    wave: Option<WaveSpread>,
+    wave: Option<Arc<WaveSpread>>,
     /// Image height up to which chief rays pass all apertures, mm.
     clear_mm: OnceLock<f64>,
 }
@@ -139,7 +139,8 @@ impl PrescribedLens {
         let is_wave = description.point_spread == Some(PointSpread::Wave);
         // In the middle of what the sensor sees.
         let (middle_nm, _) = spectrum[spectrum.len() / 2];
-        let wave = is_wave.then(|| WaveSpread::new(&lens, focus(is_flat(&chief)), corner_mm, middle_nm));
+        let wave =
+            is_wave.then(|| spread_store::known(WaveSpread::new(&lens, focus(is_flat(&chief)), corner_mm, middle_nm)));
         Ok(Self {
             wave,
             lens,
@@ -192,7 +193,7 @@ impl PrescribedLens {
     #[inline]
     fn offset(&self, sensor_mm: DVec2, wavelength_nm: f32, spread: [f32; 2]) -> DVec2 {
         let offset = |wave: &WaveSpread| wave.offset(sensor_mm, wavelength_nm.into(), spread.map(f64::from));
-        self.wave.as_ref().map_or(DVec2::ZERO, offset)
+        self.wave.as_deref().map_or(DVec2::ZERO, offset)
     }
 
     /// Where points are spread as waves are, turns a ray that has come out into the scene to the point in focus that the
