@@ -28,9 +28,12 @@ fn models() -> [Model; 6] {
     let spectrum = SampledSpectrum::splat;
     let (smooth, rough) = (Ggx::from_roughness(0.0, 0.0), Ggx::from_roughness(0.4, 0.0));
     let model = |name, bsdf| Model { name, bsdf };
-    let conductor = |distribution| Bsdf::Conductor(Conductor { eta: spectrum(0.2), k: spectrum(3.0), distribution });
+    let conductor = |distribution| {
+        Bsdf::Conductor(Conductor { eta: spectrum(0.2), k: spectrum(3.0), distribution, energy_compensation: false })
+    };
     let dielectric = |distribution| {
-        Bsdf::Dielectric(Dielectric { index: RelativeIndex { eta: spectrum(1.5), dispersive: false }, distribution })
+        let index = RelativeIndex { eta: spectrum(1.5), dispersive: false };
+        Bsdf::Dielectric(Dielectric { index, distribution, energy_compensation: false })
     };
     let coated = Bsdf::Layered(Layered { base_colour: spectrum(0.5), distribution: rough, ..Layered::default() });
     [

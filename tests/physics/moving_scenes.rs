@@ -33,7 +33,7 @@ pub(crate) struct MovingScene {
 impl MovingScene {
     pub(crate) fn draw(seed: u64) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let mut draw = Draw(Philox::new(seed, 0x5ce_e5));
+        let mut draw = Draw(Philox::new(seed, 0x5cee5));
         let count = 2 + draw.index(2);
         let objects = (0..count).map(|i| object(folder.path(), i, &mut draw)).collect();
         let camera = match draw.index(3) {

@@ -125,11 +125,11 @@ impl<'a> Draw<'a> {
                 return if alternatives == "enum" { one.clone() } else { self.value(key, one) };
             }
         }
-        let kind = match &of["type"] {
-            Value::Array(kinds) => kinds.choose(&mut self.random).and_then(Value::as_str).expect("a type").to_owned(),
-            kind => kind.as_str().unwrap_or("string").to_owned(),
+        let kind = match of["type"].as_array() {
+            Some(kinds) => kinds.choose(&mut self.random).and_then(Value::as_str).expect("a type"),
+            None => of["type"].as_str().unwrap_or("string"),
         };
-        match kind.as_str() {
+        match kind {
             "boolean" => json!(self.random.random::<bool>()),
             "integer" => json!(self.number(of, 8.0).round() as i64),
             "number" => json!(self.number(of, 1e3)),
@@ -248,10 +248,8 @@ fn broken(values: &Value, folder: &Path) -> Result<Option<String>, Error> {
 
 /// An error with what it says how to mend it.
 fn said(error: &Error) -> String {
-    let help = match error {
-        Error::Input(input) => input.help.as_ref().map(ToString::to_string),
-        _ => None,
-    };
+    let input = if let Error::Input(input) = error { Some(input) } else { None };
+    let help = input.and_then(|input| input.help.as_ref()).map(ToString::to_string);
     format!("{error}: {}", help.unwrap_or_default())
 }
 

@@ -73,7 +73,7 @@ impl LensAt<'_> {
     /// would land farther away than half the size of the picture is folded back into it: at a round pupil
     /// 2/(π²·n) of all, with n the distance in units of λ·N, 0.3 % of the smallest.
     pub fn point_spread(&self, chief: ChiefRay, distance_mm: f64) -> Option<PointSpread> {
-        self.point_spreads(chief, distance_mm, &[self.lens.clone()]).pop()?
+        self.point_spreads(chief, distance_mm, std::slice::from_ref(self.lens)).pop()?
     }
 
     /// The pictures of such a point through lenses that differ from this one in the blades of their stops, whose edges alone

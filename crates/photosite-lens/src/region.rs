@@ -19,7 +19,7 @@ const BEYOND: f64 = 1.5;
 /// Half the abscissas and half the weights of the quadrature of Gauss and Legendre with eight points: distances from the middle
 /// of an interval of the length 1, and what counts of it there, on either side.
 const GAUSS: [(f64, f64); 4] = [
-    (0.091_717_321_247_824_9, 0.181_341_891_689_180_99),
+    (0.091_717_321_247_824_9, 0.181_341_891_689_181),
     (0.262_766_204_958_164_5, 0.156_853_322_938_943_64),
     (0.398_333_238_706_813_4, 0.111_190_517_226_687_24),
     (0.480_144_928_248_768_15, 0.050_614_268_145_188_13),

@@ -207,7 +207,7 @@ fn a_lens_of_small_aberrations_makes_airys_pattern() {
     let lens = lens("double-gauss", 16.0, distance);
     let at = lens.at(NM);
     let pupil = at.pupil_region(0.0, 128).expect("light");
-    let limit = 2.0 * pupil.radii[0] / (NM * 1e-6);
+    let limit = 2.0 * pupil.boundary(0).distance(pupil.centre) / (NM * 1e-6);
     let reference_mm = at.first_order().entrance_pupil_mm;
     let focus = FocusSurface { distance_mm: distance + reference_mm, reference_mm, is_flat: true };
     let wave = WaveSpread::new(&lens, focus, 20.0, NM);
@@ -269,7 +269,7 @@ fn another_lens_stop_focus_wavelength_or_sensor_has_another_key() {
     let asphere = prescription.surfaces.iter().position(|surface| !surface.asphere.is_empty()).expect("an asphere");
     let glass = prescription.surfaces.iter().position(|surface| surface.glass.is_some()).expect("glass");
     let other = prescription.surfaces.iter().filter_map(|surface| surface.glass.clone());
-    let other = other.last().expect("glass");
+    let other = other.next_back().expect("glass");
     let least = 1.0 + 4.0 * f64::EPSILON;
     let keys = [
         key(&lens, focus, 21.6, NM),

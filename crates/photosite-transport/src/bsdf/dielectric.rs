@@ -178,7 +178,7 @@ impl Bounces {
         let sample = BsdfSample::reflected(lanes(f, dispersive), wi, Pdf::new(pdf));
         let is_transmission = wi.z < 0.0;
         let eta = if is_transmission { eta } else { 1.0 };
-        (pdf > 0.0 && !is_grazing(wi)).then(|| BsdfSample {
+        (pdf > 0.0 && !is_grazing(wi)).then_some(BsdfSample {
             is_transmission,
             terminates_secondary: dispersive,
             eta,

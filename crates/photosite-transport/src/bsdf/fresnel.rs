@@ -108,8 +108,8 @@ pub fn mean_dielectric(eta: f32) -> f32 {
 #[inline]
 pub fn mean_conductor(eta: SampledSpectrum, k: SampledSpectrum) -> SampledSpectrum {
     const RULE: [(f32, f32); 4] = [
-        (0.069_431_844, 0.173_927_42),
-        (0.330_009_48, 0.326_072_58),
+        (0.069_431_84, 0.173_927_42),
+        (0.330_009_5, 0.326_072_58),
         (0.669_990_5, 0.326_072_58),
         (0.930_568_16, 0.173_927_42),
     ];

@@ -170,7 +170,7 @@ impl Lights {
     pub(crate) fn triangle_of(&self, light: u32) -> u32 {
         match &self.lights[light as usize] {
             Light::Triangle(emitter) => emitter.triangle,
-            _ => Facet::NO_TRIANGLE,
+            Light::Delta(_) | Light::Environment => Facet::NO_TRIANGLE,
         }
     }
 
