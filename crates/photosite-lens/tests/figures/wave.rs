@@ -268,7 +268,7 @@ fn another_lens_stop_focus_wavelength_or_sensor_has_another_key() {
     };
     let asphere = prescription.surfaces.iter().position(|surface| !surface.asphere.is_empty()).expect("an asphere");
     let glass = prescription.surfaces.iter().position(|surface| surface.glass.is_some()).expect("glass");
-    let other = prescription.surfaces.iter().filter_map(|surface| surface.glass.clone());
+    let mut other = prescription.surfaces.iter().filter_map(|surface| surface.glass.clone());
     let other = other.next_back().expect("glass");
     let least = 1.0 + 4.0 * f64::EPSILON;
     let keys = [
