@@ -44,8 +44,8 @@ fn caustics(scene: &SceneDescription, materials: &[&MaterialDescription]) -> Opt
     };
     Some(format!(
         "caustics of lamps without a surface are not found: the solid glass of the material {first:?}{others} throws a \
-         black shadow in the light of {lamp:?}; give the lamp a surface that shines, such as a small sphere with an \
-         emission, or make a pane of the glass (type = \"thin-dielectric\")"
+         black shadow in the light of {lamp:?}; put a small mesh with an emission in place of the lamp, or make a pane of \
+         the glass (type = \"thin-dielectric\")"
     ))
 }
 
