@@ -15,10 +15,7 @@ pub fn split_change(change: &str) -> Option<(&str, &str)> {
 /// The value of an override as TOML reads it; `None` for a bare word, which stands for itself.
 pub fn toml_value(text: &str) -> Option<toml::Value> {
     // A value may not smuggle in lines of its own.
-    if text.contains(['\n', '\r']) {
-        return None;
-    }
-    toml_text::read::<toml::Table>(&format!("value = {text}")).ok()?.remove("value")
+    toml_text::value(text).filter(|_| !text.contains(['\n', '\r']))
 }
 
 /// The keys of a path, without their quotes.

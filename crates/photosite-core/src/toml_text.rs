@@ -71,6 +71,12 @@ pub fn read<T: DeserializeOwned>(text: &str) -> Result<T, TomlError> {
     Ok(toml::from_str(text)?)
 }
 
+/// Reads a value alone; `None` where the text is none.
+pub fn value(text: &str) -> Option<toml::Value> {
+    check(&format!("value = {text}")).ok()?;
+    text.parse().ok()
+}
+
 /// Walks the structure of a text up to its first error.
 fn check(text: &str) -> Result<(), TomlError> {
     let tokens = Source::new(text).lex().into_vec();
