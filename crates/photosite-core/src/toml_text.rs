@@ -15,7 +15,7 @@ use toml_parser::parser::{EventReceiver, parse_document};
 use toml_parser::{ErrorSink, Expected, ParseError, Source, Span};
 
 /// Levels of tables and lists, dotted keys included. The deepest key of a capture file has seven.
-const MOST_LEVELS: usize = 64;
+pub const MOST_LEVELS: usize = 64;
 
 /// What is wrong with a text, and the bytes of it that are.
 #[derive(Clone, Debug, PartialEq, Eq)]
