@@ -19,7 +19,7 @@ pub(super) fn of(scene: &SceneDescription) -> Vec<String> {
     warnings
 }
 
-/// Of a material whose microfacets lose much of the light.
+/// Warning of a material whose microfacets lose much of the light.
 fn loss(material: &MaterialDescription) -> Option<String> {
     /// A seventh of a stop.
     const NOTABLE: f32 = 0.1;
@@ -33,7 +33,7 @@ fn loss(material: &MaterialDescription) -> Option<String> {
     })
 }
 
-/// Of solid glass before lamps that no refracted ray meets.
+/// Warning of solid glass before lamps that no refracted ray meets.
 fn caustics(scene: &SceneDescription, materials: &[&MaterialDescription]) -> Option<String> {
     let glass: BTreeSet<&str> =
         materials.iter().filter(|m| is_solid_glass(&m.model)).map(|m| m.name.as_str()).collect();

@@ -12,7 +12,7 @@ pub(super) struct Block {
     channel: String,
     column: usize,
     row: usize,
-    /// Of the first from the second.
+    /// Difference of the first from the second.
     pub(super) difference_percent: f64,
     pub(super) standard_error_percent: f64,
 }

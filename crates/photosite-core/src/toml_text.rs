@@ -65,7 +65,7 @@ pub fn parse(text: &str) -> Result<Spanned<DeTable<'_>>, TomlError> {
 ///
 /// # Errors
 ///
-/// As of [`parse`], and what is no such value.
+/// Errors of [`parse`], and a text that is no such value.
 pub fn read<T: DeserializeOwned>(text: &str) -> Result<T, TomlError> {
     check(text)?;
     Ok(toml::from_str(text)?)

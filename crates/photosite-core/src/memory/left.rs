@@ -42,6 +42,11 @@ pub struct Left {
 }
 
 impl Left {
+    /// What is left of all that there is.
+    pub(super) fn of(of: u64, taken: u64, bound: Bound) -> Self {
+        Self { bytes: of.saturating_sub(taken), of, bound }
+    }
+
     /// Bytes.
     pub fn bytes(self) -> u64 {
         self.bytes

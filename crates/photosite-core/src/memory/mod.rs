@@ -55,9 +55,9 @@ pub fn check(bytes: u64, what: &str, instead: &str) -> Result<(), Invalid> {
 ///
 /// # Errors
 ///
-/// As of [`Left::check`].
+/// Errors of [`Left::check`].
 pub fn check_threads(count: usize) -> Result<(), Invalid> {
-    /// Of the standard library.
+    /// Bytes that the standard library maps for each.
     const STACK: u64 = 2 << 20;
     /// What the C library and this program map for the first threads: the C library ends a program without a word of
     /// ours where it has no memory to begin a thread with.

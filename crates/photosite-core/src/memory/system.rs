@@ -46,23 +46,21 @@ impl System {
 
     /// What is left for more; `told` stands in for what machine and groups have, unless it is 0.
     pub(super) fn left(&self, told: u64) -> Option<Left> {
-        let of = |of: u64, taken: u64, bound: Bound| Left { bytes: of.saturating_sub(taken), of, bound };
         let shared = match told {
             0 => [
                 self.available.map(|left| Left { bytes: left, of: left + self.resident, bound: Bound::Machine }),
-                self.group.map(|most| of(most, self.resident, Bound::ControlGroup)),
+                self.group.map(|most| Left::of(most, self.resident, Bound::ControlGroup)),
             ],
-            told => [Some(of(told, self.resident, Bound::Told)), None],
+            told => [Some(Left::of(told, self.resident, Bound::Told)), None],
         };
         shared.into_iter().flatten().chain(self.left_to_map()).min_by_key(|left| left.bytes)
     }
 
     /// What the resource limits leave to map, whether it is touched or not.
     pub(super) fn left_to_map(&self) -> Option<Left> {
-        let left = |most: Option<u64>, taken, bound| most.map(|of| Left { bytes: of.saturating_sub(taken), of, bound });
         let own = [
-            left(self.most_address_space, self.address_space, Bound::AddressSpace),
-            left(self.most_data, self.data, Bound::Data),
+            self.most_address_space.map(|most| Left::of(most, self.address_space, Bound::AddressSpace)),
+            self.most_data.map(|most| Left::of(most, self.data, Bound::Data)),
         ];
         own.into_iter().flatten().min_by_key(|left| left.bytes)
     }

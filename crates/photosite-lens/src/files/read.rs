@@ -25,7 +25,7 @@ pub fn read(bytes: &[u8], path: &Path) -> photosite_core::Result<Reading> {
 ///
 /// # Errors
 ///
-/// Those of [`read`]; and `first_number` for a file of another format, which says it itself.
+/// Errors of [`read`], and `first_number` given for a file of a format that says it itself.
 pub fn read_with(bytes: &[u8], path: &Path, first_number: Option<FirstNumber>) -> photosite_core::Result<Reading> {
     let text = text::decoded(bytes).map_err(|invalid| invalid.in_file(path))?;
     let format = Format::of(path, &text).map_err(|invalid| invalid.in_file(path))?;

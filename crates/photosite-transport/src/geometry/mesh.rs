@@ -144,7 +144,7 @@ impl Geometry {
         self.corners_of(triangle, &self.meshes[triangle.mesh as usize], time)
     }
 
-    /// The same in double precision, the time included.
+    /// Corners of a triangle at a time, both in double precision.
     pub(crate) fn exact_corners_at(&self, triangle: u32, time: f64) -> [DVec3; 3] {
         let triangle = &self.triangles[triangle as usize];
         let Some(deformation) = self.meshes[triangle.mesh as usize].deformation else {

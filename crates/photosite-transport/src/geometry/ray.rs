@@ -47,7 +47,7 @@ impl Ray {
         Self { time, ..self }
     }
 
-    /// The same ray from a triangle.
+    /// This ray as one that leaves a triangle.
     #[inline]
     #[must_use]
     pub fn leaving(self, from: Facet) -> Self {

@@ -90,7 +90,7 @@ struct Fit {
 }
 
 /// The formula of fewest terms that is within 1e-5 of the table, else the best: Conrady's, then n² as a sum of powers of λ.
-/// Of one index it is constant.
+/// A glass of one index is constant.
 fn fitted(wavelengths_nm: &[f64], indices: &[f64]) -> Option<Fit> {
     let of = |dispersion: Dispersion, formula: String| {
         let dispersion = dispersion.validated().ok()?;

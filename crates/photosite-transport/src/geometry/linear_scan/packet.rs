@@ -54,7 +54,7 @@ pub(in crate::geometry) struct RayPacket<'a, S: Simd> {
     pub(super) t_max: S::Wide,
     /// Indices in the scan of the triangles that the rays leave; of no triangle where they begin anywhere else.
     pub(super) from: S::Wide,
-    /// Those of the triangles that they end at.
+    /// Indices of the triangles that they end at.
     pub(super) to: S::Wide,
 }
 
