@@ -29,8 +29,8 @@ pub(super) fn become_patient() {
     *patient() += 1;
 }
 
-/// Takes that back: when nobody is left who stops by himself, a signal ends the program at once again. Whether one has come since [`become_patient`] is known when
-/// this returns.
+/// Takes that back: when no work is left that stops by itself, a signal ends the program at once again. Whether one has
+/// come since [`become_patient`] is known when this returns.
 pub(super) fn become_impatient() {
     let mut patient = patient();
     *patient = patient.saturating_sub(1);

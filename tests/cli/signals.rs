@@ -70,7 +70,8 @@ fn begun(folder: &Folder) -> Child {
     process
 }
 
-/// Both come before the render has kept anything: it is held on until both are there.
+/// Both come before the render has kept anything: it is held on until both are there. Which of two waiting signals the
+/// system delivers first is not specified (POSIX, 2.4.1), so that the status is either's.
 #[test]
 fn a_second_signal_ends_a_render_at_once() {
     let folder = room("");
@@ -79,8 +80,8 @@ fn a_second_signal_ends_a_render_at_once() {
         send(signal, process.id());
     }
     let output = process.wait_with_output().expect("it ends");
-    // The second's status, and no word of a checkpoint.
-    assert_eq!(output.status.code(), Some(143), "{output:?}");
+    // No word of a checkpoint.
+    assert!([Some(130), Some(143)].contains(&output.status.code()), "{output:?}");
     assert_eq!(output.stderr, b"", "{output:?}");
     assert!(!folder.path("out").exists(), "nothing is left behind");
 }
