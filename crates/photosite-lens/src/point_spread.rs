@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec2;
 use rustfft::FftPlanner;
-use rustfft::num_complex::Complex64;
+use rustfft::num_complex::{Complex32, Complex64};
 
 use crate::chief::ChiefRay;
 use crate::lens::Lens;
@@ -43,7 +43,7 @@ pub struct PointSpread {
     /// Distance of the samples on the sensor, mm.
     pub spacing_mm: f64,
     /// Energy in each sample, of 1 in all.
-    pub energy: Vec<f64>,
+    pub energy: Vec<f32>,
     /// Where sample (size/2, size/2) lies, from where the chief ray lands, mm: where the plane that fits W best leads light.
     pub middle_mm: DVec2,
     /// How far from there rays land at most, mm.
@@ -55,9 +55,9 @@ impl Wavefront {
     pub fn point_spread(&self) -> PointSpread {
         let wavelength_mm = self.wavelength_nm * 1e-6;
         let of_path = |(path, covered): (Option<f64>, &f64)| {
-            path.map_or(Complex64::default(), |path| Complex64::from_polar(*covered, TAU * path / wavelength_mm))
+            path.map_or(Complex32::default(), |path| phasor(*covered, path / wavelength_mm))
         };
-        let field: Vec<Complex64> = self.levelled().into_iter().zip(&self.covered).map(of_path).collect();
+        let field: Vec<Complex32> = self.levelled().into_iter().zip(&self.covered).map(of_path).collect();
         let middle_mm = self.plane(|number| self.covered[number]).map_or(DVec2::ZERO, |plane| plane.tilt_mm);
         let spread = PointSpread::of_field(&field, PADDING * self.size, wavelength_mm / self.spacing, false);
         PointSpread { middle_mm, farthest_mm: self.steepest_mm(|_| true, middle_mm), ..spread }
@@ -88,7 +88,7 @@ impl LensAt<'_> {
             let beyond = BEYOND * (high - low).max_element();
             // Not in the corners, where rays that no cell asks for are hardest to find.
             let counts = |point: DVec2| f64::from(passing.depth(point) > -2.0 * beyond);
-            rays.wavefront([low - beyond, high + beyond], TRACED, |point, _| (counts(point), point))
+            rays.wavefront([low - beyond, high + beyond], TRACED, |_| |point| (counts(point), point))
         });
         let of_lens = |lens: &Lens| {
             let at = LensAt { lens, ..self.clone() };
@@ -106,7 +106,8 @@ impl Rays<'_> {
         let exact = self.landing_from_chief();
         let [low, high] = region.bounds();
         let width = (high - low).max_element();
-        let plane = traced.plane(|number| region.cell(traced.cosines[number], traced.spacing).0)?;
+        let cell = region.cells(traced.spacing);
+        let plane = traced.plane(|number| cell(traced.cosines[number]).0)?;
         let wavelength_mm = traced.wavelength_nm * 1e-6;
 
         // As fine as half a wave from a point to the next at most
@@ -117,17 +118,23 @@ impl Rays<'_> {
 
         let spacing = width / fine as f64;
         let first = 0.5 * (low + high) - 0.5 * spacing * (fine as f64 - 1.0);
-        let at = |i: usize| {
-            let point = first + spacing * DVec2::new((i % fine) as f64, (i / fine) as f64);
-            let (covered, cosines) = region.cell(point, spacing);
-            let traced_here = || Some(self.path(exact(cosines)?, cosines, Apertures::Ignore)? - traced.zero_mm);
-            let path = || traced.between(cosines).map(|(path, _)| path).or_else(traced_here);
-            match if covered > 0.0 { path() } else { None } {
-                Some(path) => Complex64::from_polar(covered, TAU * (path - plane.at(cosines)) / wavelength_mm),
-                None => Complex64::default(),
-            }
-        };
-        let field: Vec<Complex64> = (0..fine * fine).map(at).collect();
+        let cell = region.cells(spacing);
+        let mut field = Vec::with_capacity(fine * fine);
+        for row in 0..fine {
+            let y = first.y + spacing * row as f64;
+            let along = traced.row(y);
+            field.extend((0..fine).map(|column| {
+                let (covered, cosines) = cell(DVec2::new(first.x + spacing * column as f64, y));
+                if covered == 0.0 {
+                    return Complex32::default();
+                }
+                // Cells that the edge cuts are asked in the middle of what is left of them.
+                let known = if cosines.y == y { along.as_ref().and_then(|along| along.at(cosines.x)) } else { traced.between(cosines) };
+                let traced_here = || Some(self.path(exact(cosines)?, cosines, Apertures::Ignore)? - traced.zero_mm);
+                let path = known.or_else(traced_here);
+                path.map_or(Complex32::default(), |path| phasor(covered, (path - plane.at(cosines)) / wavelength_mm))
+            }));
+        }
         let spread = PointSpread::of_field(&field, size, wavelength_mm / spacing, self.at.lens.stop_edges().is_none());
         Some(PointSpread { middle_mm: plane.tilt_mm, farthest_mm, ..spread })
     }
@@ -136,17 +143,17 @@ impl Rays<'_> {
 impl PointSpread {
     /// |FT|² of a field over a square of the pupil, zero-padded to `size`², whose picture is `width_mm` wide. Of a field that is
     /// its own mirror image along each row, so is the picture: half of it is worked out.
-    fn of_field(field: &[Complex64], size: usize, width_mm: f64, is_mirrored: bool) -> Self {
+    fn of_field(field: &[Complex32], size: usize, width_mm: f64, is_mirrored: bool) -> Self {
         let given = (field.len() as f64).sqrt() as usize;
         let fft = FftPlanner::new().plan_fft_forward(size);
         // Rows of nothing stay so.
-        let mut rows = vec![Complex64::default(); given * size];
+        let mut rows = vec![Complex32::default(); given * size];
         for (row, of_row) in rows.chunks_mut(size).zip(field.chunks(given)) {
             row[..given].copy_from_slice(of_row);
         }
         fft.process(&mut rows);
         let known = if is_mirrored { size / 2 + 1 } else { size };
-        let mut columns = vec![Complex64::default(); known * size];
+        let mut columns = vec![Complex32::default(); known * size];
         by_blocks(given, known, |row, column| columns[column * size + row] = rows[row * size + column]);
         fft.process(&mut columns);
         // Frequency 0 in the middle.
@@ -156,8 +163,8 @@ impl PointSpread {
             let like = if column < known { column } else { size - column };
             energy[moved(row) * size + moved(column)] = columns[like * size + row].norm_sqr();
         });
-        let total: f64 = energy.iter().sum();
-        energy.iter_mut().for_each(|energy| *energy /= total);
+        let total: f64 = energy.iter().copied().map(f64::from).sum();
+        energy.iter_mut().for_each(|energy: &mut f32| *energy = (f64::from(*energy) / total) as f32);
         Self { size, spacing_mm: width_mm / size as f64, energy, middle_mm: DVec2::ZERO, farthest_mm: 0.0 }
     }
 
@@ -174,9 +181,16 @@ impl PointSpread {
             (0..self.size).map(|i| Complex64::cis(step * i as f64)).collect()
         };
         let (columns, rows) = (phases(axis.x), phases(axis.y));
-        let row = |energy: &[f64]| energy.iter().zip(&columns).map(|(energy, phase)| phase * energy).sum::<Complex64>();
+        let row = |energy: &[f32]| -> Complex64 {
+            energy.iter().zip(&columns).map(|(energy, phase)| phase * f64::from(*energy)).sum()
+        };
         self.energy.chunks(self.size).zip(&rows).map(|(energy, phase)| row(energy) * phase).sum::<Complex64>().norm()
     }
+}
+
+/// What a cell adds to the field, by how much of it is covered and its path in waves.
+fn phasor(covered: f64, waves: f64) -> Complex32 {
+    Complex32::from_polar(covered as f32, (TAU * (waves - waves.round())) as f32)
 }
 
 /// Visits rows and columns so that what is read by rows and written by columns, or the other way, stays near.

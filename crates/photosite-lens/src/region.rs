@@ -166,10 +166,24 @@ impl Region {
 
     /// How much of a square of this side about a point lies within the boundary, from 0 to 1, and the middle of that part,
     /// as if the boundary were a straight edge along the square: what the corners get wrong evens out along the boundary.
-    pub(crate) fn cell(&self, point: DVec2, side: f64) -> (f64, DVec2) {
-        let covered = (self.depth(point) / side + 0.5).clamp(0.0, 1.0);
-        let inwards = (self.centre - point).normalize_or_zero();
-        (covered, point + inwards * (0.5 * side * (1.0 - covered)))
+    pub(crate) fn cells(&self, side: f64) -> impl Fn(DVec2) -> (f64, DVec2) {
+        // Most squares lie wholly on one side of all of the boundary, whose cubics reach beyond the radii they go through by an
+        // eighth of the difference at most.
+        let [least, most] = [f64::min, f64::max].map(|of| self.radii.iter().copied().reduce(of).unwrap_or(0.0));
+        let half = 0.5 * side / self.scale.min_element();
+        let [inner, outer] = [least - (most - least) / 8.0 - half, most + (most - least) / 8.0 + half];
+        move |point: DVec2| {
+            let radius = ((point - self.centre) / self.scale).length();
+            if radius <= inner {
+                return (1.0, point);
+            }
+            if radius >= outer {
+                return (0.0, point);
+            }
+            let covered = (self.depth(point) / side + 0.5).clamp(0.0, 1.0);
+            let inwards = (self.centre - point).normalize_or_zero();
+            (covered, point + inwards * (0.5 * side * (1.0 - covered)))
+        }
     }
 
     /// Corners of the smallest rectangle along the axes that holds the boundary.

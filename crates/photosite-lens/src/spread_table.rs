@@ -18,11 +18,14 @@ const MOST_LEVELS: usize = 8;
 /// Those of a level that a finer one covers.
 const INNER: std::ops::Range<usize> = SIDE / 4..SIDE - SIDE / 4;
 
+/// All light of a row.
+const WHOLE: u16 = u16::MAX;
+
 /// A picture of a point as cells of even light, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpreadTable {
-    /// Light up to and with each cell of a row, of levels from the finest on.
-    cells: Vec<f32>,
+    /// Light up to and with each cell of a row, of [`WHOLE`] in the row, of levels from the finest on.
+    cells: Vec<u16>,
     /// Light up to and with each row, of 1 in all.
     rows: Vec<f64>,
     /// Side of the finest cells, mm.
@@ -42,15 +45,17 @@ impl SpreadTable {
         let mut sum = 0.0;
         loop {
             let is_finest = rows.is_empty();
-            let sharp = sharpened(&energy, size, rows.len() / SIDE);
+            let part = sharpening(rows.len() / SIDE);
             let first = (size - SIDE) / 2;
             for row in 0..SIDE {
                 let mut of_row = 0.0;
-                for column in 0..SIDE {
+                let up_to: [f64; SIDE] = std::array::from_fn(|column| {
                     let is_covered = !is_finest && INNER.contains(&row) && INNER.contains(&column);
-                    of_row += if is_covered { 0.0 } else { sharp[(first + row) * size + first + column] };
-                    cells.push(of_row as f32);
-                }
+                    of_row += if is_covered { 0.0 } else { sharpened(&energy, size, part, [first + row, first + column]) };
+                    of_row
+                });
+                let part = if of_row > 0.0 { f64::from(WHOLE) / of_row } else { 0.0 };
+                cells.extend(up_to.map(|up_to| (part * up_to).round() as u16));
                 sum += of_row;
                 rows.push(sum);
             }
@@ -97,10 +102,10 @@ impl SpreadTable {
             return None;
         }
         let rows = (0..count).map(|_| double()).collect::<Option<Vec<_>>>()?;
-        let (of_cells, rest) = bytes.split_at_checked(count * SIDE * size_of::<f32>())?;
+        let (of_cells, rest) = bytes.split_at_checked(count * SIDE * size_of::<u16>())?;
         *bytes = rest;
         let (cells, _) = of_cells.as_chunks();
-        let cells = cells.iter().map(|number| f32::from_le_bytes(*number)).collect();
+        let cells = cells.iter().map(|number| u16::from_le_bytes(*number)).collect();
         let (middle_mm, farthest_and_reach_mm) = (DVec2::new(x, y), [farthest, reach]);
         Some(Self { cells, rows, cell_mm, middle_mm, farthest_and_reach_mm })
     }
@@ -126,20 +131,21 @@ fn rest(u: f64, from: f64, to: f64) -> f64 {
     if to > from { ((u - from) / (to - from)).clamp(0.0, 1.0) } else { 0.5 }
 }
 
-/// Cells of which squares of even light have the modulation of the picture, of some level.
-fn sharpened(energy: &[f64], size: usize, level: usize) -> Vec<f64> {
-    let part = (2.0 - 0.25_f64.powi(level as i32)) / 24.0;
-    let at = |row: usize, column: usize| energy[row % size * size + column % size];
-    let of = |i: usize| {
-        let (row, column) = (i / size + size, i % size + size);
-        let around = at(row - 1, column) + at(row + 1, column) + at(row, column - 1) + at(row, column + 1);
-        (at(row, column) - part * (around - 4.0 * at(row, column))).max(0.0)
-    };
-    (0..size * size).map(of).collect()
+/// How much of −∇² sharpens the cells of a level: 1/24 for its squares, and what halving the levels before took.
+fn sharpening(level: usize) -> f64 {
+    (2.0 - 0.25_f64.powi(level as i32)) / 24.0
+}
+
+/// A cell of which a square of even light has the modulation of the picture.
+fn sharpened(energy: &[f32], size: usize, part: f64, [row, column]: [usize; 2]) -> f64 {
+    let at = |row: usize, column: usize| f64::from(energy[row % size * size + column % size]);
+    let (below, left) = (row + size - 1, column + size - 1);
+    let around = at(below, column) + at(row + 1, column) + at(row, left) + at(row, column + 1);
+    (at(row, column) - part * (around - 4.0 * at(row, column))).max(0.0)
 }
 
 /// Sums of two by two.
-fn halved(energy: &[f64], size: usize) -> Vec<f64> {
+fn halved(energy: &[f32], size: usize) -> Vec<f32> {
     let half = size / 2;
     let sum = |i: usize| {
         let first = i / half * 2 * size + i % half * 2;

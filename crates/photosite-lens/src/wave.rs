@@ -35,7 +35,7 @@ const STEP: f64 = 1.75e-7;
 /// Azimuths from one blade of a stop to the next.
 const AZIMUTHS: usize = 4;
 /// Number of the way that tables are worked out, which is raised when their numbers change between releases.
-const EDITION: u32 = 1;
+const EDITION: u32 = 2;
 /// As far as a point that counts as infinitely far, mm.
 const FAR_MM: f64 = 1e9;
 

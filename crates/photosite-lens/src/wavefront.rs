@@ -13,8 +13,9 @@ use crate::trace::{Apertures, LensAt, Ray, Step};
 
 /// Directions in which the edge of the pupil is looked for.
 const DIRECTIONS: usize = 96;
-/// Newton's method for the sensor point has come to the object's direction where it is this near, rad.
-const TOLERANCE: f64 = 1e-9;
+/// Newton's method for the sensor point has come to the object's direction where it is this near, rad: of W it leaves the
+/// square of that times a length of the lens, some 1e-12 mm.
+const TOLERANCE: f64 = 1e-7;
 /// Most steps of it, what a step leaves of the distance at most before derivatives are taken anew, and how often a step
 /// that comes no nearer, or leads past the lens, is halved.
 const MOST_STEPS: usize = 30;
@@ -185,14 +186,16 @@ impl<'a> Rays<'a> {
     }
 
     /// The path differences, to the chief ray's, on a grid of `size`² points between two corners, whatever apertures cut
-    /// off. `cell` says how much of the cell about some direction cosines, of a given side, lies in the pupil, and where.
-    pub(crate) fn wavefront(
+    /// off. `cells` says of cells of a given side how much of the one about some direction cosines lies in the pupil, and
+    /// where.
+    pub(crate) fn wavefront<Cell: Fn(DVec2) -> (f64, DVec2)>(
         &self,
         [low, high]: [DVec2; 2],
         size: usize,
-        cell: impl Fn(DVec2, f64) -> (f64, DVec2),
+        cells: impl FnOnce(f64) -> Cell,
     ) -> Option<Wavefront> {
         let spacing = (high - low).max_element() / (size as f64 - 1.0);
+        let cell = cells(spacing);
         let first = 0.5 * (low + high) - 0.5 * spacing * (size as f64 - 1.0);
         let zero = self.path(self.chief_landing(), self.chief_cosines(), Apertures::Ignore)?;
         let mut wavefront = Wavefront {
@@ -210,7 +213,7 @@ impl<'a> Rays<'a> {
         let mut derivatives = None;
         for number in 0..size * size {
             let point = first + spacing * DVec2::new((number % size) as f64, (number / size) as f64);
-            let (covered, cosines) = cell(point, spacing);
+            let (covered, cosines) = cell(point);
             wavefront.cosines[number] = cosines;
             if covered == 0.0 {
                 continue;
@@ -247,7 +250,7 @@ impl LensAt<'_> {
     pub fn wavefront_of(&self, chief: ChiefRay, distance_mm: f64, size: usize) -> Option<Wavefront> {
         let rays = Rays::new(self, chief, distance_mm);
         let region = rays.region(DIRECTIONS)?;
-        rays.wavefront(region.bounds(), size, |point, side| region.cell(point, side))
+        rays.wavefront(region.bounds(), size, |side| region.cells(side))
     }
 }
 
@@ -298,25 +301,18 @@ impl Wavefront {
         [nearest, left.unwrap_or(nearest), below.unwrap_or(nearest), chief]
     }
 
-    /// W and where light lands between the points of the grid, by Lagrange's cubics through four of them each way; `None`
-    /// where one of the sixteen is missing.
-    pub(crate) fn between(&self, cosines: DVec2) -> Option<(f64, DVec2)> {
-        let place = (cosines - self.first) / self.spacing;
-        let from = place.floor() - 1.0;
-        if from.min_element() < 0.0 || from.max_element() + 4.0 > self.size as f64 {
-            return None;
-        }
-        let (column, row) = (from.x as usize, from.y as usize);
-        let [across, up] = [place.x - from.x, place.y - from.y].map(cubic_weights);
-        let (mut path, mut landing) = (0.0, DVec2::ZERO);
-        for (j, up) in up.iter().enumerate() {
-            for (i, across) in across.iter().enumerate() {
-                let number = (row + j) * self.size + column + i;
-                path += up * across * self.path_mm[number]?;
-                landing += up * across * self.landing_mm[number];
-            }
-        }
-        Some((path, landing))
+    /// W between the points of the grid, by Lagrange's cubics through four of them each way; `None` where one of the sixteen
+    /// is missing.
+    pub(crate) fn between(&self, cosines: DVec2) -> Option<f64> {
+        self.row(cosines.y)?.at(cosines.x)
+    }
+
+    /// W along a row between those of the grid; `None` beyond them.
+    pub(crate) fn row(&self, y: f64) -> Option<Row> {
+        let (from, up) = four((y - self.first.y) / self.spacing, self.size)?;
+        let path = |row: usize, column: usize| self.path_mm[(from + row) * self.size + column].unwrap_or(f64::NAN);
+        let at = |column: usize| (0..4).map(|j| up[j] * path(j, column)).sum();
+        Some(Row { first: self.first.x, spacing: self.spacing, path_mm: (0..self.size).map(at).collect() })
     }
 
     /// How far from a place on the sensor, mm from where the chief ray lands, light lands at most: the steepest slope of W
@@ -335,6 +331,22 @@ impl Wavefront {
         let of_point = |(i, path): (usize, &Option<f64>)| path.map(|path| (self.cosines[i], path, weight(i)));
         let known: Vec<_> = self.path_mm.iter().enumerate().filter_map(of_point).collect();
         Plane::fit(&known)
+    }
+}
+
+/// W along a row of direction cosines, mm; not a number where it is missing.
+pub(crate) struct Row {
+    first: f64,
+    spacing: f64,
+    path_mm: Vec<f64>,
+}
+
+impl Row {
+    /// W by the cubic through four points; `None` where one is missing.
+    pub(crate) fn at(&self, x: f64) -> Option<f64> {
+        let (from, across) = four((x - self.first) / self.spacing, self.path_mm.len())?;
+        let path = self.path_mm[from..from + 4].iter().zip(across).map(|(path, weight)| weight * path).sum::<f64>();
+        path.is_finite().then_some(path)
     }
 }
 
@@ -378,6 +390,12 @@ impl Plane {
     pub(crate) fn at(&self, cosines: DVec2) -> f64 {
         self.mean + self.tilt_mm.dot(cosines - self.middle)
     }
+}
+
+/// The first of the four points around a place among so many, and their weights; `None` where there are no four.
+fn four(place: f64, count: usize) -> Option<(usize, [f64; 4])> {
+    let from = place.floor() - 1.0;
+    (from >= 0.0 && from + 4.0 <= count as f64).then(|| (from as usize, cubic_weights(place - from)))
 }
 
 /// Weights of the points 0 to 3 in the cubic through their values at `x`.
