@@ -32,7 +32,7 @@ fn models() -> [Model; 6] {
         Bsdf::Conductor(Conductor { eta: spectrum(0.2), k: spectrum(3.0), distribution, energy_compensation: false })
     };
     let dielectric = |distribution| {
-        let index = RelativeIndex { eta: spectrum(1.5), dispersive: false };
+        let index = RelativeIndex { eta: spectrum(1.5), dispersive: false, is_one: false };
         Bsdf::Dielectric(Dielectric { index, distribution, energy_compensation: false })
     };
     let coated = Bsdf::Layered(Layered { base_colour: spectrum(0.5), distribution: rough, ..Layered::default() });

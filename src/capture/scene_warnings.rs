@@ -52,7 +52,10 @@ fn caustics(scene: &SceneDescription, materials: &[&MaterialDescription]) -> Opt
 /// Whether light is refracted into a body, all of it in one direction.
 fn is_solid_glass(model: &MaterialModel) -> bool {
     match model {
-        MaterialModel::Dielectric(glass) => glass.distribution.distribution().is_smooth(),
+        MaterialModel::Dielectric(glass) => {
+            let is_one = glass.index.is_constant() && glass.index.index(lines::D) == 1.0;
+            glass.distribution.distribution().is_smooth() && !is_one
+        }
         MaterialModel::Layered(layers) => {
             let is_polished = layers.roughness.value == 0.0 || layers.roughness.texture.is_some();
             let refracts = layers.absorption_per_m.is_some() && layers.transmission.value > 0.0;

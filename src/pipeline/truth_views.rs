@@ -1,6 +1,6 @@
 //! The pictures that ground truth leads to: the next one for flow, that of the partner for disparity.
 
-use crate::calibration::truth::{TruthJob, TruthLayer, TruthObject, View, truth};
+use crate::calibration::truth::{NotFound, TruthJob, TruthLayer, TruthObject, View, truth};
 use crate::capture::{Capture, NextPicture};
 use crate::image::Planes;
 use crate::optics::{Camera, Focus, Recording};
@@ -13,6 +13,7 @@ use std::sync::Arc;
 use super::camera::camera_of;
 use super::focusing::{focus_camera, place_camera};
 use super::lens_corrections::image_grid;
+use super::monitor::{Event, Monitor};
 use super::prepare::Prepared;
 use photosite_core::image_grid::ImageGrid;
 
@@ -56,12 +57,13 @@ impl<'a> TruthViews<'a> {
 }
 
 impl Prepared {
-    /// Layers of ground truth of its picture, in the order in which they are asked for.
+    /// Layers of ground truth of its picture, in the order in which they are asked for. The monitor hears how many points
+    /// were not found.
     ///
     /// # Errors
     ///
     /// `disparity` where the capture has no partner; flow to a picture that shows other surfaces.
-    pub fn truth(&self, layers: &[TruthLayer]) -> Result<Planes> {
+    pub fn truth(&self, layers: &[TruthLayer], monitor: &dyn Monitor) -> Result<Planes> {
         let Self { capture, scene, .. } = self;
         if layers.contains(&TruthLayer::Disparity) && capture.output.truth.partner.is_none() {
             let invalid = Invalid::new("output.truth", "\"disparity\" is that between two cameras, and there is one");
@@ -75,7 +77,11 @@ impl Prepared {
             partner.as_ref().map(|(camera, place)| View { scene, camera, place: *place, grid, not_found: None });
         let next = views.next(capture, scene, first.next(self));
         let view = View::of(scene, &first.camera, grid);
-        Ok(truth(&TruthJob { view, objects: &self.objects, next, partner }, layers))
+        let not_found = NotFound::default();
+        let job = TruthJob { view, objects: &self.objects, next, partner }.counting(&not_found);
+        let planes = truth(&job, layers);
+        not_found.warning().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
+        Ok(planes)
     }
 }
 

@@ -13,7 +13,7 @@ use crate::image::Planes;
 use crate::io::developable::{Developable, read_developable};
 use crate::io::developed::PictureFormat;
 use crate::optics::LensKind;
-use crate::pipeline::{Carried, ExposedRender, Light, Prepared, Shot, StoredRender};
+use crate::pipeline::{Carried, ExposedRender, Light, Prepared, Shot, Silent, StoredRender};
 use crate::report::REPORT;
 use crate::sensor::{Exposure, NoiseMap, SensorModel};
 use crate::{Error, Invalid, Picture, Result, Sandbox};
@@ -296,7 +296,7 @@ impl Ready {
         match self {
             Self::Stored(_, _, beside) => beside.read(plane, frame),
             Self::Traced(prepared, light) => match plane {
-                Plane::Truth(layer) => prepared.truth(&[*layer]).map(Some),
+                Plane::Truth(layer) => prepared.truth(&[*layer], &Silent).map(Some),
                 Plane::Ideal => prepared.ideal(light, exposure),
                 Plane::Irradiance(band) => Ok(light.irradiance().and_then(|bands| alone(bands, band))),
                 Plane::Developed | Plane::Raw | Plane::Electrons(_) | Plane::Sigma(_) | Plane::Noise(_) => Ok(None),

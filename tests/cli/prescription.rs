@@ -238,12 +238,13 @@ fn points_whose_chief_ray_is_blocked_are_flagged() {
 fn pictures_of_points_from_the_disk_give_the_same_bytes() {
     let lens = "prescription = 'cooke-triplet'\nf_number = 8\nfocus_distance_m = 1.05\npsf = { kind = 'wave' }\n";
     let folder = Folder::new([("board.toml", board(lens).into())]);
-    let render = |out: &str, cache: &str| {
-        let small = "--set sensor.resolution_px=[8,6] --set render.samples_per_pixel=1";
+    let render_with = |more: &str, out: &str, cache: &str| {
+        let small = format!("--set sensor.resolution_px=[8,6] --set render.samples_per_pixel=1 {more}");
         let mut command = folder.command(&format!("render board.toml -o {out} --quiet {small}"));
         assert!(command.env("PHOTOSITE_CACHE", cache).status().expect("the binary runs").success());
         std::fs::read(folder.path(out).join("image.png")).expect("a picture")
     };
+    let render = |out: &str, cache: &str| render_with("", out, cache);
     let kept = || -> Vec<std::path::PathBuf> {
         let lenses = std::fs::read_dir(folder.path("cache/point-spreads")).expect("a folder");
         let files = |lens: std::fs::DirEntry| std::fs::read_dir(lens.path()).expect("a folder of a lens");
@@ -256,11 +257,68 @@ fn pictures_of_points_from_the_disk_give_the_same_bytes() {
         |file: &std::path::PathBuf| std::fs::metadata(file).and_then(|data| data.modified()).expect("a time");
     let times: Vec<_> = files.iter().map(last_written).collect();
     assert_eq!(render("warm", "cache"), without);
+    // As a camera that stands elsewhere does, of other settings of what is behind the lens.
+    assert_ne!(render_with("--set camera.position_m=[0.02,0,0.9]", "moved", "cache"), without);
+    render_with("--set exposure.time_s=0.001 --set render.seed=3", "exposed", "cache");
     assert_eq!(files.iter().map(last_written).collect::<Vec<_>>(), times);
+    let lenses = || std::fs::read_dir(folder.path("cache/point-spreads")).expect("a folder").count();
+    assert_eq!(lenses(), 1);
+    let files = kept();
     for (i, file) in files.iter().enumerate() {
         let bytes = std::fs::read(file).expect("a file");
         std::fs::write(file, if i % 2 == 0 { &bytes[..bytes.len() / 2] } else { &b"words"[..] }).expect("writes");
     }
     assert_eq!(render("broken", "cache"), without);
     assert_eq!(kept().len(), files.len());
+}
+
+/// A frame of white before a lens whose picture does not fill the sensor: what reaches into a dark corner is cut off, as the
+/// picture itself says.
+#[test]
+fn objects_that_reach_into_the_dark_corners_of_a_lens_are_cut_off() {
+    let quad = "v -0.02 -0.02 0\nv 0.02 -0.02 0\nv 0.02 0.02 0\nv -0.02 0.02 0\nf 1 2 3 4\n";
+    const PLACES: usize = 24;
+    let objects: String = (0..PLACES)
+        .map(|i| {
+            let out = 0.38 * (i as f64 + 0.5) / PLACES as f64;
+            format!("[[scene.objects]]\nfile = 'quad.obj'\nposition_m = [{out}, {out}, 0]\n")
+        })
+        .collect();
+    let capture = format!(
+        "{objects}[scene]\nenvironment = {{ illuminant = 'D65', illuminance_lux = 2000 }}\n[camera]\n\
+         position_m = [0, 0, 1]\nlook_at_m = [0, 0, 0]\n[lens]\n{TRIPLET}[sensor]\npreset = 'sony-imx249-mono'\n\
+         resolution_px = [81, 81]\npixel_pitch_um = [500, 500]\n[exposure]\ntime_s = 0.001\n[render]\n\
+         samples_per_pixel = 16\nmax_depth = 2\n[output]\ntruth = ['instance']\nobjects = true\n[develop]\n\
+         distortion = false\n"
+    );
+    let folder = Folder::new([("quad.obj", quad.into()), ("capture.toml", capture.into())]);
+    folder.succeed("render capture.toml -o out --quiet");
+    let bytes = std::fs::read(folder.path("out/objects.json")).expect("a file");
+    let objects: Value = serde_json::from_slice(&bytes).expect("JSON");
+    let light = image::open(folder.path("out/image.png")).expect("a picture").into_luma8();
+    let (mut cut, mut whole) = (0, 0);
+    for object in objects["objects"].as_array().expect("objects") {
+        let corners = object["box_corners_px"].as_array().expect("corners");
+        // Darkest and brightest pixel around the corners; beyond the picture it is dark.
+        let around = corners.iter().flat_map(|corner| {
+            let place = corner.as_array().map_or([-9.0; 2], |place| [number(&place[0]), number(&place[1])]);
+            [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|[x, y]| [place[0] + x, place[1] + y])
+        });
+        let values: Vec<u8> = around
+            .map(|[x, y]| {
+                let is_on = x > -0.5 && y > -0.5;
+                let pixel = light.get_pixel_checked(x.round() as u32, y.round() as u32).filter(|_| is_on);
+                pixel.map_or(0, |pixel| pixel.0[0])
+            })
+            .collect();
+        let of_corners: Vec<bool> = values.chunks(4).map(|four| four.iter().all(|value| *value > 8)).collect();
+        let is_dark = values.chunks(4).any(|four| four.iter().all(|value| *value <= 8));
+        // At the rim itself pixels are lit in part.
+        if !is_dark && !of_corners.iter().all(|is_lit| *is_lit) {
+            continue;
+        }
+        assert_eq!(object["is_cut_off"], is_dark, "{object} {values:?}");
+        if is_dark { cut += 1 } else { whole += 1 }
+    }
+    assert!(cut >= 4 && whole >= 4, "{cut} cut off and {whole} whole");
 }

@@ -46,11 +46,7 @@ pub(crate) fn lossless_metal(distribution: Ggx) -> Bsdf {
 
 /// A clear medium of the same index at all wavelengths.
 pub(crate) fn glass(eta: f32, distribution: Ggx) -> Bsdf {
-    Bsdf::Dielectric(Dielectric {
-        index: RelativeIndex { eta: SampledSpectrum::splat(eta), dispersive: false },
-        distribution,
-        energy_compensation: false,
-    })
+    Bsdf::Dielectric(Dielectric { index: RelativeIndex::constant(eta), distribution, energy_compensation: false })
 }
 
 /// A metal or glass with energy compensation.

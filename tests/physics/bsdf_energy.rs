@@ -133,7 +133,7 @@ fn translucent_sheets_keep_their_two_parts() {
 fn panes_are_the_sum_of_the_bounces_between_their_surfaces() {
     for (index, transmittance) in [(1.5f32, 1.0f32), (1.5, 0.7), (2.4, 0.95), (1.0, 0.5)] {
         let pane = Bsdf::ThinDielectric(ThinDielectric {
-            index: RelativeIndex { eta: SampledSpectrum::splat(index), dispersive: false },
+            index: RelativeIndex::constant(index),
             transmittance: SampledSpectrum::splat(transmittance),
         });
         for (from, wo) in above() {

@@ -18,7 +18,7 @@ fn all_cases() -> Vec<Case> {
         }
         let transmittance = SampledSpectrum::from([0.0, 1e-30, 0.5, 1.0]);
         let bsdf = Bsdf::ThinDielectric(ThinDielectric {
-            index: RelativeIndex { eta: SampledSpectrum::from([1.0, 1.3, 1.5, 4.0]), dispersive: false },
+            index: RelativeIndex { eta: SampledSpectrum::from([1.0, 1.3, 1.5, 4.0]), dispersive: false, is_one: false },
             transmittance,
         });
         cases.push(Case { name: "pane".into(), bsdf });

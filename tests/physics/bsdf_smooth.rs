@@ -69,7 +69,7 @@ fn short_waves_are_bent_more() {
         let mut eta = indices;
         eta.rotate_left(hero);
         let bsdf = Bsdf::Dielectric(Dielectric {
-            index: RelativeIndex { eta: eta.into(), dispersive: true },
+            index: RelativeIndex { eta: eta.into(), dispersive: true, is_one: false },
             distribution: Ggx::SMOOTH,
             energy_compensation: false,
         });
@@ -87,7 +87,7 @@ fn short_waves_are_bent_more() {
 fn dispersive_reflection_weighs_every_wavelength_by_its_own_fresnel_factor() {
     let eta = SampledSpectrum::from([1.3, 1.5, 1.7, 2.0]);
     let bsdf = Bsdf::Dielectric(Dielectric {
-        index: RelativeIndex { eta, dispersive: true },
+        index: RelativeIndex { eta, dispersive: true, is_one: false },
         distribution: Ggx::SMOOTH,
         energy_compensation: false,
     });
@@ -151,7 +151,7 @@ fn a_slightly_rough_surface_tends_to_the_smooth_one() {
 fn rough_dispersive_glass_asks_for_a_single_wavelength() {
     let eta = SampledSpectrum::from([1.53, 1.52, 1.51, 1.50]);
     let bsdf = Bsdf::Dielectric(Dielectric {
-        index: RelativeIndex { eta, dispersive: true },
+        index: RelativeIndex { eta, dispersive: true, is_one: false },
         distribution: Ggx::new(0.2, 0.2),
         energy_compensation: false,
     });

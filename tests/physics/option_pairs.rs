@@ -10,7 +10,7 @@ use std::path::Path;
 use photosite::calibration::truth::{TruthLayer, TruthObject, View};
 use photosite::capture::capture_schema;
 use photosite::math::philox::Philox;
-use photosite::pipeline::{Prepared, image_grid};
+use photosite::pipeline::{Prepared, Silent, image_grid};
 use photosite::report::ObjectsReport;
 use photosite::{Capture, Error, Options};
 use rand::RngExt;
@@ -211,7 +211,7 @@ fn broken(values: &Value, folder: &Path) -> Result<Option<String>, Error> {
     }
     let camera = prepared.camera();
     let grid = image_grid(capture, &camera);
-    let planes = prepared.truth(&[TruthLayer::Depth, TruthLayer::Instance])?;
+    let planes = prepared.truth(&[TruthLayer::Depth, TruthLayer::Instance], &Silent)?;
     let of_truth = [planes.width() as u32, planes.height() as u32];
     if of_truth != grid.resolution {
         return Ok(Some(format!("truth has {of_truth:?} pixels, its grid {:?}", grid.resolution)));

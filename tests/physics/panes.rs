@@ -5,8 +5,8 @@ use photosite::integrator::RenderSettings;
 use photosite::light::PointLight;
 use photosite::optics::{Focus, LensDescription, LensKind, PixelGrid};
 use photosite::scene::description::{
-    AlphaMode, Colour, Diffuse, EmissionDescription, LayeredDescription, LightDescription, LightKind, MaterialModel,
-    TexturedFactor, ThinDielectric,
+    AlphaMode, Colour, Dielectric, Diffuse, EmissionDescription, LayeredDescription, LightDescription, LightKind,
+    MaterialModel, Roughness, TexturedFactor, ThinDielectric,
 };
 use photosite::spectrum::{Dispersion, Spectrum};
 
@@ -39,6 +39,12 @@ fn clear(colour: f32, volume: Option<(f64, f32)>) -> MaterialModel {
         absorption_per_m: volume.map(|_| Spectrum::constant(absorption)),
         ..LayeredDescription::default()
     }))
+}
+
+/// Glass of an index and a roughness on the side that the normal points away from.
+fn solid(index: f64, roughness: f32) -> MaterialModel {
+    let (index, distribution) = (Dispersion::constant(index), Roughness::isotropic(roughness));
+    MaterialModel::Dielectric(Dielectric { index, distribution, energy_compensation: false })
 }
 
 /// A square of 6 m across the light, its front up or down.
@@ -97,6 +103,9 @@ fn panes_and_filters_leave_what_closed_forms_say() {
             0.0,
         ),
         ("solid glass", left(|s| s.mesh(sheet(0.5, true), clear(1.0, Some((1.5, 0.0))), None)), 0.0, 0.0),
+        ("glass of index 1", left(|s| s.mesh(sheet(0.5, true), solid(1.0, 0.0), None)), 1.0, ROUNDING),
+        ("matt glass of index 1", left(|s| s.mesh(sheet(0.5, false), solid(1.0, 0.5), None)), 1.0, ROUNDING),
+        ("glass of index 1.5", left(|s| s.mesh(sheet(0.5, true), solid(1.5, 0.0), None)), 0.0, 0.0),
         ("filter", left(|s| filter(s, Some(0.25), Some(0.75))), (-2.0f64 * 0.5).exp(), ROUNDING),
         ("floor in the filter", left(|s| filter(s, None, Some(0.5))), (-2.0f64 * 1.5).exp(), ROUNDING),
         ("lamp in the filter", left(|s| filter(s, Some(0.5), Some(3.0))), (-2.0f64 * 1.5).exp(), ROUNDING),

@@ -129,7 +129,11 @@ impl Rays<'_> {
                     return Complex32::default();
                 }
                 // Cells that the edge cuts are asked in the middle of what is left of them.
-                let known = if cosines.y == y { along.as_ref().and_then(|along| along.at(cosines.x)) } else { traced.between(cosines) };
+                let known = if cosines.y == y {
+                    along.as_ref().and_then(|along| along.at(cosines.x))
+                } else {
+                    traced.between(cosines)
+                };
                 let traced_here = || Some(self.path(exact(cosines)?, cosines, Apertures::Ignore)? - traced.zero_mm);
                 let path = known.or_else(traced_here);
                 path.map_or(Complex32::default(), |path| phasor(covered, (path - plane.at(cosines)) / wavelength_mm))

@@ -51,7 +51,8 @@ impl SpreadTable {
                 let mut of_row = 0.0;
                 let up_to: [f64; SIDE] = std::array::from_fn(|column| {
                     let is_covered = !is_finest && INNER.contains(&row) && INNER.contains(&column);
-                    of_row += if is_covered { 0.0 } else { sharpened(&energy, size, part, [first + row, first + column]) };
+                    of_row +=
+                        if is_covered { 0.0 } else { sharpened(&energy, size, part, [first + row, first + column]) };
                     of_row
                 });
                 let part = if of_row > 0.0 { f64::from(WHOLE) / of_row } else { 0.0 };

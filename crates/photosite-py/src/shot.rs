@@ -49,10 +49,10 @@ impl Source {
 
     /// Layers of ground truth by their names.
     pub(crate) fn truth<'py>(&self, py: Python<'py>, layers: &[String]) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        let planes = work(py, How::default(), |_| match self {
+        let planes = work(py, How::default(), |monitor| match self {
             Self::Traced { prepared, .. } => {
                 let layers: Vec<TruthLayer> = layers.iter().map(|name| layer(name)).collect::<Result<_, _>>()?;
-                let planes = prepared.truth(&layers)?;
+                let planes = prepared.truth(&layers, monitor)?;
                 let [width, height] = [planes.width(), planes.height()];
                 let mut channels = planes.into_channels().into_iter();
                 let one = |layer: &TruthLayer| {

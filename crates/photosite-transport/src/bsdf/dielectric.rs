@@ -71,6 +71,10 @@ impl<F: TableForm> SceneTraits for Dielectric<F> {
         self.index.dispersive
     }
 
+    fn may_pass_straight(&self) -> bool {
+        self.index.is_one
+    }
+
     fn may_cast_caustics(&self) -> bool {
         true
     }
@@ -81,7 +85,7 @@ impl Lobe for Dielectric {
 
     #[inline]
     fn eval(&self, wo: Vec3, wi: Vec3) -> BsdfEval {
-        let &Self { index: RelativeIndex { eta, dispersive }, distribution, .. } = self;
+        let &Self { index: RelativeIndex { eta, dispersive, .. }, distribution, .. } = self;
         if is_delta(eta, distribution) || is_grazing(wo) || is_grazing(wi) {
             return BsdfEval::ZERO;
         }
@@ -94,7 +98,7 @@ impl Lobe for Dielectric {
 
     #[inline]
     fn sample(&self, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
-        let &Self { index: RelativeIndex { eta, dispersive }, distribution, .. } = self;
+        let &Self { index: RelativeIndex { eta, dispersive, .. }, distribution, .. } = self;
         if is_grazing(wo) {
             return None;
         }
@@ -110,6 +114,11 @@ impl Lobe for Dielectric {
             }
         };
         sample.map(|sample| if below { BsdfSample { wi: mirrored(sample.wi), ..sample } } else { sample })
+    }
+
+    #[inline]
+    fn straight(&self, wo: Vec3) -> SampledSpectrum {
+        if self.index.is_one && !is_grazing(wo) { SampledSpectrum::ONE } else { SampledSpectrum::ZERO }
     }
 
     #[inline]

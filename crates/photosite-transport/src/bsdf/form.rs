@@ -52,12 +52,14 @@ pub struct RelativeIndex<T = SampledSpectrum> {
     pub eta: T,
     /// Whether it depends on wavelength.
     pub dispersive: bool,
+    /// Whether it is 1 at all wavelengths, so that light goes straight on.
+    pub is_one: bool,
 }
 
 impl RelativeIndex {
     /// The same index at all wavelengths.
     pub fn constant(eta: f32) -> Self {
-        Self { eta: SampledSpectrum::splat(eta), dispersive: false }
+        Self { eta: SampledSpectrum::splat(eta), dispersive: false, is_one: eta == 1.0 }
     }
 }
 

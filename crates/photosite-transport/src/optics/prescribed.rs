@@ -184,6 +184,12 @@ impl PrescribedLens {
         self.wave.as_ref()?.beyond_reach_mm(REFERENCE_NM)
     }
 
+    /// Whether the pictures of points of both are in one place of memory.
+    #[cfg(test)]
+    pub(super) fn shares_pictures_of_points(&self, other: &Self) -> bool {
+        self.wave.as_ref().zip(other.wave.as_ref()).is_some_and(|(one, other)| Arc::ptr_eq(one, other))
+    }
+
     /// Whether points are spread as waves are.
     pub(super) fn spreads_waves(&self) -> bool {
         self.wave.is_some()

@@ -61,6 +61,20 @@ fn at_distance(ray: &CameraRay, distance: f64) -> DVec3 {
     origin + direction * ((-distance - origin.z) / direction.z)
 }
 
+/// Frames of a data set and moves of a view place a camera anew.
+#[test]
+fn cameras_of_one_lens_share_its_pictures_of_points_wherever_they_stand() {
+    let placed = |f_number: f64, focus: f64, x: f64| {
+        let to_world = DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
+        let lens = described(f_number, Focus::Distance(focus), true);
+        Camera::new(&lens, &GRID, to_world, f64::NAN).expect("a lens")
+    };
+    let first = placed(4.0, 1.7, 0.0);
+    assert!(first.shares_pictures_of_points(&placed(4.0, 1.7, 3.0)));
+    assert!(!first.shares_pictures_of_points(&placed(4.0, 1.8, 0.0)));
+    assert!(!first.shares_pictures_of_points(&placed(5.6, 1.7, 0.0)));
+}
+
 #[test]
 fn uniform_light_gives_the_irradiance_of_the_rays_of_the_glass() {
     for f_number in [2.0, 5.6] {

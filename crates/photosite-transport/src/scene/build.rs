@@ -322,7 +322,8 @@ impl Map<Described, Tabled> for Builder<'_> {
     }
 
     fn index(&mut self, index: &Dispersion) -> RelativeIndex<SpectrumId> {
-        RelativeIndex { eta: self.spectra.add(&index.to_spectrum()), dispersive: !index.is_constant() }
+        let (dispersive, is_one) = (!index.is_constant(), index.is_constant() && index.index(lines::D) == 1.0);
+        RelativeIndex { eta: self.spectra.add(&index.to_spectrum()), dispersive, is_one }
     }
 
     fn distribution(&mut self, roughness: &Roughness) -> Ggx {

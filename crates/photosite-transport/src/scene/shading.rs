@@ -246,7 +246,7 @@ impl Map<Tabled, Sampled> for LookUp<'_> {
 
     #[inline]
     fn index(&mut self, index: &RelativeIndex<SpectrumId>) -> RelativeIndex {
-        RelativeIndex { eta: self.spectrum(&index.eta), dispersive: index.dispersive }
+        RelativeIndex { eta: self.spectrum(&index.eta), dispersive: index.dispersive, is_one: index.is_one }
     }
 
     #[inline]

@@ -65,6 +65,13 @@ impl Camera {
         }
     }
 
+    /// Whether the pictures of points of both are in one place of memory.
+    #[cfg(test)]
+    pub(in crate::optics) fn shares_pictures_of_points(&self, other: &Self) -> bool {
+        let lenses = self.prescribed.as_ref().zip(other.prescribed.as_ref());
+        lenses.is_some_and(|(one, other)| one.shares_pictures_of_points(other))
+    }
+
     /// Of a lens from a prescription that spreads points as waves are: how far from the middle of a point's picture its rays
     /// land, and how far the picture reaches, m, where it does not reach as far, so that light is folded back into it.
     /// `None` of others.
