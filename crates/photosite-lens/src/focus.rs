@@ -7,7 +7,8 @@ use photosite_core::spectrum::dispersion::lines;
 
 use crate::lens::Lens;
 use crate::positions::GapCurves;
-use crate::trace::{Apertures, Ray};
+use crate::profile::Travel;
+use crate::trace::{Apertures, Ray, Step};
 
 /// Rays from the axis to the rim by which sharpness is judged, of equal shares of the pupil's area.
 const RAYS: u32 = 256;
@@ -89,11 +90,14 @@ impl Lens {
     /// weights. `None` where no light of it passes.
     ///
     /// A ray that lands at the height y with the slope s is at y + s·δ behind the sensor by δ: the sum of squares is
-    /// least at δ = −Σ w·y·s/Σ w·s².
+    /// least at δ = −Σ w·y·s/Σ w·s². Rays of one direction from the axis stand for all, as much as the blades of the stop leave
+    /// of them.
     pub fn sharpest_behind_sensor_mm(&self, object_distance_mm: f64, spectrum: &[(f64, f64)]) -> Option<f64> {
         let (mut products, mut squares) = (0.0, 0.0);
+        let round = self.with_round_stop();
+        let steps = || (0..self.surfaces().len()).map(Step::refract);
         for &(wavelength_nm, weight) in spectrum {
-            let at = self.at(wavelength_nm);
+            let at = round.at(wavelength_nm);
             let first_order = at.first_order();
             // To a little beyond the pupil's rim, where aberrations may let rays pass still.
             let rim = 0.55 * first_order.entrance_pupil_diameter_mm;
@@ -106,7 +110,14 @@ impl Lens {
                     let origin = DVec3::new(0.0, 0.0, -object_distance_mm);
                     Ray { origin, direction: (pupil - origin).normalize() }
                 };
-                let Ok(behind) = at.trace_in(ray, Apertures::Clip) else { continue };
+                let mut within = 1.0;
+                let behind = at.trace(ray, Travel::ToSensor, steps(), Apertures::Clip, |hit| {
+                    if hit.surface == self.stop() {
+                        within = self.part_within_blades(hit.point.truncate().length());
+                    }
+                });
+                let Ok(behind) = behind else { continue };
+                let weight = weight * within;
                 let landing: DVec2 = behind.at_z(self.sensor_z_mm()).truncate();
                 let slope = behind.direction.y / behind.direction.z;
                 products += weight * landing.y * slope;

@@ -105,6 +105,14 @@ impl Lens {
         Some((normals, self.stop_radius_mm() * apothem))
     }
 
+    /// The part of a circle about the axis, of a radius in mm, that lies within the blades of the stop: each of n edges at the
+    /// distance a cuts off acos(a/r)/π. 1 of a round stop.
+    pub(crate) fn part_within_blades(&self, radius_mm: f64) -> f64 {
+        let Some((normals, edge_mm)) = self.stop_edges() else { return 1.0 };
+        let cut_off = (edge_mm / radius_mm).min(1.0).acos() / std::f64::consts::PI;
+        (1.0 - normals.len() as f64 * cut_off).max(0.0)
+    }
+
     /// Where the sensor is, mm.
     pub fn sensor_z_mm(&self) -> f64 {
         self.sensor_z_mm

@@ -139,7 +139,7 @@ impl Rays<'_> {
                 path.map_or(Complex32::default(), |path| phasor(covered, (path - plane.at(cosines)) / wavelength_mm))
             }));
         }
-        let spread = PointSpread::of_field(&field, size, wavelength_mm / spacing, self.at.lens.stop_edges().is_none());
+        let spread = PointSpread::of_field(&field, size, wavelength_mm / spacing, is_mirrored(self.at.lens));
         Some(PointSpread { middle_mm: plane.tilt_mm, farthest_mm, ..spread })
     }
 }
@@ -190,6 +190,17 @@ impl PointSpread {
         };
         self.energy.chunks(self.size).zip(&rows).map(|(energy, phase)| row(energy) * phase).sum::<Complex64>().norm()
     }
+}
+
+/// Whether a lens is its own mirror image across the plane of its field, the blades of its stop included.
+fn is_mirrored(lens: &Lens) -> bool {
+    /// Of the normals of blades, as they are turned.
+    const ROUNDING: f64 = 1e-9;
+    lens.stop_edges().is_none_or(|(normals, _)| {
+        let has_mirrored =
+            |normal: &DVec2| normals.iter().any(|n| n.distance(DVec2::new(-normal.x, normal.y)) < ROUNDING);
+        normals.iter().all(has_mirrored)
+    })
 }
 
 /// What a cell adds to the field, by how much of it is covered and its path in waves.

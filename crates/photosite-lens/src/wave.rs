@@ -32,8 +32,10 @@ const LEAST_STEP: f64 = 0.005;
 /// Step of the wavelengths, which lie evenly over 1/λ², as indices and with them the focus change about: 7 nm at 430 nm, 19 nm
 /// at 600 nm, nm⁻².
 const STEP: f64 = 1.75e-7;
-/// Azimuths from one blade of a stop to the next.
+/// Azimuths from one blade of a stop to the next, the first of them across a blade. On either side of it, and of the corner half-way,
+/// pictures are mirror images of each other: so many are worked out.
 const AZIMUTHS: usize = 4;
+const TABLED: usize = AZIMUTHS / 2 + 1;
 /// Number of the way that tables are worked out, which is raised when their numbers change between releases.
 const EDITION: u32 = 2;
 /// As far as a point that counts as infinitely far, mm.
@@ -88,10 +90,11 @@ pub struct WaveSpread {
     /// 1/λ² of the first node, nm⁻².
     first: f64,
     blades: usize,
-    azimuths: usize,
+    /// The first azimuth, rad from y.
+    across_blade_rad: f64,
     /// By wavelength.
     chiefs: Vec<OnceLock<Option<ChiefMap>>>,
-    /// By wavelength and height, of each azimuth; none where no light passes.
+    /// By wavelength and height, of each azimuth that is tabled, of one without blades; none where no light passes.
     spreads: Vec<OnceLock<Vec<SpreadTable>>>,
     shelf: Option<Arc<dyn Shelf>>,
 }
@@ -108,8 +111,9 @@ impl WaveSpread {
     /// Of a lens focused on a surface, for image heights up to one in mm. A wavelength in nm is that of a node, so that
     /// light of about that one has no other mixed in.
     pub fn new(lens: &Lens, focus: FocusSurface, highest_mm: f64, node_nm: f64) -> Self {
-        let blades = lens.stop_edges().map_or(0, |(normals, _)| normals.len());
-        let azimuths = if blades == 0 { 1 } else { AZIMUTHS };
+        let normals = lens.stop_edges().map_or(&[][..], |(normals, _)| normals);
+        let (blades, across_blade_rad) =
+            (normals.len(), normals.first().map_or(0.0, |normal| DVec2::Y.angle_to(*normal)));
         let [first, last] = [LAMBDA_MAX_NM, LAMBDA_MIN_NM].map(|nm| f64::from(nm).powi(-2));
         let first = first - STEP + (node_nm.powi(-2) - first).rem_euclid(STEP);
         let wavelengths = ((last - first) / STEP).ceil() as usize + 1;
@@ -120,7 +124,7 @@ impl WaveSpread {
             step_mm: (highest_mm / (HEIGHTS - 1) as f64).max(LEAST_STEP * lens.at(node_nm).first_order().efl_mm.abs()),
             first,
             blades,
-            azimuths,
+            across_blade_rad,
             chiefs: (0..wavelengths).map(|_| OnceLock::new()).collect(),
             spreads: (0..wavelengths * HEIGHTS).map(|_| OnceLock::new()).collect(),
             shelf: None,
@@ -129,9 +133,10 @@ impl WaveSpread {
 
     /// All that its pictures follow from, as text that no other has.
     pub fn key(&self) -> String {
-        let Self { lens, focus, highest_mm, step_mm, first, blades, azimuths, chiefs, spreads, shelf: _ } = self;
+        let Self { lens, focus, highest_mm, step_mm, first, blades, across_blade_rad, chiefs, spreads, shelf: _ } =
+            self;
         // Of what is derived, Debug leaves out no field, and writes numbers to their last digit.
-        let grid = (highest_mm, step_mm, first, blades, azimuths, chiefs.len(), spreads.len());
+        let grid = (highest_mm, step_mm, first, blades, across_blade_rad, chiefs.len(), spreads.len());
         format!("{EDITION} {} {lens:?} {focus:?} {grid:?}", env!("CARGO_PKG_VERSION"))
     }
 
@@ -180,13 +185,12 @@ impl WaveSpread {
         if bytes.is_empty() {
             return Some(Vec::new());
         }
-        let tables = (0..self.azimuths).map(|_| SpreadTable::from_bytes(&mut bytes)).collect::<Option<_>>()?;
+        let tables = (0..self.tabled()).map(|_| SpreadTable::from_bytes(&mut bytes)).collect::<Option<_>>()?;
         bytes.is_empty().then_some(tables)
     }
 
     fn worked_out(&self, wavelength: usize, height: usize) -> Option<Vec<SpreadTable>> {
-        let turned = |azimuth: usize| -self.blade_rad() * azimuth as f64 / self.azimuths as f64;
-        let lenses: Vec<Lens> = (0..self.azimuths).map(|i| self.lens.with_turned_stop(turned(i))).collect();
+        let lenses: Vec<Lens> = (0..self.tabled()).map(|i| self.lens.with_turned_stop(-self.azimuth_rad(i))).collect();
         let at = self.lens.at(self.nm(wavelength));
         let chief = at.chief_ray_at_height(self.step_mm * height as f64)?;
         let (front, outward) = (chief.before.origin, -chief.before.direction);
@@ -208,9 +212,19 @@ impl WaveSpread {
         beyond.max_by(|a, b| a[0].total_cmp(&b[0]))
     }
 
-    /// From one blade to the next, rad.
-    fn blade_rad(&self) -> f64 {
-        TAU / self.blades.max(1) as f64
+    /// Azimuths that are tabled.
+    fn tabled(&self) -> usize {
+        if self.blades == 0 { 1 } else { TABLED }
+    }
+
+    /// From one azimuth of the tables to the next, rad.
+    fn azimuth_step_rad(&self) -> f64 {
+        TAU / (self.blades.max(1) * AZIMUTHS) as f64
+    }
+
+    /// How far an azimuth of the tables is from y, rad.
+    fn azimuth_rad(&self, node: usize) -> f64 {
+        self.across_blade_rad + self.azimuth_step_rad() * node as f64
     }
 
     /// Where light of a wavelength in nm lands from where its chief ray does, mm, near a sensor point, mm from the axis: by
@@ -234,12 +248,16 @@ impl WaveSpread {
         let (azimuth, turned) = if self.blades == 0 {
             (0, towards)
         } else {
-            let place = towards.to_angle().rem_euclid(TAU) / self.blade_rad() * self.azimuths as f64;
+            let place = (towards.to_angle() - self.across_blade_rad).rem_euclid(TAU) / self.azimuth_step_rad();
             let before = place as usize;
             let node = before + choose(place - before as f64);
-            (node % self.azimuths, DVec2::from_angle(self.blade_rad() * node as f64 / self.azimuths as f64))
+            (node % AZIMUTHS, DVec2::from_angle(self.azimuth_rad(node)))
         };
-        self.spread(wavelength, azimuth, height).map_or(DVec2::ZERO, |spread| turned.rotate(spread.sample([u, v])))
+        let (tabled, across) = if azimuth < TABLED { (azimuth, 1.0) } else { (AZIMUTHS - azimuth, -1.0) };
+        self.spread(wavelength, tabled, height).map_or(DVec2::ZERO, |spread| {
+            let offset = spread.sample([u, v]);
+            turned.rotate(DVec2::new(across * offset.x, offset.y))
+        })
     }
 
     /// The direction from a point before the lens, mm, on a unit vector, to what of the surface in focus is seen at a sensor
