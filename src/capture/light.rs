@@ -164,7 +164,7 @@ fn projector(
         to_world,
         later,
         kind: LightKind::Projector(projector),
-        emission: emission(finder, table.colour(), Some(("flux_lm", table.flux_lm)), "flux_lm")?,
+        emission: flux(finder, table.colour(), table.flux_lm, table.power_w)?,
         name: String::new(),
     })
 }
@@ -257,18 +257,23 @@ fn gaussian_beam(finder: &Finder<'_>, table: &GaussianBeamTable) -> Result<Light
     Ok(LightDescription {
         to_world: shining_along(key, position, direction)? * turn,
         kind: LightKind::GaussianBeam(GaussianBeam::new(waists_m, divergences_deg.map(f64::to_radians))),
-        emission: flux(finder, table)?,
+        emission: flux(finder, table.colour(), table.flux_lm, table.power_w)?,
         name: String::new(),
         later: Vec::new(),
     })
 }
 
-/// The emission of a beam whose flux is photometric or radiant.
-fn flux(finder: &Finder<'_>, table: &GaussianBeamTable) -> Result<EmissionDescription, Invalid> {
-    match (table.flux_lm, table.power_w) {
-        (Some(flux_lm), None) => emission(finder, table.colour(), Some(("flux_lm", flux_lm)), "flux_lm"),
+/// The emission of a light whose flux is photometric or radiant.
+fn flux(
+    finder: &Finder<'_>,
+    colour: LightColour<'_>,
+    flux_lm: Option<f64>,
+    power_w: Option<f64>,
+) -> Result<EmissionDescription, Invalid> {
+    match (flux_lm, power_w) {
+        (Some(flux_lm), None) => emission(finder, colour, Some(("flux_lm", flux_lm)), "flux_lm"),
         (None, Some(power_w)) => {
-            let LightSpectrum { colour, .. } = finder.light(table.colour())?;
+            let LightSpectrum { colour, .. } = finder.light(colour)?;
             let shape = emission_spectrum(&colour, matches!(colour, Colour::Rgb(_)).then_some(1.0));
             let per_watt = shape.integral();
             if per_watt <= 0.0 {

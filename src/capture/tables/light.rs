@@ -203,9 +203,12 @@ light_table! {
         /// Distance of what is sharp, m; needed with aperture_mm.
         #[schemars(transform = above(0.0..))]
         focus_distance_m: Option<f64>,
-        /// Luminous flux with a white slide, lm.
+        /// Luminous flux with a white slide, lm; or give power_w.
         #[schemars(transform = within(0.0..))]
-        flux_lm: f64,
+        flux_lm: Option<f64>,
+        /// Radiant flux with a white slide, W, for instance of an infrared projector; or give flux_lm.
+        #[schemars(transform = within(0.0..))]
+        power_w: Option<f64>,
     }
 }
 

@@ -84,11 +84,17 @@ fn every_light_has_the_level_that_it_states_whatever_its_colour() {
 }
 
 #[test]
-fn the_watts_of_a_beam_are_watts_whatever_its_colour() {
-    let beam = "[scene]\ngeometry = ['room.obj']\nenvironment = 'none'\n[[lights]]\ntype = 'gaussian-beam'\n\
-                position_m = [0, 2, 0]\ndirection = [0, -1, 0]\nwaist_radius_mm = [1, 1]\npower_w = 0.25\n";
-    for colour in COLOURS {
-        let [spectrum] = &spectra(&format!("{beam}{colour}"))[..] else { panic!("{colour}: not one light") };
+fn watts_are_watts_whatever_the_colour() {
+    let lamp = |keys: &str| {
+        let scene = "[scene]\ngeometry = ['room.obj']\nenvironment = 'none'\n[[lights]]\nposition_m = [0, 2, 0]\npower_w = 0.25\n";
+        format!("{scene}{keys}\n")
+    };
+    let beam = lamp("type = 'gaussian-beam'\ndirection = [0, -1, 0]\nwaist_radius_mm = [1, 1]");
+    let projector = lamp("type = 'projector'\nimage = 'slide.png'\nlook_at_m = [0, 0, 0.1]\nhorizontal_fov_deg = 40");
+    let infrared = "spectrum = { wavelength_nm = [840, 850, 860], value = [0, 1, 0] }";
+    let cases = COLOURS.iter().chain([&infrared]).flat_map(|colour| [(&beam, *colour), (&projector, *colour)]);
+    for (light, colour) in cases {
+        let [spectrum] = &spectra(&format!("{light}{colour}"))[..] else { panic!("{colour}: not one light") };
         // The trapezoidal rule, which is exact between the values; sums of f32: a part in 10⁶.
         let values: Vec<_> = spectrum.iter().collect();
         let watts: f64 = values.windows(2).map(|pair| 0.5 * (pair[0].1 + pair[1].1) * (pair[1].0 - pair[0].0)).sum();
