@@ -6,6 +6,7 @@ use std::time::SystemTime;
 
 use super::geometry_kind::GeometryKind;
 use super::source::CaptureSource;
+use photosite_core::input;
 use crate::io::gltf::{self, Choice, Moment};
 use crate::io::{ChangedMeshes, MissingNormals, obj, ply, stl};
 use crate::locked::locked;
@@ -88,7 +89,7 @@ impl ModelFile {
 
     /// When it was changed last, and its size.
     fn stamp(&self) -> Option<(SystemTime, u64)> {
-        let facts = std::fs::metadata(&self.path).ok()?;
+        let facts = input::metadata(&self.path).ok()?;
         Some((facts.modified().ok()?, facts.len()))
     }
 }

@@ -7,6 +7,7 @@ use clap::Args;
 use super::compare_report::text;
 use super::print::{print_json, println_out, refuse_existing};
 use super::remedies::in_options;
+use photosite_core::sandbox::trust;
 use crate::develop::EncodedPicture;
 use crate::io::developed::write_png;
 use crate::io::output::write_whole;
@@ -145,6 +146,7 @@ fn read(path: &Path, variance: Option<&str>, samples: Option<u64>, masked: bool)
         return picture.with_second_moments(samples).map_err(unfit);
     }
     let Some(text) = variance else { return Ok(picture) };
+    trust(text.as_ref());
     match text.parse::<f64>() {
         Ok(variance) if variance.is_finite() && variance >= 0.0 => Ok(picture.with_constant_variance(variance)),
         Ok(_) => Err(Error::Usage {

@@ -14,6 +14,7 @@ use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out};
 use super::scene_args::SceneArgs;
 use super::shards::LayoutsArgs;
+use photosite_core::sandbox::trust;
 use crate::capture::DatasetFile;
 use crate::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, MakeOptions, Shard, picture_name};
 use crate::pipeline::{Event, FilmMemory, LightSource, Monitor, PictureOfFrame};
@@ -106,6 +107,7 @@ pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
     let frames = set.frames(numbers, args.keep_going, &monitor)?;
     let default = PathBuf::from(&*args.input.file_stem().unwrap_or_default().to_string_lossy());
     let path = args.output.as_deref().unwrap_or(&default);
+    trust(path);
     let options = MakeOptions { keeps_going: args.keep_going, jobs: args.jobs };
     if args.dry_run {
         let forecast = set.forecast(&frames, path, options, &monitor)?;

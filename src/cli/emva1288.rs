@@ -10,6 +10,7 @@ use super::arguments::positive;
 use super::figures_text::expected_text;
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out};
+use photosite_core::sandbox::trust;
 use crate::capture::{NamedSensor, read_named_sensor};
 use crate::characterisation::effects_left_out;
 use crate::emva1288::{SetPlan, SetRequest, refuse_image_sets};
@@ -108,8 +109,10 @@ impl Range {
 const MOST_VALUES: f64 = 10_000.0;
 
 pub(super) fn run(args: &Emva1288Args, sandbox: &Sandbox) -> Result<()> {
+    trust(args.sensor.as_ref());
     let NamedSensor { model: sensor, warnings, .. } = read_named_sensor(sandbox, &args.sensor, &args.overrides)?;
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("emva1288-{}", sensor.name)));
+    trust(&output);
     let request = SetRequest {
         channels: args.channels.clone(),
         wavelength_nm: args.wavelength_nm,

@@ -8,6 +8,7 @@ use clap::Args;
 use super::log::warning;
 use super::print::println_out;
 use super::scene_args::SceneArgs;
+use photosite_core::input;
 use crate::capture::Capture;
 use crate::sight::{Sight, Space};
 use crate::{Error, Invalid, Result, Sandbox};
@@ -79,7 +80,7 @@ fn read(path: &Path) -> Result<String> {
         let read = std::io::stdin().lock().read_to_string(&mut text);
         return read.map(|_| text).map_err(|reason| Error::io("standard input".as_ref(), "read", reason));
     }
-    std::fs::read_to_string(path).map_err(|reason| Error::io(path, "read", reason))
+    input::read_text(path, input::TABLE_BYTES).map_err(|reason| Error::io(path, "read", reason))
 }
 
 fn numbers<const N: usize>(line: &str, example: &str) -> Result<[f64; N], Invalid> {

@@ -13,6 +13,7 @@ use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out, refuse_existing, write_result};
 use super::scene_args::SceneArgs;
 use super::shards::LayoutsArgs;
+use photosite_core::sandbox::trust;
 use crate::capture::DatasetFile;
 use crate::dataset::{DataSet, Forecast, IDENTITY, MakeOptions};
 use crate::io::output::create_folder;
@@ -230,6 +231,7 @@ impl CommonArgs {
         let set = DataSet::new(sandbox, file, &overrides, film_memory)?;
         let default = PathBuf::from(&*self.input.file_stem().unwrap_or_default().to_string_lossy());
         let output = self.output.as_deref().unwrap_or(&default);
+        trust(output);
         set.check_folder(output)?;
         if let Some(file) = self.write.as_ref().filter(|_| !output.join(IDENTITY).exists())
             && absolute(file)?.starts_with(absolute(output)?)

@@ -3,7 +3,6 @@
 //! In: the folder. Out: a [`PictureSet`], from which [layouts](crate::calibration::layouts) are made.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -11,6 +10,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::layout_folder::PICTURE;
+use photosite_core::input;
 use crate::calibration::camera_files::CalibratedCamera;
 use crate::calibration::layouts::{EPOCH_NS, PictureSet, RollingShutter, SceneObject, SeenPoint, SeenTarget, Shot};
 use crate::io::file_sum::FileSum;
@@ -49,7 +49,7 @@ pub(super) fn refuse_resampled(folder: &Path, shot: &Shot) -> Result<()> {
 /// How many frames a data set has in the end, as its manifest says, which may be of a time when few were there.
 pub(super) fn frames_of_manifest(folder: &Path) -> Result<u32> {
     let path = folder.join(MANIFEST);
-    let text = fs::read_to_string(&path).unwrap_or_default();
+    let text = input::read_text(&path, input::TABLE_BYTES).unwrap_or_default();
     let line = text.lines().find_map(|line| serde_json::from_str::<Line>(line).ok());
     line.map(|line| line.frames).ok_or_else(|| {
         let message = format!("its {MANIFEST} does not say yet how many frames it will have");
@@ -71,7 +71,7 @@ fn read(folder: &Path) -> Result<(PictureSet, u32)> {
         let help = "give the folder that `photosite dataset` has filled to the end";
         return Err(Invalid::new("", format!("has no {MANIFEST}")).help(help).in_file(folder));
     }
-    let text = fs::read_to_string(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+    let text = input::read_text(&path, input::TABLE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
     let mut set = PictureSet { folder: folder.to_owned(), cameras: Vec::new(), shots: Vec::new() };
     let mut frames = 0;
     for (number, line) in (1..).zip(text.lines()) {

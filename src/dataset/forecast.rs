@@ -16,6 +16,7 @@ use super::frames::Frames;
 use super::make::MakeOptions;
 use super::presence::{damage, picture};
 use super::selection::{FrameList, in_order};
+use photosite_core::input;
 use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, Rendered, Request, Silent};
 use crate::report::{Look, Timings};
 use crate::{Error, Invalid, Result};
@@ -225,7 +226,7 @@ impl Sum for Cost {
 }
 
 fn bytes_in(folder: &Path) -> f64 {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let entries = input::entries(folder).into_iter().flatten().flatten();
     entries.filter_map(|entry| entry.metadata().ok()).map(|file| file.len() as f64).sum()
 }
 

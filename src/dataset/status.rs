@@ -1,6 +1,5 @@
 //! How far a data set is, by its folder alone: what is done, under way, failed, damaged, missing.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -13,6 +12,7 @@ use super::heartbeat::{Holder, Sign, now_s, sign};
 use super::identity::{CAMERAS, FRAMES, IDENTITY, OF_PART, read_identity};
 use super::presence::{damage, failure, lock, name, picture};
 use super::selection::{FrameList, in_order};
+use photosite_core::input;
 use crate::report::Look;
 use crate::{Error, Invalid, Result};
 
@@ -135,7 +135,7 @@ impl Status {
 
 /// Whether somebody makes a picture in the folder of a camera, or has left the lock of one.
 fn has_locks(folder: &Path) -> bool {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let entries = input::entries(folder).into_iter().flatten().flatten();
     entries.into_iter().any(|entry| entry.file_name().to_string_lossy().ends_with(".lock"))
 }
 
@@ -167,7 +167,7 @@ fn extent(folder: &Path, identity: &Value) -> Result<(u32, Vec<String>)> {
     if let (Some(frames), false) = (frames, cameras.is_empty()) {
         return Ok((frames, cameras));
     }
-    let text = fs::read_to_string(folder.join(MANIFEST)).unwrap_or_default();
+    let text = input::read_text(&folder.join(MANIFEST), input::TABLE_BYTES).unwrap_or_default();
     let lines: Vec<Line> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
     let mut cameras: Vec<String> = Vec::new();
     for line in &lines {

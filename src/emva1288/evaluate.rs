@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use photosite_core::input;
 use crate::characterisation::report::{ChannelReport, Report, SpectralPoint, ThermalPoint};
 use crate::characterisation::{Figures, doubling_temperature, evaluate, responsivity};
 use crate::io::image_sets::{CONTENTS, ChannelSets, ImageSets, MeasuredSet, read_set};
@@ -50,7 +51,7 @@ fn image_count(folder: &Path, sets: &ImageSets) -> u64 {
         std::iter::once(c.descriptor.clone()).chain(spectral).chain(thermal).collect::<Vec<_>>()
     };
     let lines = |path: String| {
-        let text = std::fs::read_to_string(folder.join(path)).unwrap_or_default();
+        let text = input::read_text(&folder.join(path), input::TABLE_BYTES).unwrap_or_default();
         text.lines().filter(|line| line.starts_with("i ")).count() as u64
     };
     sets.channels.iter().flat_map(of_channel).map(lines).sum()

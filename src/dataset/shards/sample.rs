@@ -1,7 +1,6 @@
 //! What a data set holds of a picture, read into memory.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -112,7 +111,7 @@ impl Samples {
             refuse_resampled(&self.dataset, &shot)?;
             check_size(picture_size(path)?, &shot, path)?;
         }
-        let image = image.map(|path| fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))).transpose()?;
+        let image = image.map(|path| input::read(&path).map_err(|reason| Error::io(&path, "read", reason))).transpose()?;
         let raw = RAW_FILES.iter().copied().find(has).map(|name| folder.join(name));
         let raw = raw.map(|path| {
             let raw = seen(read_raw(&path)?);

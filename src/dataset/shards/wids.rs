@@ -2,12 +2,12 @@
 //! ([WebDataset](photosite_core::references#webdataset)).
 
 use std::collections::BTreeSet;
-use std::fs::{self, File};
 use std::io;
 use std::path::Path;
 
 use serde_json::{Value, json};
 
+use photosite_core::input;
 use crate::io::output::write_whole;
 use crate::{Error, Invalid, Result};
 
@@ -16,7 +16,7 @@ const INDEX: &str = "index.json";
 
 /// Lists all tar files of a folder with the numbers of their samples, which are so many in all.
 pub(super) fn write_index(folder: &Path, samples: usize) -> Result<()> {
-    let entries = fs::read_dir(folder).map_err(|reason| Error::io(folder, "read", reason))?;
+    let entries = input::entries(folder).map_err(|reason| Error::io(folder, "read", reason))?;
     let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
     let names: BTreeSet<String> = names.filter(|name| name.starts_with("shard-") && name.ends_with(".tar")).collect();
     let entry = |name: &String| {
@@ -36,7 +36,7 @@ pub(super) fn write_index(folder: &Path, samples: usize) -> Result<()> {
 }
 
 fn entry(name: &str, path: &Path) -> io::Result<Value> {
-    let file = File::open(path)?;
+    let file = input::open(path)?;
     let bytes = file.metadata()?.len();
     let mut keys = BTreeSet::new();
     for member in tar::Archive::new(file).entries_with_seek()? {
