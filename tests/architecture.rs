@@ -312,6 +312,50 @@ fn only_one_module_opens_files() {
     assert!(found.is_empty(), "not by photosite_core::input:\n{}", found.join("\n"));
 }
 
+/// Where a key stands in brackets behind a value. A map without it, or another value than a table, ends the process.
+fn keys_in_brackets(code: &str) -> Vec<&str> {
+    let is_value = |before: &str| before.ends_with(|c: char| c.is_alphanumeric() || "_)]?".contains(c));
+    let is_key = |after: &str| {
+        let name = after.split(']').next().unwrap_or_default();
+        let is_constant = name.contains('_') || name.len() > 3;
+        let is_text = name.len() > 2 && name.starts_with('"') && name.ends_with('"');
+        is_text || name.starts_with('&') || is_constant && name.chars().all(|c| c.is_ascii_uppercase() || c == '_')
+    };
+    let has_key = |line: &&str| line.match_indices('[').any(|(at, _)| is_value(&line[..at]) && is_key(&line[at + 1..]));
+    code.lines().filter(has_key).collect()
+}
+
+/// Files that hold schemas of ours, whose keys are those of the code, and a script in which brackets mean something else.
+const WITH_KEYS_OF_OURS: &[&str] =
+    &["src/capture/schema.rs", "src/report/schema.rs", "src/view/controls.rs", "src/capture/tables", "src/schedulers"];
+
+/// What others wrote, in files or on the network, may lack any key.
+#[test]
+fn no_key_stands_in_brackets() {
+    let mut found = Vec::new();
+    let reading = ["src", "crates/photosite-scene-io/src", "crates/photosite-lens/src", "crates/photosite-py/src"];
+    for path in reading.iter().flat_map(|folder| sources(&root().join(folder))) {
+        let name = path.strip_prefix(root()).expect("below the root").display().to_string();
+        if !WITH_KEYS_OF_OURS.iter().any(|allowed| name.starts_with(allowed)) {
+            let code = code(&path);
+            found.extend(keys_in_brackets(&code).iter().map(|line| format!("{name}: {}", line.trim())));
+        }
+    }
+    assert!(found.is_empty(), "use get, and say what is missing:\n{}", found.join("\n"));
+}
+
+#[test]
+fn brackets_are_told_apart() {
+    let wrong = ["part[\"fingerprint\"]", "keys?[FINGERPRINT].x", "f()[&name]"];
+    assert_eq!(keys_in_brackets(&wrong.join("\n")), wrong);
+    assert!(
+        keys_in_brackets(
+            "let a = [\"key\"];\n#[cfg(unix)]\nall[0]\nall[..n]\n(a, [NAME])\nall[XYZ]\nfind(\"all[\").x[0]"
+        )
+        .is_empty()
+    );
+}
+
 #[test]
 fn only_the_command_line_prints_and_ends_the_process() {
     let is_command = |path: &&PathBuf| path.starts_with(root().join("src/cli")) || path.ends_with("main.rs");

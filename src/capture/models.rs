@@ -6,13 +6,13 @@ use std::time::SystemTime;
 
 use super::geometry_kind::GeometryKind;
 use super::source::CaptureSource;
-use photosite_core::input;
 use crate::io::gltf::{self, Choice, Moment};
 use crate::io::{ChangedMeshes, MissingNormals, obj, ply, stl};
 use crate::locked::locked;
 use crate::scene::description::{MeshDescription, SceneDescription};
 use crate::texture::Bitmap;
 use crate::{Invalid, Result};
+use photosite_core::input;
 
 /// What a file of geometry holds.
 #[derive(Clone, Debug, Default)]

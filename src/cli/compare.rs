@@ -7,7 +7,6 @@ use clap::Args;
 use super::compare_report::text;
 use super::print::{print_json, println_out, refuse_existing};
 use super::remedies::in_options;
-use photosite_core::sandbox::trust;
 use crate::develop::EncodedPicture;
 use crate::io::developed::write_png;
 use crate::io::output::write_whole;
@@ -16,6 +15,7 @@ use crate::raw::Pixels;
 use crate::report::{ComparisonReport, DifferencePicture};
 use crate::validation::{FalseColour, Limits, Picture, Settings, compare, false_colour};
 use crate::{Error, Invalid, Result};
+use photosite_core::sandbox::trust;
 
 const EXAMPLES: &str = "\
 Example:

@@ -14,11 +14,11 @@ use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out};
 use super::scene_args::SceneArgs;
 use super::shards::LayoutsArgs;
-use photosite_core::sandbox::trust;
 use crate::capture::DatasetFile;
 use crate::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, MakeOptions, Shard, picture_name};
 use crate::pipeline::{Event, FilmMemory, LightSource, Monitor, PictureOfFrame};
 use crate::{Result, Sandbox};
+use photosite_core::sandbox::trust;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -10,7 +10,6 @@ use super::arguments::positive;
 use super::figures_text::expected_text;
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out};
-use photosite_core::sandbox::trust;
 use crate::capture::{NamedSensor, read_named_sensor};
 use crate::characterisation::effects_left_out;
 use crate::emva1288::{SetPlan, SetRequest, refuse_image_sets};
@@ -18,6 +17,7 @@ use crate::io::image_sets::ImageFormat;
 use crate::pipeline::{Event, Monitor};
 use crate::units::{Celsius, Decibels, Seconds};
 use crate::{Result, Sandbox};
+use photosite_core::sandbox::trust;
 
 const EXAMPLES: &str = "\
 Example:

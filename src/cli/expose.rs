@@ -8,12 +8,12 @@ use super::arguments::positive;
 use super::log::say;
 use super::print::{print_json, rounded};
 use super::run_args::{OutcomeArgs, RunArgs};
-use photosite_core::sandbox::trust;
 use crate::capture::FileKind;
 use crate::pipeline::{OutputFolder, PictureScale, StoredRender};
 use crate::report::REPORT;
 use crate::sensor::PictureUnit;
 use crate::{Error, Result, Sandbox};
+use photosite_core::sandbox::trust;
 
 const EXAMPLES: &str = "\
 Examples:

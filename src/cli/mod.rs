@@ -207,9 +207,9 @@ fn run_command(cli: &Cli, named: Vec<PathBuf>) -> Result<u8> {
     sandbox.confine(named);
     start_threads(cli.threads)?;
     signals::listen()?;
-    let status = run_subcommand(cli, sandbox)?;
-    // What is only looked for is done without where it is refused.
-    check_refused().map(|()| status)
+    let done = run_subcommand(cli, sandbox);
+    // What is only looked for is done without where it is refused, and what fails then fails of that.
+    check_refused().and(done)
 }
 
 fn run_subcommand(cli: &Cli, sandbox: &Sandbox) -> Result<u8> {

@@ -8,10 +8,10 @@ use clap::Args;
 use super::log::warning;
 use super::print::println_out;
 use super::scene_args::SceneArgs;
-use photosite_core::input;
 use crate::capture::Capture;
 use crate::sight::{Sight, Space};
 use crate::{Error, Invalid, Result, Sandbox};
+use photosite_core::input;
 
 const EXAMPLES: &str = "\
 Example:
@@ -87,7 +87,7 @@ fn numbers<const N: usize>(line: &str, example: &str) -> Result<[f64; N], Invali
     let parts: Option<Vec<f64>> = line
         .split(|c: char| c == ',' || c.is_whitespace())
         .filter(|part| !part.is_empty())
-        .map(|part| part.parse().ok())
+        .map(|part| part.parse().ok().filter(|number: &f64| number.is_finite()))
         .collect();
     parts.and_then(|parts| parts.try_into().ok()).ok_or_else(|| {
         Invalid::new("", format!("\"{line}\" is not {N} numbers")).help(format!("write a line such as {example}"))

@@ -13,11 +13,11 @@ use super::run_args::{OutcomeArgs, RunArgs};
 use super::scene_args::SceneArgs;
 use super::shorthands::Shorthands;
 use super::tev::{TevAddress, TevMonitor};
-use photosite_core::sandbox::trust;
 use crate::capture::{Capture, relative_path};
 use crate::pipeline::{FilmMemory, LightSource, Monitor, Place, Rendered, Request, render_into};
 use crate::report::{REPORT, RenderReport, Report, Timings};
 use crate::{Result, Sandbox};
+use photosite_core::sandbox::trust;
 
 const EXAMPLES: &str = "\
 Examples:

@@ -13,13 +13,13 @@ use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out, refuse_existing, write_result};
 use super::scene_args::SceneArgs;
 use super::shards::LayoutsArgs;
-use photosite_core::sandbox::trust;
 use crate::capture::DatasetFile;
 use crate::dataset::{DataSet, Forecast, IDENTITY, MakeOptions};
 use crate::io::output::create_folder;
 use crate::pipeline::FilmMemory;
 use crate::schedulers::{Cut, Job, LONGEST_PARAMETER, Site, Tasks, all_quoted, index_command, script, template};
 use crate::{Error, Result, Sandbox};
+use photosite_core::sandbox::trust;
 
 /// Minutes that a task takes unless something else is asked for.
 const TASK_MIN: f64 = 30.0;
@@ -371,6 +371,7 @@ fn sbatch(arguments: &[String], text: &str) -> Result<String> {
 /// Runs a template on this machine.
 fn openjd_run(written: Option<&Path>, text: &str) -> Result<()> {
     let folder = tempfile::tempdir().map_err(|reason| Error::io(&std::env::temp_dir(), "write into", reason))?;
+    trust(folder.path());
     let path = match written {
         Some(path) => path.to_owned(),
         None => {

@@ -10,13 +10,13 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::layout_folder::PICTURE;
-use photosite_core::input;
 use crate::calibration::camera_files::CalibratedCamera;
 use crate::calibration::layouts::{EPOCH_NS, PictureSet, RollingShutter, SceneObject, SeenPoint, SeenTarget, Shot};
 use crate::io::file_sum::FileSum;
 use crate::optics::{Projection, Recording};
 use crate::report::{PixelGridReport, REPORT, Report, TargetReport, TracedReport};
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// The list of pictures in the folder of a data set, a line each.
 pub(super) const MANIFEST: &str = "manifest.jsonl";
@@ -39,10 +39,11 @@ pub(super) fn refuse_resampled(folder: &Path, shot: &Shot) -> Result<()> {
     if !shot.is_resampled {
         return Ok(());
     }
-    let message = "the picture was developed without the distortion, or the shape of pixels, that its camera and its ground \
-                   truth have";
+    let message = "the picture was developed in another size, or without the distortion or the shape of pixels, that its \
+                   camera and its ground truth have";
     let invalid = Invalid::new("capture.develop", message);
-    let help = "make the data set without setting develop.distortion and develop.square_pixels";
+    let help = "make the data set without setting develop.distortion, develop.square_pixels, develop.resize_px and \
+                develop.digital_zoom";
     Err(invalid.help(help).in_file(&folder.join(&shot.folder).join(REPORT)))
 }
 
@@ -140,7 +141,7 @@ pub(super) fn shot(path: &Path, report: Report, line: Line, camera: usize) -> Re
     // Reports that say nothing of it are of a time when this lens's distortion alone was undone.
     let undid_distortion = || {
         matches!(projection, Projection::BrownConrady(_))
-            && report.capture["develop"]["distortion"] != Value::Bool(false)
+            && report.capture.pointer("/develop/distortion") != Some(&Value::Bool(false))
     };
     let has_image = report.files.iter().any(|file| file == PICTURE);
     let is_resampled = has_image

@@ -16,10 +16,10 @@ use super::frames::Frames;
 use super::make::MakeOptions;
 use super::presence::{damage, picture};
 use super::selection::{FrameList, in_order};
-use photosite_core::input;
 use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, Rendered, Request, Silent};
 use crate::report::{Look, Timings};
 use crate::{Error, Invalid, Result};
+use photosite_core::{input, sandbox::trust};
 
 /// Tracing for less than this says little of the speed, s.
 const ENOUGH_S: f64 = 1.0;
@@ -154,6 +154,7 @@ impl DataSet {
     /// Makes a picture of so few samples a pixel, and lets it go.
     fn trial(&self, camera: &str, &Missing { number, changes, .. }: &Missing<'_>, few: u32) -> Result<Trial> {
         let folder = tempfile::tempdir().map_err(|reason| Error::io(&std::env::temp_dir(), "write into", reason))?;
+        trust(folder.path());
         let start = Instant::now();
         let request = Request {
             input: &self.capture_path,

@@ -14,9 +14,9 @@ use std::time::{Duration, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
-use photosite_core::input;
 use crate::io::lock::{Lock, is_held};
 use crate::io::output::PARTIAL;
+use photosite_core::input;
 
 /// Between two signs of life.
 const INTERVAL: Duration = Duration::from_secs(5);

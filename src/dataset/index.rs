@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use photosite_core::{counted, input};
 use photosite_core::key_path::{split_change, toml_value};
+use photosite_core::{counted, input};
 use serde_json::{Value, json};
 
 use super::calibration::write_calibration;
@@ -180,6 +180,6 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize, left_
         count = plan.cameras().len(),
         all = plan.frames() as usize * plan.cameras().len(),
         cameras = cameras.join("\n"),
-        fingerprint = identity["fingerprint"].as_str().unwrap_or_default(),
+        fingerprint = identity.get("fingerprint").and_then(Value::as_str).unwrap_or_default(),
     )
 }

@@ -117,7 +117,7 @@ impl LayoutFolder {
     /// Says once that key points of objects are left out, where the capture has any.
     fn warn_of_key_points(&mut self, shot: &Shot) -> Result<()> {
         let capture = Report::read(&self.of_shot(shot, REPORT))?.capture;
-        let objects = capture["scene"]["objects"].as_array();
+        let objects = capture.pointer("/scene/objects").and_then(Value::as_array);
         let has_points = |object: &Value| object.get("keypoints").is_some();
         let message = "objects have key points, and the data set holds no objects.json that says where they appear: make it \
                        with output.objects = true";

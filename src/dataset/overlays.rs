@@ -11,12 +11,12 @@ use super::epipolar_lines::original_curves;
 use super::finished::{Line, refuse_resampled, shot};
 use super::layout_folder::{OBJECTS, TRUTH};
 use super::sheet::Sheet;
-use photosite_core::input;
 use crate::calibration::camera_files::StereoPair;
 use crate::calibration::layouts::{SceneObject, SeenPoint, SeenTarget, Shot};
 use crate::io::exr::read_exr_file;
 use crate::report::{ObjectReport, ObjectsReport, REPORT, Report, RunLengths};
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// Epipolar lines of a picture.
 const LINES: u32 = 12;

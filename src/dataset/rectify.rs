@@ -19,7 +19,6 @@ use super::finished::read_dataset;
 use super::layout_folder::{LayoutFolder, TRUTH, check_size};
 use super::rectified_truth::rectified_truth;
 use super::selection::FrameList;
-use photosite_core::input;
 use crate::calibration::camera_files::{DisparityScale, RectifiedView, StereoPair, opencv_pair};
 use crate::calibration::layouts::{LayoutFiles, PictureSet, Shot};
 use crate::develop::{ResizeFilter, remap};
@@ -30,6 +29,7 @@ use crate::io::output::write_unsynced;
 use crate::io::pretty_json::pretty_json;
 use crate::report::matrix::rows;
 use crate::{Error, Invalid, Result, Sandbox};
+use photosite_core::input;
 
 /// What of the rectified pictures can be read again.
 const REPORT: &str = "rectify.json";

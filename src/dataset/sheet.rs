@@ -8,8 +8,8 @@ use serde_json::{Map, Value};
 use super::finished::MANIFEST;
 use super::layout_folder::PICTURE;
 use super::presence::{name, picture};
-use photosite_core::input;
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// The pictures of a data set that are there.
 #[derive(Clone, Debug)]

@@ -9,12 +9,12 @@ use serde_json::Value;
 use super::failure::Failure;
 use super::finished::{Line, MANIFEST};
 use super::heartbeat::{Holder, Sign, now_s, sign};
-use super::identity::{CAMERAS, FRAMES, IDENTITY, OF_PART, read_identity};
+use super::identity::{CAMERAS, FRAMES, IDENTITY, of_part, read_identity};
 use super::presence::{damage, failure, lock, name, picture};
 use super::selection::{FrameList, in_order};
-use photosite_core::input;
 use crate::report::Look;
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// How far a data set is.
 #[derive(Clone, Debug)]
@@ -86,7 +86,7 @@ impl Status {
             return Err(Error::Usage { message, help: Some(help.into()) });
         }
         let identity = read_identity(&marker)?;
-        if !identity["fingerprint"].is_string() {
+        if !identity.get("fingerprint").is_some_and(Value::is_string) {
             let help = "run the command that makes the data set with another folder";
             return Err(Invalid::new("", "is damaged: it has no fingerprint").help(help).in_file(&marker));
         }
@@ -105,7 +105,8 @@ impl Status {
         let pictures = pictures.collect();
         let is_timeless = |&(camera, time): &(&String, &Option<f64>)| time.is_none() && has_locks(&folder.join(camera));
         let timeless = cameras.iter().zip(&times).filter(is_timeless).map(|(camera, _)| camera.clone()).collect();
-        let overrides = identity["overrides"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        let overrides =
+            identity.get("overrides").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
         Ok(Self {
             folder: folder.to_owned(),
             frames,
@@ -161,9 +162,15 @@ fn state(folder: &Path, camera: &str, number: u32, now_s: Option<f64>) -> Pictur
 
 /// How many frames there are to be, and the cameras. Folders of earlier versions tell it by their manifest.
 fn extent(folder: &Path, identity: &Value) -> Result<(u32, Vec<String>)> {
-    let frames = identity[FRAMES].as_u64().and_then(|frames| u32::try_from(frames).ok());
-    let cameras: Vec<String> =
-        identity[CAMERAS].as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect();
+    let frames = identity.get(FRAMES).and_then(Value::as_u64).and_then(|frames| u32::try_from(frames).ok());
+    let cameras: Vec<String> = identity
+        .get(CAMERAS)
+        .and_then(Value::as_array)
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_str)
+        .map(str::to_owned)
+        .collect();
     if let (Some(frames), false) = (frames, cameras.is_empty()) {
         return Ok((frames, cameras));
     }
@@ -186,7 +193,6 @@ fn extent(folder: &Path, identity: &Value) -> Result<(u32, Vec<String>)> {
 }
 
 fn part(identity: &Value) -> Option<([u32; 2], PathBuf)> {
-    let part = &identity[OF_PART];
-    let samples = serde_json::from_value(part["samples"].clone()).ok()?;
-    Some((samples, PathBuf::from(part["path"].as_str()?)))
+    let samples = serde_json::from_value(of_part(identity, "samples")?.clone()).ok()?;
+    Some((samples, PathBuf::from(of_part(identity, "path")?.as_str()?)))
 }

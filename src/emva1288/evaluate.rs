@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use photosite_core::input;
 use crate::characterisation::report::{ChannelReport, Report, SpectralPoint, ThermalPoint};
 use crate::characterisation::{Figures, doubling_temperature, evaluate, responsivity};
 use crate::io::image_sets::{CONTENTS, ChannelSets, ImageSets, MeasuredSet, read_set};
 use crate::pipeline::{Event, Monitor, go_on};
 use crate::{Invalid, Result};
+use photosite_core::input;
 
 /// The images of any camera.
 pub fn evaluate_descriptor(path: &Path, monitor: &dyn Monitor) -> Result<Report> {

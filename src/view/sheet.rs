@@ -12,10 +12,10 @@ use serde_json::{Value, json};
 use super::answer::Failure;
 use super::recent::Recent;
 use super::source::{Input, Source};
-use photosite_core::input;
 use crate::dataset::{Overlays, Sheet};
 use crate::locked::locked;
 use crate::{Error, Sandbox};
+use photosite_core::input;
 
 /// Widths of small pictures, px.
 const WIDTHS: [u32; 3] = [160, 320, 640];

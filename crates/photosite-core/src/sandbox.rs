@@ -95,7 +95,8 @@ pub fn opened(path: &Path) -> io::Result<PathBuf> {
 /// That there is one.
 pub fn check_refused() -> Result<()> {
     let refused = WALLS.get().and_then(|walls| walls.refused.lock().unwrap_or_else(PoisonError::into_inner).clone());
-    let error = |(path, why): (PathBuf, String)| Error::io(&path, "read", io::Error::new(ErrorKind::PermissionDenied, why));
+    let error =
+        |(path, why): (PathBuf, String)| Error::io(&path, "read", io::Error::new(ErrorKind::PermissionDenied, why));
     refused.map_or(Ok(()), |refused| Err(error(refused)))
 }
 

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use photosite_core::input;
 use crate::io::lock::Lock;
 use crate::io::output::{create_folder, write_new};
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// The file that says what the folder holds.
 pub(super) const SETTINGS: &str = "layout.json";
@@ -210,6 +210,8 @@ fn elsewhere(message: String) -> Error {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn wanted(size: ShardSize) -> Wanted {

@@ -7,9 +7,9 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use photosite_core::input;
 use crate::io::output::write_whole;
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// Its name.
 const INDEX: &str = "index.json";
@@ -24,7 +24,7 @@ pub(super) fn write_index(folder: &Path, samples: usize) -> Result<()> {
         entry(name, &path).map_err(|reason| Error::io(&path, "read", reason))
     };
     let shards: Vec<Value> = names.iter().map(entry).collect::<Result<_>>()?;
-    let found: u64 = shards.iter().filter_map(|shard| shard["nsamples"].as_u64()).sum();
+    let found: u64 = shards.iter().filter_map(|shard| shard.get("nsamples")?.as_u64()).sum();
     if found != samples as u64 {
         let message = format!("holds {found} samples, of {samples}: a file of a shard is lost");
         let help = "remove all files of the shard that lacks one, and run the command again, which writes it again";
