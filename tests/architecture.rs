@@ -19,6 +19,21 @@ const WITH_FILES: &[&str] = &[
     "crates/photosite-scene-io/src",
 ];
 
+/// Files of code that may open files of the disk otherwise than by `photosite_core::input`, which keeps to the sandbox.
+const WITHOUT_SANDBOX: &[&str] = &[
+    "crates/photosite-core/src/input.rs",
+    // What the kernel tells
+    "crates/photosite-core/src/memory/system.rs",
+    // Results, which are put in place by their names, and locks, whose content nobody reads
+    "crates/photosite-core/src/output.rs",
+    "src/io/lock.rs",
+    "src/io/unfinished.rs",
+    // What the program itself keeps, in a folder of the user
+    "src/cache.rs",
+    // Patterns, which follow links themselves, and ask the sandbox at each
+    "src/dataset/file_pattern.rs",
+];
+
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
@@ -271,6 +286,74 @@ fn only_the_outer_modules_touch_files() {
             }
         }
     }
+}
+
+/// Whether a line has a word that begins there.
+fn begins_in(line: &str, word: &str) -> bool {
+    line.match_indices(word).any(|(at, _)| !line[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_'))
+}
+
+/// A file that a folder holds may be a link of a stranger to any other.
+#[test]
+fn only_one_module_opens_files() {
+    let functions = ["read", "read_to_string", "copy", "hard_link", "read_dir", "metadata", "read_link"];
+    let functions = functions.map(|name| format!("fs::{name}("));
+    let others = ["File::open", "File::options", "OpenOptions", "ImageReader::open", "image::open", "WalkDir::new"];
+    let more = ["from_file(", "use std::fs::read", "use std::fs::*", "glob::glob"];
+    let words: Vec<&str> = functions.iter().map(String::as_str).chain(others).chain(more).collect();
+    let opens = |line: &&str| !line.contains("\"/proc/") && words.iter().any(|word| begins_in(line, word));
+    let mut found = Vec::new();
+    for path in crates().iter().flat_map(|folder| sources(folder)) {
+        let name = path.strip_prefix(root()).expect("below the root").display().to_string();
+        if !WITHOUT_SANDBOX.contains(&&*name) {
+            found.extend(code(&path).lines().filter(opens).map(|line| format!("{name}: {}", line.trim())));
+        }
+    }
+    assert!(found.is_empty(), "not by photosite_core::input:\n{}", found.join("\n"));
+}
+
+/// Where a key stands in brackets behind a value. A map without it, or another value than a table, ends the process.
+fn keys_in_brackets(code: &str) -> Vec<&str> {
+    let is_value = |before: &str| before.ends_with(|c: char| c.is_alphanumeric() || "_)]?".contains(c));
+    let is_key = |after: &str| {
+        let name = after.split(']').next().unwrap_or_default();
+        let is_constant = name.contains('_') || name.len() > 3;
+        let is_text = name.len() > 2 && name.starts_with('"') && name.ends_with('"');
+        is_text || name.starts_with('&') || is_constant && name.chars().all(|c| c.is_ascii_uppercase() || c == '_')
+    };
+    let has_key = |line: &&str| line.match_indices('[').any(|(at, _)| is_value(&line[..at]) && is_key(&line[at + 1..]));
+    code.lines().filter(has_key).collect()
+}
+
+/// Files that hold schemas of ours, whose keys are those of the code, and a script in which brackets mean something else.
+const WITH_KEYS_OF_OURS: &[&str] =
+    &["src/capture/schema.rs", "src/report/schema.rs", "src/view/controls.rs", "src/capture/tables", "src/schedulers"];
+
+/// What others wrote, in files or on the network, may lack any key.
+#[test]
+fn no_key_stands_in_brackets() {
+    let mut found = Vec::new();
+    let reading = ["src", "crates/photosite-scene-io/src", "crates/photosite-lens/src", "crates/photosite-py/src"];
+    for path in reading.iter().flat_map(|folder| sources(&root().join(folder))) {
+        let name = path.strip_prefix(root()).expect("below the root").display().to_string();
+        if !WITH_KEYS_OF_OURS.iter().any(|allowed| name.starts_with(allowed)) {
+            let code = code(&path);
+            found.extend(keys_in_brackets(&code).iter().map(|line| format!("{name}: {}", line.trim())));
+        }
+    }
+    assert!(found.is_empty(), "use get, and say what is missing:\n{}", found.join("\n"));
+}
+
+#[test]
+fn brackets_are_told_apart() {
+    let wrong = ["part[\"fingerprint\"]", "keys?[FINGERPRINT].x", "f()[&name]"];
+    assert_eq!(keys_in_brackets(&wrong.join("\n")), wrong);
+    assert!(
+        keys_in_brackets(
+            "let a = [\"key\"];\n#[cfg(unix)]\nall[0]\nall[..n]\n(a, [NAME])\nall[XYZ]\nfind(\"all[\").x[0]"
+        )
+        .is_empty()
+    );
 }
 
 #[test]

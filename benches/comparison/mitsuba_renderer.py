@@ -78,6 +78,9 @@ def start(variant, threads, avx2=False):
     if avx2:
         keep_to_avx2(drjit)
     if threads:
+        # Mitsuba up to 3.7 has threads of its own beside those of Dr.Jit.
         drjit.set_thread_count(threads)
-        mitsuba.Thread.set_thread_count(threads)
+        own = getattr(mitsuba.Thread, "set_thread_count", None)
+        if own is not None:
+            own(threads)
     return mitsuba

@@ -1,6 +1,5 @@
 //! The file that stands for a capture: a capture file, the report of one that was rendered, or a scene.
 
-use std::fs;
 use std::path::Path;
 
 use super::file_kind::FileKind;
@@ -10,11 +9,12 @@ use super::stored_report::StoredReport;
 use super::text_file::{read_text, unknown_kind};
 use super::{focus, tree};
 use crate::{Error, Result};
+use photosite_core::input::metadata;
 
 /// What a path holds: a capture file, a report of one that was rendered, or a scene file that stands for one.
 pub(super) fn read_source(path: &Path) -> Result<CaptureSource> {
     if is_scene_file(path) {
-        fs::metadata(path).map_err(|reason| Error::io(path, "read", reason))?;
+        metadata(path).map_err(|reason| Error::io(path, "read", reason))?;
         return Ok(CaptureSource::of_scene_file(path));
     }
     let is_of_kind = |kind: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(kind));

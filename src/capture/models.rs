@@ -12,6 +12,7 @@ use crate::locked::locked;
 use crate::scene::description::{MeshDescription, SceneDescription};
 use crate::texture::Bitmap;
 use crate::{Invalid, Result};
+use photosite_core::input;
 
 /// What a file of geometry holds.
 #[derive(Clone, Debug, Default)]
@@ -88,7 +89,7 @@ impl ModelFile {
 
     /// When it was changed last, and its size.
     fn stamp(&self) -> Option<(SystemTime, u64)> {
-        let facts = std::fs::metadata(&self.path).ok()?;
+        let facts = input::metadata(&self.path).ok()?;
         Some((facts.modified().ok()?, facts.len()))
     }
 }

@@ -163,7 +163,9 @@ fn set_in(source: &mut CaptureSource, prefix: &str, example: &str, argument: &st
     if key.is_empty() || key.contains(['\n', '\r']) || has_outside_quotes(key, &['=', '#', '[', ']']) {
         return Err(wrong(format!("{key:?} is not a key")));
     }
-    let toml = if toml_value(value).is_some() {
+    // A number beyond all others is refused as such, by its key.
+    let is_endless = value.contains(|c: char| c.is_ascii_digit()) && value.parse().is_ok_and(f64::is_infinite);
+    let toml = if is_endless || toml_value(value).is_some() {
         format!("{prefix}{key} = {value}")
     } else if is_bare_word(value) {
         format!("{prefix}{key} = {value:?}")

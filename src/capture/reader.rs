@@ -194,7 +194,8 @@ impl<'de> SeqAccess<'de> for &mut Elements<'de> {
 
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, ReadError> {
         let Some((index, node)) = self.0.next() else { return Ok(None) };
-        seed.deserialize(Reader(node)).map(Some).map_err(|error| error.within(&format!("[{index}]")))
+        let read = finite(node).and_then(|()| seed.deserialize(Reader(node)));
+        read.map(Some).map_err(|error| error.within(&format!("[{index}]")))
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -221,7 +222,25 @@ impl<'de> MapAccess<'de> for Entries<'de> {
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, ReadError> {
         let (key, node) = self.value.take().expect("serde asks for a key before its value");
-        seed.deserialize(Reader(node)).map_err(|error| error.within(key))
+        let checked = if MAY_BE_INFINITE.contains(&key) { Ok(()) } else { finite(node) };
+        checked.and_then(|()| seed.deserialize(Reader(node))).map_err(|error| error.within(key))
+    }
+}
+
+/// Keys whose numbers may be without end: a white that is never reached.
+const MAY_BE_INFINITE: [&str; 1] = ["tone_white"];
+
+/// Refuses a number without end, and what is none.
+fn finite(node: &Node) -> Result<(), ReadError> {
+    match node.value {
+        Value::Float(x) if !x.is_finite() => Err(ReadError::new(format!("must be finite, got {x}"))),
+        Value::Float(_)
+        | Value::String(_)
+        | Value::Integer(_)
+        | Value::Boolean(_)
+        | Value::Datetime(_)
+        | Value::Array(_)
+        | Value::Table(_) => Ok(()),
     }
 }
 

@@ -117,7 +117,9 @@ fn whole(path: &Path) -> Option<PathBuf> {
 /// All keys of a capture, with paths relative to the folder `to`, or absolute ones.
 pub(super) fn keys_of(source: &CaptureSource, sensor: &str, to: Option<&Path>) -> Result<serde_json::Value> {
     let mut keys: serde_json::Value = source.read_whole()?;
-    close_sensor(&mut keys["sensor"], sensor);
+    if let Some(table) = keys.get_mut("sensor") {
+        close_sensor(table, sensor);
+    }
     for (section, value) in keys.as_object_mut().into_iter().flatten() {
         // Curves of the sensor, which may come from a file of its own, are relative to the current folder already.
         let from = if section == "sensor" { None } else { source.path().parent() };

@@ -151,7 +151,7 @@ pub struct NamedSensor {
 /// A sensor by the name of a preset or the path of a sensor file, with overrides, `key=value`, laid over its keys.
 pub fn read_named_sensor(sandbox: &Sandbox, name: &str, overrides: &[String]) -> Result<NamedSensor> {
     if is_path(name) {
-        std::fs::metadata(name).map_err(|reason| Error::io(Path::new(name), "read", reason))?;
+        input::metadata(Path::new(name)).map_err(|reason| Error::io(Path::new(name), "read", reason))?;
     } else if presets::table(name).is_none() {
         let Invalid { message, help, .. } = unknown_preset(name);
         return Err(Error::Usage { message, help });

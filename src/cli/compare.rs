@@ -15,6 +15,7 @@ use crate::raw::Pixels;
 use crate::report::{ComparisonReport, DifferencePicture};
 use crate::validation::{FalseColour, Limits, Picture, Settings, compare, false_colour};
 use crate::{Error, Invalid, Result};
+use photosite_core::sandbox::trust;
 
 const EXAMPLES: &str = "\
 Example:
@@ -145,6 +146,7 @@ fn read(path: &Path, variance: Option<&str>, samples: Option<u64>, masked: bool)
         return picture.with_second_moments(samples).map_err(unfit);
     }
     let Some(text) = variance else { return Ok(picture) };
+    trust(text.as_ref());
     match text.parse::<f64>() {
         Ok(variance) if variance.is_finite() && variance >= 0.0 => Ok(picture.with_constant_variance(variance)),
         Ok(_) => Err(Error::Usage {

@@ -18,6 +18,7 @@ use crate::capture::DatasetFile;
 use crate::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, MakeOptions, Shard, picture_name};
 use crate::pipeline::{Event, FilmMemory, LightSource, Monitor, PictureOfFrame};
 use crate::{Result, Sandbox};
+use photosite_core::sandbox::trust;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -106,6 +107,7 @@ pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
     let frames = set.frames(numbers, args.keep_going, &monitor)?;
     let default = PathBuf::from(&*args.input.file_stem().unwrap_or_default().to_string_lossy());
     let path = args.output.as_deref().unwrap_or(&default);
+    trust(path);
     let options = MakeOptions { keeps_going: args.keep_going, jobs: args.jobs };
     if args.dry_run {
         let forecast = set.forecast(&frames, path, options, &monitor)?;

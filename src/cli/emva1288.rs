@@ -17,6 +17,7 @@ use crate::io::image_sets::ImageFormat;
 use crate::pipeline::{Event, Monitor};
 use crate::units::{Celsius, Decibels, Seconds};
 use crate::{Result, Sandbox};
+use photosite_core::sandbox::trust;
 
 const EXAMPLES: &str = "\
 Example:
@@ -108,8 +109,10 @@ impl Range {
 const MOST_VALUES: f64 = 10_000.0;
 
 pub(super) fn run(args: &Emva1288Args, sandbox: &Sandbox) -> Result<()> {
+    trust(args.sensor.as_ref());
     let NamedSensor { model: sensor, warnings, .. } = read_named_sensor(sandbox, &args.sensor, &args.overrides)?;
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("emva1288-{}", sensor.name)));
+    trust(&output);
     let request = SetRequest {
         channels: args.channels.clone(),
         wavelength_nm: args.wavelength_nm,

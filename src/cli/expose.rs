@@ -13,6 +13,7 @@ use crate::pipeline::{OutputFolder, PictureScale, StoredRender};
 use crate::report::REPORT;
 use crate::sensor::PictureUnit;
 use crate::{Error, Result, Sandbox};
+use photosite_core::sandbox::trust;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -107,6 +108,7 @@ pub(super) fn run(args: &ExposeArgs, sandbox: &Sandbox) -> Result<()> {
         Some(scale) => StoredRender::of_picture(sandbox, &args.input, &scale, &overrides)?,
     };
     let folder = args.common.output.clone().unwrap_or_else(|| default_folder(&args.input));
+    trust(&folder);
     refuse_own_folder(&folder, &args.input)?;
     let mut folder = OutputFolder::claim(&folder, *force)?;
     let report = stored.expose_into(&mut folder, &args.outcome.monitor())?;

@@ -8,7 +8,7 @@ use photosite_lens::files::{self, FirstNumber, Reading};
 
 use super::log::warning;
 use super::print::{print_json, println_out, refuse_existing, write_result};
-use crate::lens_figures::{LensFigures, Options, html};
+use crate::lens_figures::{LensFigures, Options, ShippedLens, html, shipped_lenses};
 use crate::{Error, Invalid, Result};
 
 /// Most bytes of a lens file.
@@ -59,14 +59,14 @@ pub(super) struct LensArgs {
     /// Print nothing but warnings and errors.
     #[arg(short, long, conflicts_with = "json")]
     quiet: bool,
-    /// List the lenses that ship with photosite.
+    /// List the lenses that ship with photosite, with focal length and f-number.
     #[arg(long, exclusive = true)]
     list: bool,
 }
 
 pub(super) fn run(args: &LensArgs) -> Result<()> {
     let Some(lens) = &args.lens else {
-        return println_out(&files::names().collect::<Vec<_>>().join("\n"));
+        return list();
     };
     args.output.iter().try_for_each(|output| refuse_existing(output, args.force))?;
     let kinds = args.output.iter().map(|output| kind(output)).collect::<Result<Vec<_>>>()?;
@@ -98,6 +98,23 @@ pub(super) fn run(args: &LensArgs) -> Result<()> {
         Some(figures) if !args.quiet => println_out(&figures.text()),
         Some(_) | None => Ok(()),
     }
+}
+
+/// The lenses that ship, one a line.
+fn list() -> Result<()> {
+    let lenses = shipped_lenses()?;
+    let width = lenses.iter().map(|lens| lens.name.len()).max().unwrap_or(0);
+    // One number, or that of both ends of a zoom.
+    let range = |[least, most]: [f64; 2], digits| {
+        let [least, most] = [least, most].map(|x| format!("{x:.digits$}"));
+        if least == most { least } else { format!("{least}–{most}") }
+    };
+    let line = |lens: &ShippedLens| {
+        let (length, number) = (range(lens.focal_length_mm, 1), range(lens.f_number, 2));
+        format!("{:width$}  {length:>15}  {number:>9}  {}", lens.name, lens.description)
+    };
+    let head = format!("{:width$}  {:>15}  {:>9}  lens", "name", "focal length mm", "f-number");
+    println_out(&[vec![head], lenses.iter().map(line).collect()].concat().join("\n"))
 }
 
 /// What an output holds.

@@ -56,12 +56,13 @@ use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
 
-use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{ArgMatches, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use self::arguments::start_threads;
 use self::exit_status::{ANOTHER_TRY, DONE, FAILED, WRONG_USAGE};
 use self::remedies::in_options;
 use crate::{Error, Result, Sandbox, cache, memory};
+use photosite_core::sandbox::check_refused;
 
 /// Options that all commands have come last in their help.
 const EVERYWHERE: &str = "Options of every command";
@@ -148,9 +149,10 @@ impl Cli {
 /// the process where one comes while the work under way cannot be kept.
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
-    let parsed = command().try_get_matches_from(&arguments).and_then(|found| Cli::from_arg_matches(&found));
+    let found = command().try_get_matches_from(&arguments);
+    let parsed = found.and_then(|found| Cli::from_arg_matches(&found).map(|cli| (cli, named_files(&found))));
     let status = match parsed {
-        Ok(cli) => run_parsed(&cli),
+        Ok((cli, named)) => run_parsed(&cli, named),
         // Wrong usage, or what --help and --version ask for.
         Err(words) => {
             let words = help::unknown_option(words, &command(), &arguments);
@@ -163,7 +165,14 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     status
 }
 
-fn run_parsed(cli: &Cli) -> u8 {
+/// The files and folders that a command line names itself.
+fn named_files(found: &ArgMatches) -> Vec<PathBuf> {
+    let of_option = |id: &clap::Id| found.try_get_many::<PathBuf>(id.as_str()).ok().flatten();
+    let own = found.ids().filter_map(of_option).flatten().cloned();
+    own.chain(found.subcommand().map(|(_, below)| named_files(below)).unwrap_or_default()).collect()
+}
+
+fn run_parsed(cli: &Cli, named: Vec<PathBuf>) -> u8 {
     if cli.log_json {
         log::speak_json();
     }
@@ -175,7 +184,7 @@ fn run_parsed(cli: &Cli) -> u8 {
     };
     // Fails only if a handler was set before, and this is the only place that sets one.
     let _ = miette::set_hook(Box::new(handler));
-    match run_command(cli) {
+    match run_command(cli, named) {
         Ok(status) => status,
         Err(mut error) => {
             let status = status(&error);
@@ -191,12 +200,19 @@ fn run_parsed(cli: &Cli) -> u8 {
 }
 
 /// Runs a command, with the threads and the memory that it is given.
-fn run_command(cli: &Cli) -> Result<u8> {
+fn run_command(cli: &Cli, named: Vec<PathBuf>) -> Result<u8> {
     cli.memory.map_or(Ok(()), memory::set_limit)?;
     cache::keep_on_disk();
     let sandbox = &cli.sandbox.as_deref().map_or_else(|| Ok(Sandbox::default()), Sandbox::new)?;
+    sandbox.confine(named);
     start_threads(cli.threads)?;
     signals::listen()?;
+    let done = run_subcommand(cli, sandbox);
+    // What is only looked for is done without where it is refused, and what fails then fails of that.
+    check_refused().and(done)
+}
+
+fn run_subcommand(cli: &Cli, sandbox: &Sandbox) -> Result<u8> {
     let done = match &cli.command {
         Command::Render(args) => render::run(args, sandbox),
         Command::Develop(args) => develop::run(args),

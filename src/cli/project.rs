@@ -11,6 +11,7 @@ use super::scene_args::SceneArgs;
 use crate::capture::Capture;
 use crate::sight::{Sight, Space};
 use crate::{Error, Invalid, Result, Sandbox};
+use photosite_core::input;
 
 const EXAMPLES: &str = "\
 Example:
@@ -79,14 +80,14 @@ fn read(path: &Path) -> Result<String> {
         let read = std::io::stdin().lock().read_to_string(&mut text);
         return read.map(|_| text).map_err(|reason| Error::io("standard input".as_ref(), "read", reason));
     }
-    std::fs::read_to_string(path).map_err(|reason| Error::io(path, "read", reason))
+    input::read_text(path, input::TABLE_BYTES).map_err(|reason| Error::io(path, "read", reason))
 }
 
 fn numbers<const N: usize>(line: &str, example: &str) -> Result<[f64; N], Invalid> {
     let parts: Option<Vec<f64>> = line
         .split(|c: char| c == ',' || c.is_whitespace())
         .filter(|part| !part.is_empty())
-        .map(|part| part.parse().ok())
+        .map(|part| part.parse().ok().filter(|number: &f64| number.is_finite()))
         .collect();
     parts.and_then(|parts| parts.try_into().ok()).ok_or_else(|| {
         Invalid::new("", format!("\"{line}\" is not {N} numbers")).help(format!("write a line such as {example}"))

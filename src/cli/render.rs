@@ -17,6 +17,7 @@ use crate::capture::{Capture, relative_path};
 use crate::pipeline::{FilmMemory, LightSource, Monitor, Place, Rendered, Request, render_into};
 use crate::report::{REPORT, RenderReport, Report, Timings};
 use crate::{Result, Sandbox};
+use photosite_core::sandbox::trust;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -60,6 +61,7 @@ pub(super) fn run(args: &RenderArgs, sandbox: &Sandbox) -> Result<()> {
     let capture = Capture::load_within(sandbox, &args.input, &overrides)?;
     let timings = Timings { load_s: start.elapsed().as_secs_f64(), ..Timings::default() };
     let path = args.common.output.clone().unwrap_or_else(|| default_folder(&args.input));
+    trust(&path);
     let light = args.samples.clone().map_or(LightSource::Traced, LightSource::Part);
     let terminal = &args.outcome.monitor();
     let mut folder = match Place::claim(&path, *force, &capture, &light, terminal)? {

@@ -19,6 +19,7 @@ use crate::io::output::create_folder;
 use crate::pipeline::FilmMemory;
 use crate::schedulers::{Cut, Job, LONGEST_PARAMETER, Site, Tasks, all_quoted, index_command, script, template};
 use crate::{Error, Result, Sandbox};
+use photosite_core::sandbox::trust;
 
 /// Minutes that a task takes unless something else is asked for.
 const TASK_MIN: f64 = 30.0;
@@ -230,6 +231,7 @@ impl CommonArgs {
         let set = DataSet::new(sandbox, file, &overrides, film_memory)?;
         let default = PathBuf::from(&*self.input.file_stem().unwrap_or_default().to_string_lossy());
         let output = self.output.as_deref().unwrap_or(&default);
+        trust(output);
         set.check_folder(output)?;
         if let Some(file) = self.write.as_ref().filter(|_| !output.join(IDENTITY).exists())
             && absolute(file)?.starts_with(absolute(output)?)
@@ -369,6 +371,7 @@ fn sbatch(arguments: &[String], text: &str) -> Result<String> {
 /// Runs a template on this machine.
 fn openjd_run(written: Option<&Path>, text: &str) -> Result<()> {
     let folder = tempfile::tempdir().map_err(|reason| Error::io(&std::env::temp_dir(), "write into", reason))?;
+    trust(folder.path());
     let path = match written {
         Some(path) => path.to_owned(),
         None => {

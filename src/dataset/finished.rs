@@ -3,7 +3,6 @@
 //! In: the folder. Out: a [`PictureSet`], from which [layouts](crate::calibration::layouts) are made.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
@@ -17,6 +16,7 @@ use crate::io::file_sum::FileSum;
 use crate::optics::{Projection, Recording};
 use crate::report::{PixelGridReport, REPORT, Report, TargetReport, TracedReport};
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// The list of pictures in the folder of a data set, a line each.
 pub(super) const MANIFEST: &str = "manifest.jsonl";
@@ -39,17 +39,18 @@ pub(super) fn refuse_resampled(folder: &Path, shot: &Shot) -> Result<()> {
     if !shot.is_resampled {
         return Ok(());
     }
-    let message = "the picture was developed without the distortion, or the shape of pixels, that its camera and its ground \
-                   truth have";
+    let message = "the picture was developed in another size, or without the distortion or the shape of pixels, that its \
+                   camera and its ground truth have";
     let invalid = Invalid::new("capture.develop", message);
-    let help = "make the data set without setting develop.distortion and develop.square_pixels";
+    let help = "make the data set without setting develop.distortion, develop.square_pixels, develop.resize_px and \
+                develop.digital_zoom";
     Err(invalid.help(help).in_file(&folder.join(&shot.folder).join(REPORT)))
 }
 
 /// How many frames a data set has in the end, as its manifest says, which may be of a time when few were there.
 pub(super) fn frames_of_manifest(folder: &Path) -> Result<u32> {
     let path = folder.join(MANIFEST);
-    let text = fs::read_to_string(&path).unwrap_or_default();
+    let text = input::read_text(&path, input::TABLE_BYTES).unwrap_or_default();
     let line = text.lines().find_map(|line| serde_json::from_str::<Line>(line).ok());
     line.map(|line| line.frames).ok_or_else(|| {
         let message = format!("its {MANIFEST} does not say yet how many frames it will have");
@@ -71,7 +72,7 @@ fn read(folder: &Path) -> Result<(PictureSet, u32)> {
         let help = "give the folder that `photosite dataset` has filled to the end";
         return Err(Invalid::new("", format!("has no {MANIFEST}")).help(help).in_file(folder));
     }
-    let text = fs::read_to_string(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+    let text = input::read_text(&path, input::TABLE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
     let mut set = PictureSet { folder: folder.to_owned(), cameras: Vec::new(), shots: Vec::new() };
     let mut frames = 0;
     for (number, line) in (1..).zip(text.lines()) {
@@ -140,7 +141,7 @@ pub(super) fn shot(path: &Path, report: Report, line: Line, camera: usize) -> Re
     // Reports that say nothing of it are of a time when this lens's distortion alone was undone.
     let undid_distortion = || {
         matches!(projection, Projection::BrownConrady(_))
-            && report.capture["develop"]["distortion"] != Value::Bool(false)
+            && report.capture.pointer("/develop/distortion") != Some(&Value::Bool(false))
     };
     let has_image = report.files.iter().any(|file| file == PICTURE);
     let is_resampled = has_image

@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use photosite_core::{Remedy, fail_point};
+use photosite_core::{Remedy, fail_point, input};
 use serde_json::Value;
 
 use super::failure::{Failure, forget};
@@ -52,7 +52,7 @@ impl DatasetFolder {
             remove_leftovers(path);
         }
         if !marker.exists() {
-            let entries = fs::read_dir(path).map_err(|reason| Error::io(path, "read", reason))?;
+            let entries = input::entries(path).map_err(|reason| Error::io(path, "read", reason))?;
             let mut names = entries.flatten().map(|entry| entry.file_name());
             if names.any(|name| !name.to_string_lossy().starts_with(".photosite")) && !marker.exists() {
                 return Err(not_of_set(format!("{} is not empty and does not contain a data set", path.display())));
@@ -171,7 +171,7 @@ impl DatasetFolder {
     pub(super) fn sweep(&self, plan: &Plan) -> Result<()> {
         for camera in plan.cameras().iter().map(|camera| &*camera.place.name) {
             let folder = self.path.join(camera);
-            let entries = fs::read_dir(&folder).map_err(|reason| Error::io(&folder, "read", reason))?;
+            let entries = input::entries(&folder).map_err(|reason| Error::io(&folder, "read", reason))?;
             let number = |name: &str| name.strip_prefix('.')?.split('.').next()?.parse().ok();
             let numbers = entries.flatten().filter_map(|entry| number(&entry.file_name().to_string_lossy()));
             for number in numbers.collect::<BTreeSet<u32>>() {

@@ -19,6 +19,7 @@ use super::selection::{FrameList, in_order};
 use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, Rendered, Request, Silent};
 use crate::report::{Look, Timings};
 use crate::{Error, Invalid, Result};
+use photosite_core::{input, sandbox::trust};
 
 /// Tracing for less than this says little of the speed, s.
 const ENOUGH_S: f64 = 1.0;
@@ -153,6 +154,7 @@ impl DataSet {
     /// Makes a picture of so few samples a pixel, and lets it go.
     fn trial(&self, camera: &str, &Missing { number, changes, .. }: &Missing<'_>, few: u32) -> Result<Trial> {
         let folder = tempfile::tempdir().map_err(|reason| Error::io(&std::env::temp_dir(), "write into", reason))?;
+        trust(folder.path());
         let start = Instant::now();
         let request = Request {
             input: &self.capture_path,
@@ -225,7 +227,7 @@ impl Sum for Cost {
 }
 
 fn bytes_in(folder: &Path) -> f64 {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let entries = input::entries(folder).into_iter().flatten().flatten();
     entries.filter_map(|entry| entry.metadata().ok()).map(|file| file.len() as f64).sum()
 }
 

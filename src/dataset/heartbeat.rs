@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::io::lock::{Lock, is_held};
 use crate::io::output::PARTIAL;
+use photosite_core::input;
 
 /// Between two signs of life.
 const INTERVAL: Duration = Duration::from_secs(5);
@@ -170,7 +171,7 @@ pub(super) struct Sign {
 /// Who is at work behind the lock at `path`; `None` where nobody is. `now_s` is the file system's time.
 pub(super) fn sign(path: &Path, now_s: Option<f64>) -> Option<Sign> {
     // An open file has the times that the server has, whatever was remembered of it.
-    let mut file = File::open(path).ok()?;
+    let mut file = input::open(path).ok()?;
     let mut text = String::new();
     let holder = file.read_to_string(&mut text).ok().and_then(|_| serde_json::from_str::<Holder>(&text).ok());
     let since_s = |then: Option<f64>| now_s.zip(then).map(|(now, then)| (now - then).max(0.0));

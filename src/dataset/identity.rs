@@ -47,35 +47,41 @@ pub(super) fn identity<'a>(
             add_file_of(first, name, &mut named)?;
         }
     }
-    let mut identity = Value::Object(fingerprinted(json!({
+    let mut identity = fingerprinted(json!({
         "photosite_version": env!("CARGO_PKG_VERSION"),
         "dataset": description,
         "overrides": overrides,
         "captures": keys,
         "files_sha256": named,
-    })));
+    }));
     // How much there is to be, which decides nothing of any picture.
-    identity[FRAMES] = plan.frames().into();
-    identity[CAMERAS] = plan.cameras().iter().map(|camera| &*camera.place.name).collect();
-    Ok(identity)
+    identity.insert(FRAMES.to_owned(), plan.frames().into());
+    let cameras = plan.cameras().iter().map(|camera| &*camera.place.name).collect();
+    identity.insert(CAMERAS.to_owned(), cameras);
+    Ok(Value::Object(identity))
 }
 
 /// An earlier identity of the same pictures with the number of frames that there are to be now; `None` where it has that.
 pub(super) fn with_extent_of(earlier: &Value, now: &Value) -> Option<Value> {
     let extent = [FRAMES, CAMERAS];
-    if extent.iter().all(|key| earlier[key] == now[key]) {
+    if extent.iter().all(|key| earlier.get(key) == now.get(key)) {
         return None;
     }
-    let mut identity = earlier.clone();
-    extent.iter().for_each(|key| identity[key] = now[key].clone());
-    Some(identity)
+    let mut identity = earlier.as_object()?.clone();
+    identity.extend(extent.iter().filter_map(|key| Some(((*key).to_owned(), now.get(key)?.clone()))));
+    Some(Value::Object(identity))
 }
 
 /// The identity of a folder that holds a part of every picture, made from the data set file `input`.
 pub(super) fn part_identity(identity: &Value, samples: &Range<u32>, input: &Path) -> Value {
-    let mut identity = identity.clone();
-    identity[OF_PART] = json!({ "samples": [samples.start, samples.end], "path": real_path(input) });
-    identity
+    let part = json!({ "samples": [samples.start, samples.end], "path": real_path(input) });
+    let keys = identity.as_object().into_iter().flatten().map(|(key, value)| (key.clone(), value.clone()));
+    Value::Object(keys.chain([(OF_PART.to_owned(), part)]).collect())
+}
+
+/// What the identity of a part says of it.
+pub(super) fn of_part<'a>(identity: &'a Value, key: &str) -> Option<&'a Value> {
+    identity.get(OF_PART)?.get(key)
 }
 
 /// Reads the identity of a folder.
@@ -86,10 +92,10 @@ pub(super) fn read_identity(path: &Path) -> Result<Value> {
 
 /// Says why the pictures of two identities are not those of one data set, or of the same part of it.
 pub(super) fn refusal(earlier: &Value, now: &Value) -> Option<String> {
-    if earlier["fingerprint"] != now["fingerprint"] {
+    if earlier.get("fingerprint") != now.get("fingerprint") {
         return Some(format!("contains another data set: {}", difference(earlier, now)));
     }
-    let samples = |identity: &Value| identity[OF_PART]["samples"].clone();
+    let samples = |identity: &Value| of_part(identity, "samples").cloned().unwrap_or_default();
     let range = samples(earlier);
     if range == samples(now) {
         return None;
@@ -97,6 +103,7 @@ pub(super) fn refusal(earlier: &Value, now: &Value) -> Option<String> {
     Some(if range.is_null() {
         "contains the whole of this data set".to_owned()
     } else {
-        format!("holds the samples {}..{} of each pixel", range[0], range[1])
+        let [from, to] = [0, 1].map(|end| range.get(end).cloned().unwrap_or_default());
+        format!("holds the samples {from}..{to} of each pixel")
     })
 }

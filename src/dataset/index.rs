@@ -1,11 +1,10 @@
 //! What a folder of a data set tells of itself: `manifest.jsonl`, `calibration/` and `README.md`.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
-use photosite_core::counted;
 use photosite_core::key_path::{split_change, toml_value};
+use photosite_core::{counted, input};
 use serde_json::{Value, json};
 
 use super::calibration::write_calibration;
@@ -87,7 +86,7 @@ pub(super) fn write_index(folder: &DatasetFolder, file: &DatasetFile, identity: 
 /// The sums of the pictures' reports in a manifest, by the pictures' folders; those of lines that can be read. Nothing
 /// else vouches for a report.
 pub(super) fn report_sums(manifest: &Path) -> BTreeMap<String, FileSum> {
-    let text = fs::read_to_string(manifest).unwrap_or_default();
+    let text = input::read_text(manifest, input::TABLE_BYTES).unwrap_or_default();
     let lines = text.lines().filter_map(|line| serde_json::from_str::<Line>(line).ok());
     lines.filter_map(|mut line| Some((line.folder, line.sums.remove(REPORT)?))).collect()
 }
@@ -181,6 +180,6 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize, left_
         count = plan.cameras().len(),
         all = plan.frames() as usize * plan.cameras().len(),
         cameras = cameras.join("\n"),
-        fingerprint = identity["fingerprint"].as_str().unwrap_or_default(),
+        fingerprint = identity.get("fingerprint").and_then(Value::as_str).unwrap_or_default(),
     )
 }

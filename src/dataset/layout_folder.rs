@@ -1,8 +1,8 @@
 //! The folder of a layout. It is made beside and renamed when it is complete.
 
-use photosite_core::Remedy;
-use std::fs::{self, File};
-use std::io::BufReader;
+use photosite_core::{Remedy, input};
+use std::fs;
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -117,7 +117,7 @@ impl LayoutFolder {
     /// Says once that key points of objects are left out, where the capture has any.
     fn warn_of_key_points(&mut self, shot: &Shot) -> Result<()> {
         let capture = Report::read(&self.of_shot(shot, REPORT))?.capture;
-        let objects = capture["scene"]["objects"].as_array();
+        let objects = capture.pointer("/scene/objects").and_then(Value::as_array);
         let has_points = |object: &Value| object.get("keypoints").is_some();
         let message = "objects have key points, and the data set holds no objects.json that says where they appear: make it \
                        with output.objects = true";
@@ -150,7 +150,7 @@ pub(super) fn check_size([width, height]: [u32; 2], shot: &Shot, path: &Path) ->
 
 /// Reads all layers of a picture.
 pub(super) fn read_truth(path: &Path) -> Result<Planes> {
-    let file = File::open(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
     Ok(read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))?.planes)
 }
 
@@ -161,7 +161,8 @@ impl LayoutFiles for LayoutFolder {
 
     fn copy_picture(&mut self, path: &str, shot: &Shot) -> Result<()> {
         let (from, to) = (self.picture(shot)?, self.place(path)?);
-        fs::copy(&from, &to).map_err(|reason| Error::io(&to, "write", reason)).map(|_| ())
+        let mut file = input::open(&from).map_err(|reason| Error::io(&from, "read", reason))?;
+        write_unsynced(&to, |to| io::copy(&mut file, to).map(|_| ()))
     }
 
     fn write_grey_picture(&mut self, path: &str, shot: &Shot) -> Result<()> {
@@ -223,7 +224,7 @@ impl LayoutFiles for LayoutFolder {
         if !path.is_file() {
             return self.warn_of_key_points(shot).map(|()| Vec::new());
         }
-        let text = fs::read_to_string(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+        let text = input::read_text(&path, input::TABLE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
         let report: ObjectsReport = serde_json::from_str(&text)
             .map_err(|error| Invalid::new("", format!("is damaged: {error}")).in_file(&path))?;
         let objects = report.objects.into_iter().filter(|object| !object.keypoints.is_empty());

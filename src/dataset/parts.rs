@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::identity::{IDENTITY, OF_PART, read_identity};
+use super::identity::{IDENTITY, OF_PART, of_part, read_identity};
 use super::presence::picture;
 use crate::pipeline::difference;
 use crate::{Error, Invalid, Result};
@@ -31,7 +31,7 @@ impl PartFolder {
             return refuse("does not contain a part of a data set");
         }
         let identity = read_identity(&path.join(IDENTITY))?;
-        if identity[OF_PART].is_null() {
+        if identity.get(OF_PART).is_none_or(Value::is_null) {
             return refuse("contains a whole data set, not a part of one");
         }
         Ok(Self { path: path.to_owned(), identity })
@@ -39,18 +39,18 @@ impl PartFolder {
 
     /// Where the data set file was.
     pub fn input(&self) -> PathBuf {
-        PathBuf::from(self.identity[OF_PART]["path"].as_str().unwrap_or_default())
+        PathBuf::from(of_part(&self.identity, "path").and_then(Value::as_str).unwrap_or_default())
     }
 
     /// The overrides that it was made with.
     pub fn arguments(&self) -> Vec<String> {
-        let arguments = self.identity["overrides"].as_array().into_iter().flatten();
+        let arguments = self.identity.get("overrides").and_then(Value::as_array).into_iter().flatten();
         arguments.filter_map(Value::as_str).map(str::to_owned).collect()
     }
 
     /// Refuses parts of another data set.
     pub(super) fn check(&self, whole: &Value) -> Result<()> {
-        if self.identity["fingerprint"] == whole["fingerprint"] {
+        if self.identity.get("fingerprint") == whole.get("fingerprint") {
             return Ok(());
         }
         let difference = difference(&self.identity, whole);

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use glam::DVec3;
 use rand::RngExt;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::file_pattern::files_of;
 use super::shapes::{shape, shapes};
@@ -85,8 +85,8 @@ impl Places {
                 let within = |invalid: Invalid| at(invalid.within(&format!("objects[{number}]")));
                 for name in files_of(pattern, file.path(), folder, sandbox).map_err(within)? {
                     let mut object = of_file(description, &name);
-                    object["name"] = probe_name(objects.len() - own).into();
-                    objects.push(object);
+                    object.insert("name".to_owned(), probe_name(objects.len() - own).into());
+                    objects.push(object.into());
                     names.push((i, number, name));
                 }
             }
@@ -183,15 +183,17 @@ impl Places {
             };
             let (q, p) = (object.pose.rotation, object.pose.position);
             let mut table = of_file(description, file);
-            table["name"] = name.into();
-            table["category"] = description.category.clone().unwrap_or(stem).into();
-            table["position_m"] = json!(p.to_array().map(|x| x + 0.0));
-            table["quaternion_wxyz"] = json!([q.w, q.x, q.y, q.z].map(|x| x + 0.0));
-            table["scale"] = json!(object.scale);
-            if let Some(material) = &object.material {
-                table["material"] = json!(material);
-            }
-            objects.push(table);
+            let category = description.category.clone().unwrap_or(stem);
+            let keys = [
+                ("name", json!(name)),
+                ("category", json!(category)),
+                ("position_m", json!(p.to_array().map(|x| x + 0.0))),
+                ("quaternion_wxyz", json!([q.w, q.x, q.y, q.z].map(|x| x + 0.0))),
+                ("scale", json!(object.scale)),
+            ];
+            let material = object.material.as_ref().map(|material| ("material", json!(material)));
+            table.extend(keys.into_iter().chain(material).map(|(key, value)| (key.to_owned(), value)));
+            objects.push(table.into());
         }
         Ok(format!("scene.objects={}", toml(&objects.into())))
     }
@@ -371,15 +373,10 @@ fn check(d: &PlaceDescription) -> Result<(), Invalid> {
 }
 
 /// An object of a file, without a pose.
-fn of_file(d: &PlaceDescription, file: &str) -> Value {
-    let mut table = json!({ "file": file });
-    if d.z_up {
-        table["up"] = "z".into();
-    }
-    if let Some(unit) = d.meters_per_unit {
-        table["meters_per_unit"] = unit.into();
-    }
-    table
+fn of_file(d: &PlaceDescription, file: &str) -> Map<String, Value> {
+    let up = d.z_up.then(|| ("up".to_owned(), "z".into()));
+    let unit = d.meters_per_unit.map(|unit| ("meters_per_unit".to_owned(), unit.into()));
+    [("file".to_owned(), file.into())].into_iter().chain(up).chain(unit).collect()
 }
 
 /// The objects of a capture, as it states them.

@@ -8,7 +8,6 @@
 //! | `rectify.json` | what was done: a [`RectifiedReport`] |
 //! | `epipolar/NUMBER-original.png`, `epipolar/NUMBER-rectified.png` | both pictures with epipolar lines, on request |
 
-use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
@@ -30,6 +29,7 @@ use crate::io::output::write_unsynced;
 use crate::io::pretty_json::pretty_json;
 use crate::report::matrix::rows;
 use crate::{Error, Invalid, Result, Sandbox};
+use photosite_core::input;
 
 /// What of the rectified pictures can be read again.
 const REPORT: &str = "rectify.json";
@@ -93,7 +93,7 @@ struct Scale {
 /// From disparity to depth in the pictures of a folder that [`rectify`] has filled.
 pub fn disparity_scale(folder: &Path) -> Result<DisparityScale> {
     let path = folder.join(REPORT);
-    let text = std::fs::read_to_string(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+    let text = input::read_text(&path, input::TREE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
     let damaged = |why: String| Invalid::new("", format!("is damaged: {why}")).in_file(&path);
     let scale: Scale = serde_json::from_str(&text).map_err(|error| damaged(error.to_string()))?;
     DisparityScale::new(scale.focal_length_px, scale.baseline_m, 0.0).map_err(|invalid| invalid.in_file(&path))
@@ -302,6 +302,6 @@ impl Work<'_> {
 }
 
 fn read(path: &Path) -> Result<ExrPicture> {
-    let file = File::open(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
     read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
 }

@@ -1,6 +1,5 @@
 //! How far a data set is, by its folder alone: what is done, under way, failed, damaged, missing.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -10,11 +9,12 @@ use serde_json::Value;
 use super::failure::Failure;
 use super::finished::{Line, MANIFEST};
 use super::heartbeat::{Holder, Sign, now_s, sign};
-use super::identity::{CAMERAS, FRAMES, IDENTITY, OF_PART, read_identity};
+use super::identity::{CAMERAS, FRAMES, IDENTITY, of_part, read_identity};
 use super::presence::{damage, failure, lock, name, picture};
 use super::selection::{FrameList, in_order};
 use crate::report::Look;
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// How far a data set is.
 #[derive(Clone, Debug)]
@@ -86,7 +86,7 @@ impl Status {
             return Err(Error::Usage { message, help: Some(help.into()) });
         }
         let identity = read_identity(&marker)?;
-        if !identity["fingerprint"].is_string() {
+        if !identity.get("fingerprint").is_some_and(Value::is_string) {
             let help = "run the command that makes the data set with another folder";
             return Err(Invalid::new("", "is damaged: it has no fingerprint").help(help).in_file(&marker));
         }
@@ -105,7 +105,8 @@ impl Status {
         let pictures = pictures.collect();
         let is_timeless = |&(camera, time): &(&String, &Option<f64>)| time.is_none() && has_locks(&folder.join(camera));
         let timeless = cameras.iter().zip(&times).filter(is_timeless).map(|(camera, _)| camera.clone()).collect();
-        let overrides = identity["overrides"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        let overrides =
+            identity.get("overrides").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
         Ok(Self {
             folder: folder.to_owned(),
             frames,
@@ -135,7 +136,7 @@ impl Status {
 
 /// Whether somebody makes a picture in the folder of a camera, or has left the lock of one.
 fn has_locks(folder: &Path) -> bool {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let entries = input::entries(folder).into_iter().flatten().flatten();
     entries.into_iter().any(|entry| entry.file_name().to_string_lossy().ends_with(".lock"))
 }
 
@@ -161,13 +162,19 @@ fn state(folder: &Path, camera: &str, number: u32, now_s: Option<f64>) -> Pictur
 
 /// How many frames there are to be, and the cameras. Folders of earlier versions tell it by their manifest.
 fn extent(folder: &Path, identity: &Value) -> Result<(u32, Vec<String>)> {
-    let frames = identity[FRAMES].as_u64().and_then(|frames| u32::try_from(frames).ok());
-    let cameras: Vec<String> =
-        identity[CAMERAS].as_array().into_iter().flatten().filter_map(Value::as_str).map(str::to_owned).collect();
+    let frames = identity.get(FRAMES).and_then(Value::as_u64).and_then(|frames| u32::try_from(frames).ok());
+    let cameras: Vec<String> = identity
+        .get(CAMERAS)
+        .and_then(Value::as_array)
+        .into_iter()
+        .flatten()
+        .filter_map(Value::as_str)
+        .map(str::to_owned)
+        .collect();
     if let (Some(frames), false) = (frames, cameras.is_empty()) {
         return Ok((frames, cameras));
     }
-    let text = fs::read_to_string(folder.join(MANIFEST)).unwrap_or_default();
+    let text = input::read_text(&folder.join(MANIFEST), input::TABLE_BYTES).unwrap_or_default();
     let lines: Vec<Line> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
     let mut cameras: Vec<String> = Vec::new();
     for line in &lines {
@@ -186,7 +193,6 @@ fn extent(folder: &Path, identity: &Value) -> Result<(u32, Vec<String>)> {
 }
 
 fn part(identity: &Value) -> Option<([u32; 2], PathBuf)> {
-    let part = &identity[OF_PART];
-    let samples = serde_json::from_value(part["samples"].clone()).ok()?;
-    Some((samples, PathBuf::from(part["path"].as_str()?)))
+    let samples = serde_json::from_value(of_part(identity, "samples")?.clone()).ok()?;
+    Some((samples, PathBuf::from(of_part(identity, "path")?.as_str()?)))
 }

@@ -65,7 +65,7 @@ fn keys_of(key: &str, tree: &Value, capture: &Capture) -> Result<Vec<String>, In
 fn elements<'a>(value: Option<&'a Value>, part: &str, more: &[String]) -> Vec<(String, Option<&'a Value>)> {
     if !is_pattern(part) {
         let number = |items: &'a Vec<Value>| {
-            let by_name = || items.iter().find(|item| item["name"] == part);
+            let by_name = || items.iter().find(|item| item.get("name").is_some_and(|name| name == part));
             part.parse::<usize>().map_or_else(|_| by_name(), |index| items.get(index))
         };
         let there = value.and_then(|value| match value {
@@ -83,9 +83,10 @@ fn elements<'a>(value: Option<&'a Value>, part: &str, more: &[String]) -> Vec<(S
 fn named_elements<'a>(value: Option<&'a Value>, more: &[String]) -> Vec<(String, Option<&'a Value>)> {
     let mut all: Vec<(String, Option<&Value>)> = match value {
         Some(Value::Array(items)) => {
-            let name = |item: &Value| item["name"].as_str().map(str::to_owned);
+            let name = |item: &Value| item.get("name").and_then(Value::as_str).map(str::to_owned);
             let is_alone = |name: &String| {
-                name.parse::<usize>().is_err() && items.iter().filter(|item| item["name"] == **name).count() == 1
+                name.parse::<usize>().is_err()
+                    && items.iter().filter(|item| item.get("name").is_some_and(|other| *other == **name)).count() == 1
             };
             let items = items.iter().enumerate().filter(|(_, item)| item.is_object());
             items.map(|(i, item)| (name(item).filter(is_alone).unwrap_or(i.to_string()), Some(item))).collect()

@@ -7,6 +7,7 @@ use crate::characterisation::{Figures, doubling_temperature, evaluate, responsiv
 use crate::io::image_sets::{CONTENTS, ChannelSets, ImageSets, MeasuredSet, read_set};
 use crate::pipeline::{Event, Monitor, go_on};
 use crate::{Invalid, Result};
+use photosite_core::input;
 
 /// The images of any camera.
 pub fn evaluate_descriptor(path: &Path, monitor: &dyn Monitor) -> Result<Report> {
@@ -50,7 +51,7 @@ fn image_count(folder: &Path, sets: &ImageSets) -> u64 {
         std::iter::once(c.descriptor.clone()).chain(spectral).chain(thermal).collect::<Vec<_>>()
     };
     let lines = |path: String| {
-        let text = std::fs::read_to_string(folder.join(path)).unwrap_or_default();
+        let text = input::read_text(&folder.join(path), input::TABLE_BYTES).unwrap_or_default();
         text.lines().filter(|line| line.starts_with("i ")).count() as u64
     };
     sets.channels.iter().flat_map(of_channel).map(lines).sum()

@@ -1,6 +1,6 @@
 //! The image sets that EMVA 1288 asks for, taken of a sensor's model in front of an even light.
 
-use photosite_core::{Help, Remedy};
+use photosite_core::{Help, Remedy, input};
 use std::fs;
 use std::path::Path;
 
@@ -294,7 +294,7 @@ fn named(set: &str, shots: &[Shot]) -> Vec<Shot> {
 /// Only image sets may be replaced, and only if asked for.
 pub fn refuse_image_sets(output: &Path, force: bool) -> Result<()> {
     let usage = |message, help: Help| Err(Error::Usage { message, help: Some(help) });
-    let Ok(mut entries) = fs::read_dir(output) else {
+    let Ok(mut entries) = input::entries(output) else {
         if output.exists() {
             return usage(
                 format!("{} is not a folder", output.display()),

@@ -1,7 +1,6 @@
 //! Size and SHA-256 of a file, by which damage shows that a file's name does not.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -69,7 +68,7 @@ impl KnownSums {
             let error = Error::io(path, "read", reason);
             if is_known { error.since_begun() } else { error }
         };
-        let metadata = fs::metadata(path).map_err(unreadable)?;
+        let metadata = input::metadata(path).map_err(unreadable)?;
         let modified = metadata.modified().ok();
         let mut known = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((sum, then)) = known.get(path)

@@ -7,6 +7,7 @@ mod mtf;
 mod page;
 mod plots;
 mod section;
+mod shipped;
 mod spots;
 mod text;
 
@@ -16,3 +17,4 @@ pub use figures::{
     SurfaceRow,
 };
 pub use page::html;
+pub use shipped::{ShippedLens, shipped_lenses};

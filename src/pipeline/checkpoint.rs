@@ -8,7 +8,7 @@
 //! newer one. Samples have their random numbers by their place in the whole render and sums are exact, so that what
 //! goes on gives the bytes of a render in one go.
 
-use photosite_core::{Help, Remedy};
+use photosite_core::{Help, Remedy, input};
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, BufWriter, ErrorKind, IntoInnerError, Read, Write};
 use std::ops::Range;
@@ -190,7 +190,7 @@ impl<'a> Checkpoints<'a> {
     fn read(&self, path: &Path, strips: &Strips, bytes_before: &dyn Fn(usize) -> u64) -> Result<Resumed, Unusable> {
         let unreadable = |reason| Unusable::Other(Error::io(path, "read", reason));
         let damaged = |what: &dyn std::fmt::Display| Unusable::Damaged(damaged(path, what));
-        let mut file = match File::open(path) {
+        let mut file = match input::open(path) {
             Ok(file) => file,
             Err(reason) if reason.kind() == ErrorKind::NotFound => return Err(Unusable::Missing),
             Err(reason) => return Err(unreadable(reason)),
@@ -245,7 +245,7 @@ impl<'a> Checkpoints<'a> {
     /// What is wrong with the file of the rows that are done, of so many bytes and that checksum.
     fn check_rows(&self, bytes: u64, sum: Option<&str>) -> Result<(), String> {
         let path = self.rows_path.display();
-        let mut file = File::open(&self.rows_path).map_err(|reason| format!("cannot open {path}: {reason}"))?;
+        let mut file = input::open(&self.rows_path).map_err(|reason| format!("cannot open {path}: {reason}"))?;
         let length = file.metadata().map_err(|reason| format!("cannot read {path}: {reason}"))?.len();
         if length < bytes {
             return Err(format!("{path} holds {length} bytes of {bytes}"));
@@ -266,7 +266,7 @@ impl<'a> Checkpoints<'a> {
     ) -> Result<File> {
         let path = &self.rows_path;
         let is_new = first_row == 0;
-        let file = File::options().read(true).write(true).create(is_new).truncate(is_new).open(path);
+        let file = input::open_to_change(path, is_new);
         let file = file.map_err(|reason| Error::io(path, "write", reason))?;
         let clone = file.try_clone().map_err(|reason| Error::io(path, "write", reason))?;
         self.rows = Some(DoneRows { file: clone, bytes_before: Box::new(bytes_before), sum: GrowingSum::default() });
@@ -350,7 +350,7 @@ fn all(folder: &Path, kind: &str) -> impl Iterator<Item = PathBuf> {
             rest.is_empty() || rest.strip_prefix('-').is_some_and(|number| number.parse::<u32>().is_ok())
         })
     };
-    fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path()).filter(is_one)
+    input::entries(folder).into_iter().flatten().flatten().map(|entry| entry.path()).filter(is_one)
 }
 
 /// Whether a render was broken off in a folder.

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use serde_json::Value;
+
 use super::file_names::PART;
 use super::monitor::{Event, Monitor};
 use super::output_folder::OutputFolder;
@@ -56,7 +58,9 @@ fn earlier(folder: &Path, capture: &Capture, light: &LightSource<'_>) -> Result<
     let Some(listing) = Some(&path).filter(|path| path.is_file()).and_then(|path| Listing::read(path).ok()) else {
         return Ok(None);
     };
-    if listing.fingerprint.is_none() || listing.fingerprint.as_deref() != provenance(capture)?[FINGERPRINT].as_str() {
+    if listing.fingerprint.is_none()
+        || listing.fingerprint.as_deref() != provenance(capture)?.get(FINGERPRINT).and_then(Value::as_str)
+    {
         return Ok(None);
     }
     let damage = listing.damage(folder, Look::Sizes);

@@ -155,7 +155,7 @@ fn record_into(
             paths,
             warnings: &warnings,
             not_found: &not_found,
-            fingerprint: provenance[FINGERPRINT].as_str(),
+            fingerprint: provenance.get(FINGERPRINT).and_then(Value::as_str),
             files: folder.files(),
             sums: folder.sums().clone(),
             timings: request.is_timed.then_some(timings),

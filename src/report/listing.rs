@@ -1,7 +1,7 @@
 //! The files that a report vouches for, and whether they are still as they were written.
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::io::ErrorKind;
 use std::path::Path;
 
 use photosite_core::input;
@@ -49,7 +49,11 @@ impl Listing {
 
 /// What is wrong with a file of which this is known.
 pub(crate) fn damage_of_file(path: &Path, known: Option<&FileSum>, look: Look) -> Option<String> {
-    let Ok(found) = fs::metadata(path) else { return Some("is missing".to_owned()) };
+    let found = match input::metadata(path) {
+        Ok(found) => found,
+        Err(reason) if reason.kind() == ErrorKind::NotFound => return Some("is missing".to_owned()),
+        Err(reason) => return Some(format!("cannot be read: {reason}")),
+    };
     let Some(known) = known else {
         // Reports of earlier versions state no sums.
         return (look == Look::Contents).then(|| "has no checksum to compare it with".to_owned());

@@ -160,7 +160,7 @@ impl Report {
     /// As [`read`](Self::read), but for files that are missing.
     pub fn of_json(path: &Path, bytes: &[u8]) -> Result<Self> {
         let report: Self = serde_json::from_slice(bytes).map_err(|error| {
-            let is_other = |value: serde_json::Value| !value["capture"].is_object();
+            let is_other = |value: serde_json::Value| !value.get("capture").is_some_and(serde_json::Value::is_object);
             let message = if serde_json::from_slice(bytes).is_ok_and(is_other) {
                 "is not a report of a render: it holds no capture".to_owned()
             } else {

@@ -58,6 +58,7 @@ mod connection;
 mod controls;
 mod events;
 mod exposer;
+mod guests;
 mod page;
 mod picture;
 mod plane;

@@ -25,6 +25,7 @@ use super::changes::{for_trace, tables, to_toml};
 use super::connection::Connection;
 use super::controls::{self, Control};
 use super::exposer::Exposer;
+use super::guests::Guests;
 use super::query::{MOST_FRAMES, Query};
 use super::sheet::ContactSheet;
 use super::source::{Input, Source};
@@ -35,7 +36,7 @@ use crate::capture::Capture;
 use crate::pipeline::FilmMemory;
 use crate::{Error, Result};
 
-/// Connections at the same time; others wait.
+/// Connections at the same time; who has not shown the token gives way to others.
 const CONNECTIONS: usize = 64;
 /// Pages that are told how far the light is, at the same time: each keeps a connection.
 const LISTENERS: usize = 32;
@@ -185,26 +186,32 @@ fn cannot(what: &str) -> Error {
 }
 
 async fn accept(listener: TcpListener, shared: Arc<Shared>) -> Infallible {
-    let places = Arc::new(Semaphore::new(CONNECTIONS));
+    let mut guests = Guests::new(CONNECTIONS);
     loop {
-        let place = Arc::clone(&places).acquire_owned().await;
         let Ok((stream, _)) = listener.accept().await else {
             // There may be too many open files: others will be closed.
             tokio::time::sleep(Duration::from_millis(100)).await;
             continue;
         };
+        let (place, guest) = guests.admit().await;
         let shared = Arc::clone(&shared);
         tokio::spawn(async move {
             let _place = place;
             let service = service_fn(|request| {
                 let shared = Arc::clone(&shared);
+                if shared.access.path(&request).is_ok() {
+                    guest.is_known();
+                }
                 async move { Ok::<_, Infallible>(answer(request, shared).await) }
             });
             let mut connection = http1::Builder::new();
             connection.timer(TokioTimer::new()).header_read_timeout(PATIENCE);
             // A connection that breaks is of no concern to others.
             let stream = TokioIo::new(Connection::new(stream, PATIENCE));
-            let _ = connection.serve_connection(stream, service).await;
+            tokio::select! {
+                _ = connection.serve_connection(stream, service) => {}
+                () = guest.gives_way() => {}
+            }
         });
     }
 }

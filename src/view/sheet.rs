@@ -1,6 +1,6 @@
 //! The contact sheet of a data set: its pictures small and whole, what is drawn over them, and their light.
 
-use std::io::Cursor;
+use std::io::{BufReader, Cursor};
 use std::path::Path;
 use std::sync::Mutex;
 
@@ -15,6 +15,7 @@ use super::source::{Input, Source};
 use crate::dataset::{Overlays, Sheet};
 use crate::locked::locked;
 use crate::{Error, Sandbox};
+use photosite_core::input;
 
 /// Widths of small pictures, px.
 const WIDTHS: [u32; 3] = [160, 320, 640];
@@ -72,7 +73,7 @@ impl ContactSheet {
         let path = self.sheet.image_of(number).ok_or_else(missing)?;
         let read = |reason| Failure::from(Error::io(&path, "read", reason));
         match width {
-            None => Ok(("image/png", std::fs::read(&path).map_err(read)?)),
+            None => Ok(("image/png", input::read(&path).map_err(read)?)),
             Some(width) if WIDTHS.iter().any(|known| *known as usize == width) => small(&path, width as u32),
             Some(width) => {
                 Err(Failure::new(StatusCode::BAD_REQUEST, format!("width: {width} is not one of {WIDTHS:?}")))
@@ -104,8 +105,8 @@ fn small(path: &Path, width: u32) -> Result<Image, Failure> {
     let unreadable = |reason: &dyn std::fmt::Display| {
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, format!("{} cannot be read: {reason}", path.display()))
     };
-    let mut reader = ImageReader::open(path).map_err(|reason| unreadable(&reason))?;
-    reader.set_format(ImageFormat::Png);
+    let file = input::open(path).map_err(|reason| unreadable(&reason))?;
+    let mut reader = ImageReader::with_format(BufReader::new(file), ImageFormat::Png);
     let mut limits = Limits::default();
     limits.max_alloc = Some(MOST);
     reader.limits(limits);

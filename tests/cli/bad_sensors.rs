@@ -111,7 +111,7 @@ fn folder(capture: String) -> Folder {
     "[-4, 0, 4]"
 )]
 #[case::twice("[exposure]\nbracket_ev = [0, 1, 1]", "exposure.bracket_ev: contains 1 twice", "for example")]
-#[case::infinite("[exposure]\nbracket_ev = [0, inf]", "exposure.bracket_ev: must be finite numbers, got inf", "")]
+#[case::infinite("[exposure]\nbracket_ev = [0, inf]", "exposure.bracket_ev[1]: must be finite, got inf", "")]
 #[case::no_time_at_all(
     "[exposure]\nbracket_times_s = [0.1, 0]",
     "exposure.bracket_times_s: must be above 0, got 0",

@@ -38,7 +38,21 @@ fn a_lens_that_ships_is_shown_as_its_reference_has_it() {
     for part in ["Double Gauss", "N-SSK2", "First order", "MTF 20", "f/8.00"] {
         assert!(text.contains(part), "{part}: {text}");
     }
-    assert!(folder.succeed("lens --list").stdout.lines().any(|name| name == "fisheye-170"));
+    // By its own description 50 mm f/5, by the figures of its surfaces 50.0 mm.
+    let list = folder.succeed("lens --list").stdout;
+    let words = |name: &str| {
+        let line = list.lines().find(|line| line.starts_with(name)).expect(name);
+        line.split_whitespace().map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(words("cooke-triplet")[1..3], ["50.0", "5.00"], "{list}");
+    let [first, last] = ["0", "last"].map(|end| {
+        let all = folder.succeed("lens zoom-laikin --json").stdout;
+        let all: Value = serde_json::from_str(&all).expect("JSON");
+        let positions = all["positions"].as_array().expect("positions").clone();
+        let one = if end == "0" { positions.first() } else { positions.last() };
+        one.expect("one")["first_order"]["efl_mm"].as_f64().expect("a number")
+    });
+    assert_eq!(words("zoom-laikin")[1], format!("{:.1}–{:.1}", first.min(last), first.max(last)), "{list}");
 }
 
 #[test]

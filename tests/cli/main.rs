@@ -42,6 +42,7 @@ mod noise_add;
 mod noise_target;
 mod outputs;
 mod place;
+mod planted;
 mod prescription;
 mod rectify;
 mod report;

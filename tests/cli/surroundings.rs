@@ -164,7 +164,7 @@ fn they_take_materials_by_name_and_the_reflectance_of_the_sky() {
 #[rstest]
 #[case::both("scene.backdrop={}", "scene.backdrop: cannot be combined with a ground", "remove one of them")]
 #[case::size("scene.ground.size_m=-1", "scene.ground.size_m: must lie between", "size_m = 10")]
-#[case::height("scene.ground.height_m=nan", "scene.ground.height_m: must lie within", "")]
+#[case::height("scene.ground.height_m=nan", "scene.ground.height_m: must be finite, got NaN", "")]
 #[case::material("scene.ground={material='grass'}", "scene.ground.material: there is no material", "[materials.grass]")]
 #[case::two("scene.ground.material=x", "scene.ground.reflectance: cannot be combined with material", "keep one")]
 #[case::bright("scene.ground.reflectance=1.5", "scene.ground.reflectance: must lie between 0 and 1", "fractions")]

@@ -253,3 +253,56 @@ fn strangers_get_nothing() {
     folder.fail("view out nothing.toml", 1, &["nothing.toml"]);
     folder.fail("view capture.toml capture.toml", 2, &["one scene can be traced at a time"]);
 }
+
+/// What a stranger's folder holds may be a link to anything: it is refused by its name, not served.
+#[cfg(unix)]
+#[rstest]
+#[case::picture("set", "camera/000000/image.png", "image?input=0")]
+#[case::small_picture("set", "camera/000000/image.png", "image?input=0&width=160")]
+#[case::folder("set", "camera/000000", "image?input=0")]
+#[case::boxes("set", "camera/000000/objects.json", "overlays?input=0")]
+#[case::report("set", "camera/000000/capture.json", "overlays?input=0")]
+#[case::light("set", "camera/000000/electrons.exr", "picture?input=0")]
+#[case::light_of_report("set", "camera/000000/capture.json", "picture?input=0")]
+#[case::truth("set/camera/000000", "truth.exr", "picture?plane=truth:depth")]
+#[case::ideal("set/camera/000000", "ideal.exr", "picture?plane=ideal")]
+fn links_out_of_the_sandbox_are_not_served(#[case] input: &str, #[case] linked: &str, #[case] query: &str) {
+    let more = "[output]\ntruth = ['depth', 'instance']\nobjects = true\nideal = true\n";
+    let folder = room(&format!("[render]\nsamples_per_pixel = 1\n{more}"));
+    folder.add("set.toml", "capture = 'capture.toml'\nframes = 1\n");
+    folder.succeed("dataset set.toml -o set -q");
+    let outside = tempfile::tempdir().expect("a folder");
+    let server = Server::start(&folder, &format!("{input} --sandbox ."));
+    assert_eq!(server.get(query).0, 200);
+    drop(server);
+    // What is there from the beginning, and what comes later.
+    let (from, to) = (folder.path(input).join(linked), outside.path().join("private"));
+    let link = || std::fs::rename(&from, &to).and_then(|()| std::os::unix::fs::symlink(&to, &from)).expect("linked");
+    let server = Server::start(&folder, &format!("{input} --sandbox ."));
+    link();
+    let (status, body) = server.get(query);
+    let text = String::from_utf8_lossy(&body);
+    let name = from.file_name().expect("a name").to_string_lossy();
+    assert!(status >= 400 && text.contains("not in the sandbox") && text.contains(&*name), "{status}: {text}");
+}
+
+/// A hundred connections that say nothing keep nobody out.
+#[test]
+fn who_says_nothing_gives_way() {
+    let folder = room(SETTINGS);
+    folder.succeed("render capture.toml -o out");
+    let server = Server::start(&folder, "out/raw.dng");
+    let silent: Vec<TcpStream> = (0..100).map(|_| TcpStream::connect(&server.host).expect("a connection")).collect();
+    // Others dwell on their first word, or are refused and stay.
+    let mut slow = Vec::new();
+    for text in ["G", "GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"].repeat(50) {
+        let mut stream = TcpStream::connect(&server.host).expect("a connection");
+        stream.write_all(text.as_bytes()).expect("sent");
+        slow.push(stream);
+    }
+    let start = std::time::Instant::now();
+    assert_eq!(server.get("about").0, 200);
+    // Well before the ten seconds in which each of them may say what it wants.
+    assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+    drop((silent, slow));
+}

@@ -1,12 +1,13 @@
-//! Reading files that users name: regular ones, and texts of a bounded size.
+//! Reading files and folders, those that users name and those that folders hold: regular ones, in the sandbox if there is
+//! one ([`sandbox`](crate::sandbox)), and texts of a bounded size. Nothing else opens files to read them.
 //!
 //! Devices, pipes and sockets may have no end, or keep a reader waiting for ever.
 
-use std::fs::{self, File, FileType};
+use std::fs::{self, File, FileType, Metadata, ReadDir};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-use crate::memory;
+use crate::{memory, sandbox};
 
 /// Most bytes of a description that is read into a tree, as captures and sensors are: the tree of a TOML file takes some
 /// seventy times as much memory.
@@ -19,14 +20,43 @@ pub const TABLE_BYTES: u64 = 256 << 20;
 ///
 /// # Errors
 ///
-/// That it cannot be opened, or is a folder, a device, a pipe or a socket.
+/// That it cannot be opened, is outside of the sandbox, or is a folder, a device, a pipe or a socket.
 pub fn open(path: &Path) -> io::Result<File> {
+    let path = sandbox::opened(path)?;
     // Before it is opened: that of a pipe waits for somebody who writes.
-    let found = fs::metadata(path)?;
+    let found = fs::metadata(&path)?;
     if let Some(kind) = other_kind(found.file_type()) {
         return Err(io::Error::new(ErrorKind::InvalidInput, format!("it is {kind}, but a file is needed")));
     }
     File::open(path)
+}
+
+/// Opens a file to read and to change it, which is made or emptied where it is to be new.
+///
+/// # Errors
+///
+/// That it cannot be opened, or is outside of the sandbox.
+pub fn open_to_change(path: &Path, is_new: bool) -> io::Result<File> {
+    let path = sandbox::opened(path)?;
+    File::options().read(true).write(true).create(is_new).truncate(is_new).open(path)
+}
+
+/// What is known of a file without reading it.
+///
+/// # Errors
+///
+/// That it is not there, or outside of the sandbox.
+pub fn metadata(path: &Path) -> io::Result<Metadata> {
+    fs::metadata(sandbox::opened(path)?)
+}
+
+/// What a folder holds.
+///
+/// # Errors
+///
+/// That it cannot be read, or is outside of the sandbox.
+pub fn entries(folder: &Path) -> io::Result<ReadDir> {
+    fs::read_dir(sandbox::opened(folder)?)
 }
 
 /// Reads a regular file as a whole.

@@ -1,10 +1,26 @@
 //! A folder that files must lie in which scenes name, for scenes from strangers.
+//!
+//! A name is checked where it stands, with its key and line: [`Sandbox::check`]. What no file names, and a folder only
+//! holds, is checked where it is opened: a process that is confined by [`Sandbox::confine`] opens nothing else, whoever
+//! asks ([`input`](crate::input)).
 
-use std::io;
+use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf, absolute};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::{Error, Invalid, Result};
+
+/// What holds for all files of this process, once it is confined.
+static WALLS: OnceLock<Walls> = OnceLock::new();
+
+/// A sandbox for all that a process opens.
+struct Walls {
+    folder: Arc<Path>,
+    /// Files and folders that the user has named himself, which may lie anywhere.
+    trusted: Mutex<Vec<PathBuf>>,
+    /// The first file that was asked for and lies outside, and why it was not opened.
+    refused: Mutex<Option<(PathBuf, String)>>,
+}
 
 /// Where files may lie that captures and scenes name: in one folder, or anywhere.
 ///
@@ -29,6 +45,16 @@ impl Sandbox {
         Ok(Self { folder: Some(whole.into()) })
     }
 
+    /// Lets this process open nothing outside, but for what the user has named himself: those files, and what those
+    /// folders hold. What lies in the sandbox by its name must really lie there.
+    pub fn confine(&self, named: impl IntoIterator<Item = PathBuf>) {
+        let Some(folder) = &self.folder else { return };
+        let walls = Walls { folder: folder.clone(), trusted: Mutex::default(), refused: Mutex::default() };
+        // A process has one command line.
+        let _ = WALLS.set(walls);
+        named.into_iter().for_each(|path| trust(&path));
+    }
+
     /// Refuses a file outside, whether it exists or not.
     ///
     /// # Errors
@@ -46,6 +72,61 @@ impl Sandbox {
     }
 }
 
+/// Lets a confined process open a file, or what a folder holds, that the user has named or that results go to.
+pub fn trust(path: &Path) {
+    if let Some(walls) = WALLS.get() {
+        walls.trust(path);
+    }
+}
+
+/// The path that a file or a folder really has, if this process may open it.
+///
+/// # Errors
+///
+/// That it lies outside of the sandbox, if there is one.
+pub fn opened(path: &Path) -> io::Result<PathBuf> {
+    WALLS.get().map_or_else(|| Ok(path.to_owned()), |walls| walls.opened(path))
+}
+
+/// The error of the first file that this process was refused: what had asked may have gone on without it.
+///
+/// # Errors
+///
+/// That there is one.
+pub fn check_refused() -> Result<()> {
+    let refused = WALLS.get().and_then(|walls| walls.refused.lock().unwrap_or_else(PoisonError::into_inner).clone());
+    let error =
+        |(path, why): (PathBuf, String)| Error::io(&path, "read", io::Error::new(ErrorKind::PermissionDenied, why));
+    refused.map_or(Ok(()), |refused| Err(error(refused)))
+}
+
+impl Walls {
+    fn trust(&self, path: &Path) {
+        let Ok(whole) = absolute(path) else { return };
+        let is_inside = |folder: &Path| real(folder).is_some_and(|real| real.starts_with(&self.folder));
+        if let Some(real) = real(&whole).filter(|_| !whole.ancestors().skip(1).any(is_inside)) {
+            self.trusted.lock().unwrap_or_else(PoisonError::into_inner).push(real);
+        }
+    }
+
+    fn opened(&self, path: &Path) -> io::Result<PathBuf> {
+        // What is not there is told as such by who opens it.
+        let allowed = real(path).filter(|real| {
+            let trusted = self.trusted.lock().unwrap_or_else(PoisonError::into_inner);
+            real.starts_with(&self.folder) || trusted.iter().any(|trusted| real.starts_with(trusted))
+        });
+        allowed.ok_or_else(|| {
+            let folder = self.folder.display();
+            let message = format!(
+                "it is not in the sandbox {folder}; put the file there, or give a sandbox that it is in if you trust it"
+            );
+            let mut refused = self.refused.lock().unwrap_or_else(PoisonError::into_inner);
+            refused.get_or_insert_with(|| (path.to_owned(), message.clone()));
+            io::Error::new(ErrorKind::PermissionDenied, message)
+        })
+    }
+}
+
 /// The path that a file really has, or would have where it is not there. `None` where steps back follow what is not
 /// there, or links lead nowhere.
 fn real(path: &Path) -> Option<PathBuf> {
@@ -55,7 +136,8 @@ fn real(path: &Path) -> Option<PathBuf> {
             Ok(real) => {
                 let rest = path.strip_prefix(known).ok()?;
                 let is_plain = rest.components().all(|part| matches!(part, Component::Normal(_)));
-                return is_plain.then(|| real.join(rest));
+                // Joined to nothing, a file would end like a folder.
+                return is_plain.then(|| if rest.as_os_str().is_empty() { real } else { real.join(rest) });
             }
             // A link that leads nowhere yet is followed by nobody.
             Err(_) if known.is_symlink() => return None,

@@ -1,6 +1,7 @@
 //! Whole captures, made here.
 
 mod errors;
+mod finite;
 mod levels;
 mod objects;
 mod prescription;

@@ -167,7 +167,7 @@ fn check(
 }
 
 /// The documents in `ranges` whose names begin so.
-fn documents(beginning: &str) -> Vec<(String, Value)> {
+pub(super) fn documents(beginning: &str) -> Vec<(String, Value)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/capture/tests/ranges");
     let mut paths: Vec<_> = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("read").path()).collect();
     paths.sort();
@@ -182,7 +182,7 @@ fn documents(beginning: &str) -> Vec<(String, Value)> {
 }
 
 /// What the documents refer to.
-fn files() -> Files {
+pub(super) fn files() -> Files {
     let files = Files::new("");
     files.add("painted.obj", b"mtllib painted.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl paint\nf 1 2 3\n");
     files.add("painted.mtl", b"newmtl paint\nKd 0.5 0.5 0.5\nPr 0.5\nPm 0.5\n");

@@ -4,6 +4,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use serde_json::Value;
+
 use super::container::{Container, measure, write_files};
 use super::mcap_file::{McapFile, check_cameras};
 use super::parquet_file::ParquetFile;
@@ -12,7 +14,7 @@ use super::settings::{Settings, ShardFormat, ShardSize, Wanted};
 use super::tar_file::TarFile;
 use super::wids::write_index;
 use crate::dataset::finished::frames_of_manifest;
-use crate::dataset::identity::{IDENTITY, read_identity};
+use crate::dataset::identity::{IDENTITY, OF_PART, read_identity};
 use crate::dataset::presence::{damage, picture};
 use crate::io::lock::Lock;
 use crate::report::{Look, REPORT};
@@ -68,7 +70,7 @@ impl Shards {
             return Err(Invalid::new("", "does not contain a data set").help(help).in_file(dataset));
         }
         let identity = read_identity(&path)?;
-        if !identity["part"].is_null() {
+        if identity.get(OF_PART).is_some_and(|part| !part.is_null()) {
             let help = "merge the parts with `photosite merge`, and give the folder that it fills";
             return Err(Invalid::new("", "contains a part of every picture, but no finished pictures")
                 .help(help)
@@ -79,7 +81,7 @@ impl Shards {
         if format == ShardFormat::Mcap {
             check_cameras(&samples.facts().cameras).map_err(|invalid| invalid.in_file(&path))?;
         }
-        let fingerprint = identity["fingerprint"].as_str().unwrap_or_default().to_owned();
+        let fingerprint = identity.get("fingerprint").and_then(Value::as_str).unwrap_or_default().to_owned();
         let wanted = Wanted { format, fingerprint, frames, size };
         let mut state = State::default();
         if let Some(settings) = wanted.recorded(folder)? {

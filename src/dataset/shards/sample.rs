@@ -1,7 +1,6 @@
 //! What a data set holds of a picture, read into memory.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -36,8 +35,9 @@ pub(super) struct SetFacts {
 impl SetFacts {
     /// Those that `dataset.json` states.
     pub(super) fn of_identity(identity: &Value, frames: u32, path: &Path) -> Result<Self> {
-        let description: DatasetDescription = serde_json::from_value(identity["dataset"].clone())
-            .map_err(|e| Invalid::new("dataset", format!("is damaged: {e}")).in_file(path))?;
+        let description: DatasetDescription =
+            serde_json::from_value(identity.get("dataset").cloned().unwrap_or_default())
+                .map_err(|e| Invalid::new("dataset", format!("is damaged: {e}")).in_file(path))?;
         let mut cameras: Vec<String> = description.cameras.into_iter().map(|camera| camera.name).collect();
         if cameras.is_empty() {
             cameras.push("camera".to_owned());
@@ -112,7 +112,8 @@ impl Samples {
             refuse_resampled(&self.dataset, &shot)?;
             check_size(picture_size(path)?, &shot, path)?;
         }
-        let image = image.map(|path| fs::read(&path).map_err(|reason| Error::io(&path, "read", reason))).transpose()?;
+        let image =
+            image.map(|path| input::read(&path).map_err(|reason| Error::io(&path, "read", reason))).transpose()?;
         let raw = RAW_FILES.iter().copied().find(has).map(|name| folder.join(name));
         let raw = raw.map(|path| {
             let raw = seen(read_raw(&path)?);

@@ -1,6 +1,5 @@
 //! What is decided once of the shards of a folder, and recorded in it.
 
-use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -8,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::io::lock::Lock;
 use crate::io::output::{create_folder, write_new};
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// The file that says what the folder holds.
 pub(super) const SETTINGS: &str = "layout.json";
@@ -112,10 +112,10 @@ impl Wanted {
             return Err(elsewhere(format!("{} is a file, but a folder is needed", folder.display())));
         }
         let path = folder.join(SETTINGS);
-        let text = match fs::read_to_string(&path) {
+        let text = match input::read_text(&path, input::TREE_BYTES) {
             Ok(text) => text,
             Err(reason) if reason.kind() == std::io::ErrorKind::NotFound => {
-                let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+                let entries = input::entries(folder).into_iter().flatten().flatten();
                 let mut names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
                 // Another process may have begun meanwhile.
                 if names.any(|name| !name.starts_with('.')) && !path.exists() {
@@ -210,6 +210,8 @@ fn elsewhere(message: String) -> Error {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     fn wanted(size: ShardSize) -> Wanted {

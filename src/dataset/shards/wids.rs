@@ -2,7 +2,6 @@
 //! ([WebDataset](photosite_core::references#webdataset)).
 
 use std::collections::BTreeSet;
-use std::fs::{self, File};
 use std::io;
 use std::path::Path;
 
@@ -10,13 +9,14 @@ use serde_json::{Value, json};
 
 use crate::io::output::write_whole;
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// Its name.
 const INDEX: &str = "index.json";
 
 /// Lists all tar files of a folder with the numbers of their samples, which are so many in all.
 pub(super) fn write_index(folder: &Path, samples: usize) -> Result<()> {
-    let entries = fs::read_dir(folder).map_err(|reason| Error::io(folder, "read", reason))?;
+    let entries = input::entries(folder).map_err(|reason| Error::io(folder, "read", reason))?;
     let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
     let names: BTreeSet<String> = names.filter(|name| name.starts_with("shard-") && name.ends_with(".tar")).collect();
     let entry = |name: &String| {
@@ -24,7 +24,7 @@ pub(super) fn write_index(folder: &Path, samples: usize) -> Result<()> {
         entry(name, &path).map_err(|reason| Error::io(&path, "read", reason))
     };
     let shards: Vec<Value> = names.iter().map(entry).collect::<Result<_>>()?;
-    let found: u64 = shards.iter().filter_map(|shard| shard["nsamples"].as_u64()).sum();
+    let found: u64 = shards.iter().filter_map(|shard| shard.get("nsamples")?.as_u64()).sum();
     if found != samples as u64 {
         let message = format!("holds {found} samples, of {samples}: a file of a shard is lost");
         let help = "remove all files of the shard that lacks one, and run the command again, which writes it again";
@@ -36,7 +36,7 @@ pub(super) fn write_index(folder: &Path, samples: usize) -> Result<()> {
 }
 
 fn entry(name: &str, path: &Path) -> io::Result<Value> {
-    let file = File::open(path)?;
+    let file = input::open(path)?;
     let bytes = file.metadata()?.len();
     let mut keys = BTreeSet::new();
     for member in tar::Archive::new(file).entries_with_seek()? {
