@@ -17,6 +17,7 @@ use crate::io::file_sum::FileSum;
 use crate::optics::{Projection, Recording};
 use crate::report::{PixelGridReport, REPORT, Report, TargetReport, TracedReport};
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// The list of pictures in the folder of a data set, a line each.
 pub(super) const MANIFEST: &str = "manifest.jsonl";
@@ -71,7 +72,7 @@ fn read(folder: &Path) -> Result<(PictureSet, u32)> {
         let help = "give the folder that `photosite dataset` has filled to the end";
         return Err(Invalid::new("", format!("has no {MANIFEST}")).help(help).in_file(folder));
     }
-    let text = fs::read_to_string(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+    let text = input::read_text(&path, input::TABLE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
     let mut set = PictureSet { folder: folder.to_owned(), cameras: Vec::new(), shots: Vec::new() };
     let mut frames = 0;
     for (number, line) in (1..).zip(text.lines()) {

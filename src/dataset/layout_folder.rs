@@ -19,6 +19,7 @@ use crate::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
 use crate::report::{ObjectsReport, REPORT, Report};
 use crate::scene::description::SceneDescription;
 use crate::{Error, Invalid, Result, Sandbox};
+use photosite_core::input;
 use serde_json::Value;
 
 /// The developed picture in the folder of a picture.
@@ -223,7 +224,7 @@ impl LayoutFiles for LayoutFolder {
         if !path.is_file() {
             return self.warn_of_key_points(shot).map(|()| Vec::new());
         }
-        let text = fs::read_to_string(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+        let text = input::read_text(&path, input::TABLE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
         let report: ObjectsReport = serde_json::from_str(&text)
             .map_err(|error| Invalid::new("", format!("is damaged: {error}")).in_file(&path))?;
         let objects = report.objects.into_iter().filter(|object| !object.keypoints.is_empty());

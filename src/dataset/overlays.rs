@@ -16,6 +16,7 @@ use crate::calibration::layouts::{SceneObject, SeenPoint, SeenTarget, Shot};
 use crate::io::exr::read_exr_file;
 use crate::report::{ObjectReport, ObjectsReport, REPORT, Report, RunLengths};
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// Epipolar lines of a picture.
 const LINES: u32 = 12;
@@ -148,7 +149,7 @@ fn corners(shot: &Shot) -> impl Iterator<Item = Corner> {
 fn objects(folder: &Path, shot: &Shot) -> Result<Option<Vec<SeenObject>>> {
     let path = folder.join(OBJECTS);
     if path.is_file() {
-        let text = std::fs::read_to_string(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+        let text = input::read_text(&path, input::TABLE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
         let read: std::result::Result<ObjectsReport, _> = serde_json::from_str(&text);
         let report = read.map_err(|error| Invalid::new("", format!("is damaged: {error}")).in_file(&path))?;
         return Ok(Some(report.objects.into_iter().filter_map(reported).collect()));

@@ -30,6 +30,7 @@ use crate::io::output::write_unsynced;
 use crate::io::pretty_json::pretty_json;
 use crate::report::matrix::rows;
 use crate::{Error, Invalid, Result, Sandbox};
+use photosite_core::input;
 
 /// What of the rectified pictures can be read again.
 const REPORT: &str = "rectify.json";
@@ -93,7 +94,7 @@ struct Scale {
 /// From disparity to depth in the pictures of a folder that [`rectify`] has filled.
 pub fn disparity_scale(folder: &Path) -> Result<DisparityScale> {
     let path = folder.join(REPORT);
-    let text = std::fs::read_to_string(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+    let text = input::read_text(&path, input::TABLE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
     let damaged = |why: String| Invalid::new("", format!("is damaged: {why}")).in_file(&path);
     let scale: Scale = serde_json::from_str(&text).map_err(|error| damaged(error.to_string()))?;
     DisparityScale::new(scale.focal_length_px, scale.baseline_m, 0.0).map_err(|invalid| invalid.in_file(&path))

@@ -9,6 +9,7 @@ use super::finished::MANIFEST;
 use super::layout_folder::PICTURE;
 use super::presence::{name, picture};
 use crate::{Error, Invalid, Result};
+use photosite_core::input;
 
 /// The pictures of a data set that are there.
 #[derive(Clone, Debug)]
@@ -64,7 +65,7 @@ impl Sheet {
     /// A manifest that is not there or damaged, or that names a camera which is no folder of the data set.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(MANIFEST);
-        let text = std::fs::read_to_string(&path).map_err(|reason| Error::io(&path, "read", reason))?;
+        let text = input::read_text(&path, input::TABLE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
         let mut sheet = Self { folder: folder.to_owned(), cameras: Vec::new(), frames: 0, pictures: Vec::new() };
         for (number, line) in (1..).zip(text.lines()) {
             let damaged = |why: String| {
