@@ -33,7 +33,7 @@ fn captures_and_what_they_name_are_read_in_every_encoding(
         files.add(name, &encoded(text, encoding, end));
     }
     let capture = files.read(&[]).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(capture.sensor.resolution(), [8, 8]);
+    assert_eq!(capture.sensor.resolution, [8, 8]);
     // The line of an error is that of the text.
     files.add("capture.toml", &encoded(&format!("{text}[scene]\n"), encoding, end));
     let error = files.read(&[]).map(|_| ()).expect_err("twice").to_string();
