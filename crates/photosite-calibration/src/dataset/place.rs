@@ -34,7 +34,6 @@ pub struct PlaceDescription {
     pub scale: Option<[f64; 2]>,
     /// How long the longest side is of the box around an object in its own axes, m: a number, or two between which it is
     /// drawn evenly. It makes objects of any unit equally large; instead of scale. Left out: as the files have them.
-    #[schemars(transform = above(0.0..))]
     pub size_m: Option<SizeDescription>,
     /// How far they are from each other and from all that they do not stand on, m; not of objects that fall. Left out: 0.
     #[schemars(transform = within(0.0..))]
@@ -103,9 +102,9 @@ pub enum CountDescription {
 #[serde(untagged, expecting = "expected a length in metres, or the least and the largest such as [0.1, 0.2]")]
 pub enum SizeDescription {
     /// So long.
-    Exact(f64),
+    Exact(#[schemars(transform = above(0.0..))] f64),
     /// From the least to the largest.
-    Range([f64; 2]),
+    Range(#[schemars(transform = above(0.0..))] [f64; 2]),
 }
 
 impl SizeDescription {
