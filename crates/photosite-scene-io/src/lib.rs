@@ -77,7 +77,7 @@ mod tests {
             Some("obj") => obj::read(path, &obj::Choice::default()).map(|file| file.scene),
             Some("ply") => ply::read(path, MissingNormals::Flat, &sandbox),
             Some("stl") => stl::read(path, MissingNormals::Flat),
-            _ => gltf::read(path, gltf::Choice::default()).map(|file| file.scene),
+            Some(_) | None => gltf::read(path, gltf::Choice::default()).map(|file| file.scene),
         }
     }
 

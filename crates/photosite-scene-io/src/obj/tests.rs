@@ -158,12 +158,10 @@ fn colours_of_vertices_are_what_the_material_has_room_for() {
         image::GrayImage::from_pixel(1, 1, image::Luma([77])).save(folder.path().join("a.png")).expect("saved");
         read(&folder.path().join("scene.obj"), &Choice::default()).expect("valid")
     };
-    let layers = |file: &ObjFile| match &file.scene.materials[0].model {
-        MaterialModel::Layered(layers) => match layers.base_colour.colour {
-            Colour::Rgb(rgb) => (rgb, layers.specular.value),
-            Colour::Spectrum(_) => panic!("a spectrum"),
-        },
-        other => panic!("{other:?}"),
+    let layers = |file: &ObjFile| {
+        let MaterialModel::Layered(layers) = &file.scene.materials[0].model else { panic!("no layers") };
+        let Colour::Rgb(rgb) = layers.base_colour.colour else { panic!("a spectrum") };
+        (rgb, layers.specular.value)
     };
     // Without a material: the colours are the reflectance, and where there are none, that of any other surface.
     let file = read("newmtl other\n", "usemtl red\nf 1 2 3\no grey\nf 1 2 4\no none\nf 4 4 4");
