@@ -104,7 +104,8 @@ fn single_objects_touch_what_they_stand_on(#[case] keys: &str, #[case] height_m:
 #[case("size_m = 0.05", [0.05, 0.05])]
 #[case("size_m = 0.05\nmeters_per_unit = 0.001", [0.05, 0.05])]
 #[case("size_m = [0.05, 0.1]", [0.05, 0.1])]
-fn sizes_are_those_of_the_longest_side(#[case] keys: &str, #[case] [least, most]: [f64; 2]) {
+fn sizes_are_those_of_the_longest_side(#[case] keys: &str, #[case] range_m: [f64; 2]) {
+    let [least, most] = range_m;
     let region = "region = { min_m = [-0.4, 0.3, -0.4], max_m = [0.4, 0.6, 0.4] }";
     let folder = placed(&format!("[[place]]\nobjects = ['block.obj']\ncount = 2\nmethod = 'box'\n{region}\n{keys}\n"));
     folder.succeed("dataset set.toml -o out");
