@@ -55,7 +55,7 @@ fn unmarked(bytes: Vec<u8>) -> io::Result<(Vec<u8>, Start)> {
     let start = Start::of(&bytes)?;
     let mut text = match plain(&bytes)? {
         Cow::Borrowed(same) if same.len() == bytes.len() => bytes,
-        other => other.into_owned(),
+        other @ (Cow::Borrowed(_) | Cow::Owned(_)) => other.into_owned(),
     };
     for i in 0..text.len() {
         if text[i] == b'\r' && text.get(i + 1) != Some(&b'\n') {
