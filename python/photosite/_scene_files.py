@@ -9,6 +9,7 @@ import struct
 import tempfile
 import weakref
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from typing import Any, Optional, cast
 
 import numpy as np
@@ -116,7 +117,13 @@ class SceneFiles:
         known = {"positions", "triangles", "normals", "uvs", "material", "name"}
         unknown = sorted(set(mesh) - known)
         if unknown:
-            raise invalid(f"{path}.{unknown[0]}", "is not part of a mesh", f"its parts are {', '.join(sorted(known))}")
+            # What other libraries call the same, and what is nearly the same word
+            others = {"faces": "triangles", "indices": "triangles", "vertices": "positions", "points": "positions"}
+            others |= {"vertex_normals": "normals", "uv": "uvs", "texcoords": "uvs", "texture_coordinates": "uvs"}
+            near = [others[name] for name in unknown if name in others] or get_close_matches(unknown[0], known, 1)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            parts = f"its parts are {', '.join(sorted(known))}"
+            raise invalid(f"{path}.{unknown[0]}", f"is not part of a mesh{hint}", parts)
         for part in ("positions", "triangles"):
             if part not in mesh:
                 raise invalid(f"{path}.{part}", "is missing: a mesh is made of positions (N, 3) and triangles (M, 3)")

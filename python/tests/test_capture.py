@@ -156,6 +156,24 @@ def test_the_text_is_that_of_the_command(room: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("part", "meant"),
+    [
+        ("faces", "triangles"),
+        ("indices", "triangles"),
+        ("vertices", "positions"),
+        ("uv", "uvs"),
+        ("normal", "normals"),
+        ("triangle", "triangles"),
+    ],
+)
+def test_other_names_of_a_mesh_name_ours(part: str, meant: str) -> None:
+    mesh = {key: value for key, value in WALL.items() if key != meant}
+    with pytest.raises(ps.InputError) as error:
+        ps.load(values(geometry=[{**mesh, part: [[0, 1, 2]]}]))
+    assert error.value.key == f"scene.geometry[0].{part}" and f"did you mean '{meant}'" in str(error.value)
+
+
+@pytest.mark.parametrize(
     ("source", "key"),
     [
         (3, "source"),

@@ -14,10 +14,11 @@ use super::environment::EVEN;
 use super::exposure::LONGEST_AUTO_S;
 use super::floor_surface::Subject;
 use super::framing::{Framing, bounding_sphere};
+use super::geometry_kind::GeometryKind;
 use super::input::is_scene_file;
 use super::lens::{DEFAULT_F_NUMBER, DEFAULT_FOCAL_LENGTH_M};
 use super::relocate::relative_path;
-use super::tables::LensTable;
+use super::tables::{LensTable, UpAxis};
 use crate::integrator::RenderSettings;
 use crate::math::float::rounded;
 use crate::sensor::presets;
@@ -88,9 +89,14 @@ impl Table {
 fn scene(capture: &Capture, geometry: &str, warnings: &mut Vec<String>) -> Result<String> {
     let mut table = Table::new("scene");
     let subject = Subject::of(&capture.scene);
-    table.key("geometry", toml::Value::from(vec![geometry]), "glTF, GLB and OBJ files, relative to this file");
+    table.key(
+        "geometry",
+        toml::Value::from(vec![geometry]),
+        "glTF, GLB, OBJ, PLY and STL files, relative to this file",
+    );
     // glTF is in metres.
-    if !geometry.to_ascii_lowercase().ends_with("obj") {
+    let kind = GeometryKind::of(Path::new(geometry));
+    if kind.is_none_or(GeometryKind::is_in_metres) {
         table.other("variant", "\"name\"", "a material variant of the file (`photosite info` lists them)");
     } else if let Some((low, high)) = capture.scene.subject_bounds() {
         let [x, y, z] = (high - low).to_array().map(|length| rounded(length, 3));
@@ -100,6 +106,10 @@ fn scene(capture: &Capture, geometry: &str, warnings: &mut Vec<String>) -> Resul
             "{geometry} does not say in which unit it is: metres are assumed, so everything is {size} in size; write \
              meters_per_unit = 0.001 if it is in millimetres"
         ));
+    }
+    if let Some(kind) = kind.filter(|kind| !kind.is_in_metres()) {
+        let (up, other) = if kind.up() == UpAxis::Z { ("z", "y") } else { ("y", "z") };
+        table.key("up", format!("{up:?}"), &format!("the axis of the file that points up; or {other:?}"));
     }
     let sky: Option<Value> = capture.source.read("scene.environment.sky")?;
     let Some(sky) = sky else {

@@ -3,8 +3,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use glam::{DAffine3, DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
+use super::geometry_kind::upright;
 use super::models::ModelFile;
 use super::moments::{Moments, Span};
 use super::motion;
@@ -12,7 +13,7 @@ use super::object_pose::ObjectPose;
 use super::object_track::ObjectTrack;
 use super::scene::{ReadScene, check_name, extents, is_within_reach, missing_normals, unit_length};
 use super::source::CaptureSource;
-use super::tables::{MaterialChoice, MaterialTable, ObjectTable, UpAxis};
+use super::tables::{MaterialChoice, MaterialTable, ObjectTable};
 use crate::scene::description::{
     CameraDescription, InstanceDescription, LightDescription, ObjectDescription, SceneDescription, pose_at, vector,
 };
@@ -108,10 +109,7 @@ impl ReadScene {
             |(name, point): (&String, &[f64; 3])| Ok((name.clone(), vector(&format!("keypoints.{name}"), *point)?));
         let keypoints = table.keypoints.iter().map(keypoint).collect::<Result<_, Invalid>>()?;
         let unit = unit_length(table.meters_per_unit)?;
-        let turn = match table.up {
-            None | Some(UpAxis::Y) => DQuat::IDENTITY,
-            Some(UpAxis::Z) => DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2),
-        };
+        let turn = upright(&template.file.path, table.up, "up", &mut self.scene.warnings);
         let upright = DAffine3::from_scale_rotation_translation(DVec3::splat(unit), turn, DVec3::ZERO);
         if let Some(choice) = &table.material {
             self.check_materials(choice, template)?;

@@ -10,6 +10,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use super::colour::Finder;
 use super::default_light;
 use super::environment::describe_environment;
+use super::geometry_kind::upright;
 use super::light::describe_lights;
 use super::material::override_materials;
 use super::models::{KnownModels, Model, ModelFile};
@@ -64,9 +65,15 @@ impl ReadScene {
             variants.append(&mut model.variants);
             animations.append(&mut model.animations);
             let scale = if model.is_metric { 1.0 } else { scale };
+            let turn = upright(&file.path, table.up, "scene.up", &mut read.scene.warnings);
             let placed = read.merge(model);
-            for instance in &mut read.scene.instances[placed.instances] {
-                instance.to_world = DAffine3::from_scale(DVec3::splat(scale)) * instance.to_world;
+            let stand = DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, DVec3::ZERO);
+            let SceneDescription { instances, lights, cameras, .. } = &mut read.scene;
+            let instances = instances[placed.instances].iter_mut().map(|i| (&mut i.to_world, &mut i.later));
+            let lights = lights[placed.lights].iter_mut().map(|light| (&mut light.to_world, &mut light.later));
+            let cameras = cameras[placed.cameras].iter_mut().map(|camera| (&mut camera.to_world, &mut camera.later));
+            for (to_world, later) in instances.chain(lights).chain(cameras) {
+                std::iter::once(to_world).chain(later).for_each(|place| *place = stand * *place);
             }
             read.check_reach(&file.path)?;
         }

@@ -1,8 +1,9 @@
 //! What is said of a scene as a whole: light that it lacks, that its materials lose, or that no path finds.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::scene::description::{MaterialDescription, MaterialModel, SceneDescription};
+use crate::scene::description::{AlphaMode, MaterialDescription, MaterialModel, MeshDescription, SceneDescription};
+use crate::spectrum::Dispersion;
 use crate::spectrum::dispersion::lines;
 
 /// Warnings of a scene with all its materials and lights.
@@ -12,6 +13,7 @@ pub(super) fn of(scene: &SceneDescription) -> Vec<String> {
     let materials: Vec<&MaterialDescription> = used.iter().map(|index| &scene.materials[*index]).collect();
     let mut warnings: BTreeSet<String> = materials.iter().filter_map(|material| loss(material)).collect();
     warnings.extend(caustics(scene, &materials));
+    warnings.extend(invisible(scene));
     let mut warnings: Vec<String> = warnings.into_iter().collect();
     if !shines(scene) {
         warnings.push("nothing in the scene emits light, so the picture will be black".to_owned());
@@ -31,6 +33,74 @@ fn loss(material: &MaterialDescription) -> Option<String> {
             100.0 * lost
         )
     })
+}
+
+/// Warning of each material that is not there for any ray, as it is on the meshes that have it.
+fn invisible(scene: &SceneDescription) -> Vec<String> {
+    let mut of_materials: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    let is_hidden: Vec<bool> = scene.meshes.iter().map(|mesh| is_invisible(scene, mesh)).collect();
+    for instance in &scene.instances {
+        for mesh in instance.meshes.clone().filter(|mesh| is_hidden[*mesh]) {
+            let material = &scene.materials[scene.meshes[mesh].material];
+            of_materials.entry(&material.name).or_default().insert(&instance.name);
+        }
+    }
+    let warning = |(material, objects): (&str, BTreeSet<&str>)| {
+        let first = objects.first().copied().unwrap_or_default();
+        let others = match objects.len().saturating_sub(1) {
+            0 => String::new(),
+            n => format!(" and {n} more"),
+        };
+        format!(
+            "the material {material:?} is wholly transparent, so nothing is seen where {first:?}{others} has it; its \
+             opacity is d or map_d in an MTL file, the alpha of the base colour in glTF and of vertices in PLY; put it \
+             right there, or describe the material in [materials.{material:?}]"
+        )
+    };
+    of_materials.into_iter().map(warning).collect()
+}
+
+/// Whether no ray meets the surface of a mesh, or none changes there.
+fn is_invisible(scene: &SceneDescription, mesh: &MeshDescription) -> bool {
+    let material = &scene.materials[mesh.material];
+    let reaches = |alpha: f32| match material.alpha {
+        AlphaMode::Opaque => true,
+        AlphaMode::Mask { cutoff } => alpha >= cutoff,
+        AlphaMode::Blend => alpha > 0.0,
+    };
+    // The largest alpha of the vertices, and of the picture: what is beyond them is nowhere.
+    let of_vertices =
+        if mesh.colours.is_empty() { 1.0 } else { mesh.colours.iter().map(|colour| colour.w).fold(0.0, f32::max) };
+    let most = material.alpha_factor * of_vertices;
+    let is_there = match &material.alpha_texture {
+        None => reaches(most),
+        // Seldom is more than the first texels looked at.
+        Some(texture) => {
+            let image = &scene.images[texture.image];
+            (0..image.texels.len()).any(|texel| reaches(most * image.linear_texel(texel)[3]))
+        }
+    };
+    !is_there || material.emission.is_none() && is_nothing(&material.model)
+}
+
+/// Whether light passes a surface as if it were not there.
+fn is_nothing(model: &MaterialModel) -> bool {
+    let is_air = |index: &Dispersion| [lines::F, lines::D, lines::C].iter().all(|line| index.index(*line) == 1.0);
+    match model {
+        MaterialModel::Dielectric(glass) => is_air(&glass.index),
+        MaterialModel::ThinDielectric(pane) => is_air(&pane.index) && pane.transmittance.min() >= 1.0,
+        MaterialModel::Mix(mix) => {
+            let [first, second] = &mix.models;
+            (mix.weight >= 1.0 || is_nothing(first)) && (mix.weight <= 0.0 || is_nothing(second))
+        }
+        MaterialModel::Diffuse(_)
+        | MaterialModel::Conductor(_)
+        | MaterialModel::OrenNayar(_)
+        | MaterialModel::Phong(_)
+        | MaterialModel::Layered(_)
+        | MaterialModel::Translucent(_)
+        | MaterialModel::Retroreflective(_) => false,
+    }
 }
 
 /// Warning of solid glass before lamps that no refracted ray meets.

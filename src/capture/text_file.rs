@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::report::REPORT;
 use crate::{Error, Invalid, Result};
-use photosite_core::input;
+use photosite_core::{input, text};
 
 /// The text of a capture file, a report or a sensor file.
 pub(super) fn read_text(path: &Path) -> Result<String> {
@@ -18,10 +18,10 @@ pub(super) fn read_text(path: &Path) -> Result<String> {
     let most = if is_report { input::TABLE_BYTES } else { input::TREE_BYTES };
     let bytes = input::read_at_most(path, most).map_err(unreadable)?;
     // A picture or an archive rather than a text with a wrong letter
-    if bytes.contains(&0) {
+    if text::plain(&bytes).is_ok_and(|plain| plain.contains(&0)) {
         return Err(unknown_kind(path));
     }
-    input::text(bytes).map_err(unreadable)
+    text::decode(bytes).map_err(unreadable)
 }
 
 /// The error of a file that is none of those.

@@ -20,7 +20,7 @@ Example:
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct InitArgs {
-    /// A scene (.gltf, .glb, .obj).
+    /// A scene (.gltf, .glb, .obj, .ply, .stl).
     input: PathBuf,
     /// File for the capture, whose folder exists [default: standard output, for a file in the current folder].
     #[arg(short, long, value_name = "FILE")]

@@ -11,7 +11,7 @@ use super::scene_args::SceneArgs;
 use crate::capture::Capture;
 use crate::sight::{Sight, Space};
 use crate::{Error, Invalid, Result, Sandbox};
-use photosite_core::input;
+use photosite_core::{input, text};
 
 const EXAMPLES: &str = "\
 Example:
@@ -76,9 +76,9 @@ pub(super) fn run(args: &ProjectArgs, sandbox: &Sandbox) -> Result<()> {
 
 fn read(path: &Path) -> Result<String> {
     if path == Path::new("-") {
-        let mut text = String::new();
-        let read = std::io::stdin().lock().read_to_string(&mut text);
-        return read.map(|_| text).map_err(|reason| Error::io("standard input".as_ref(), "read", reason));
+        let mut bytes = Vec::new();
+        let read = std::io::stdin().lock().read_to_end(&mut bytes).and_then(|_| text::decode(bytes));
+        return read.map_err(|reason| Error::io("standard input".as_ref(), "read", reason));
     }
     input::read_text(path, input::TABLE_BYTES).map_err(|reason| Error::io(path, "read", reason))
 }

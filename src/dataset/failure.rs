@@ -60,8 +60,8 @@ impl Failure {
             process: 0,
             time_s: 0.0,
         };
-        match input::read_at_most(path, input::TABLE_BYTES) {
-            Ok(bytes) => Some(serde_json::from_slice(&bytes).unwrap_or_else(|e| unreadable(e.to_string()))),
+        match input::read_text(path, input::TABLE_BYTES) {
+            Ok(text) => Some(serde_json::from_str(&text).unwrap_or_else(|e| unreadable(e.to_string()))),
             Err(reason) if reason.kind() == ErrorKind::NotFound => None,
             Err(reason) => Some(unreadable(reason.to_string())),
         }

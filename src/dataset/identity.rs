@@ -86,8 +86,8 @@ pub(super) fn of_part<'a>(identity: &'a Value, key: &str) -> Option<&'a Value> {
 
 /// Reads the identity of a folder.
 pub(super) fn read_identity(path: &Path) -> Result<Value> {
-    let text = input::read_at_most(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
-    serde_json::from_slice(&text).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
+    let text = input::read_text(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
+    serde_json::from_str(&text).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
 }
 
 /// Says why the pictures of two identities are not those of one data set, or of the same part of it.

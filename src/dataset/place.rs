@@ -225,11 +225,13 @@ impl Table {
         let mut random = Philox::new(seed, 0);
         let [least, most] = d.count.map_or([1, 1], |count| count.range());
         let count = random.random_range(least..=most);
-        let [small, large] = d.scale.unwrap_or([1.0, 1.0]);
+        // Factors of the files' own sizes, or the sizes themselves
+        let [small, large] = d.size_m.map_or(d.scale.unwrap_or([1.0, 1.0]), |size| size.range());
         let mut placed: Vec<Placed> = Vec::new();
         for _ in 0..count {
             let file = random.random_range(0..self.files.len());
-            let scale = small + (large - small) * random.random::<f64>();
+            let drawn = small + (large - small) * random.random::<f64>();
+            let scale = if d.size_m.is_some() { drawn / self.files[file].shape.longest_side() } else { drawn };
             let material =
                 (!d.materials.is_empty()).then(|| d.materials[random.random_range(0..d.materials.len())].clone());
             placed.push(Placed { table, file, scale, material, pose: Pose::IDENTITY });
@@ -343,17 +345,23 @@ fn check(d: &PlaceDescription) -> Result<(), Invalid> {
     {
         return Err(Invalid::new("count", format!("{least} is above {most}")).help("write the smaller number first"));
     }
-    if let Some([small, large]) = d.scale
-        && !(small > 0.0 && small <= large && large.is_finite())
-    {
-        let message = format!("must be two factors above 0 in order, got {small} and {large}");
-        return Err(Invalid::new("scale", message).help("for example [0.8, 1.2]"));
+    for (key, range, what, example) in [
+        ("scale", d.scale, "two factors", "[0.8, 1.2]"),
+        ("size_m", d.size_m.map(|size| size.range()), "a length, or two,", "0.1, or [0.08, 0.12]"),
+    ] {
+        if let Some([small, large]) =
+            range.filter(|[small, large]| !(*small > 0.0 && small <= large && large.is_finite()))
+        {
+            let message = format!("must be {what} above 0 in order, got {small} and {large}");
+            return Err(Invalid::new(key, message).help(format!("for example {example}")));
+        }
     }
     if d.frames == Some(0) {
         return Err(Invalid::new("frames", "must be at least 1, got 0"));
     }
     let is_dropped = matches!(d.method, PlaceMethod::Drop | PlaceMethod::Stack);
     let unused = [
+        ("scale", d.scale.is_some() && d.size_m.is_some(), "cannot be combined with size_m"),
         ("bin", d.bin.is_some() && d.method != PlaceMethod::Drop, "is for method = \"drop\""),
         ("bin", d.bin.is_some() && d.surface.is_some(), "cannot be combined with surface"),
         ("surface", d.surface.is_some() && d.method == PlaceMethod::Box, "is not for method = \"box\""),
@@ -374,7 +382,7 @@ fn check(d: &PlaceDescription) -> Result<(), Invalid> {
 
 /// An object of a file, without a pose.
 fn of_file(d: &PlaceDescription, file: &str) -> Map<String, Value> {
-    let up = d.z_up.then(|| ("up".to_owned(), "z".into()));
+    let up = d.z_up.map(|z_up| ("up".to_owned(), if z_up { "z" } else { "y" }.into()));
     let unit = d.meters_per_unit.map(|unit| ("meters_per_unit".to_owned(), unit.into()));
     [("file".to_owned(), file.into())].into_iter().chain(up).chain(unit).collect()
 }

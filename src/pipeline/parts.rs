@@ -180,10 +180,10 @@ pub(super) fn read_part(folder: &Path) -> Result<PartReport> {
                     again";
         return Err(Invalid::new("", message).help(help).in_file(folder));
     }
-    let text = input::read_at_most(&path, input::TREE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
+    let text = input::read_text(&path, input::TREE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
     let damaged =
         |what: String| Invalid::new("", format!("is damaged: {what}")).help("render that part again").in_file(&path);
-    let part: PartReport = serde_json::from_slice(&text).map_err(|error| damaged(error.to_string()))?;
+    let part: PartReport = serde_json::from_str(&text).map_err(|error| damaged(error.to_string()))?;
     if part.samples[0] >= part.samples[1] || part.samples[1] > part.samples_per_pixel {
         return Err(damaged(format!("samples {:?} of {}", part.samples, part.samples_per_pixel)));
     }

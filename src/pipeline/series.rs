@@ -303,7 +303,11 @@ impl Series<'_> {
                 folder.write_truth(number, &capture.output.truth, &planes)?;
             }
             if capture.output.objects {
-                folder.write_objects(number, &ObjectsReport::new(&truth_job.view, objects))?;
+                let report = ObjectsReport::new(&truth_job.view, objects);
+                if let Some(warning) = report.warning() {
+                    monitor.report(Event::Warning(&warning));
+                }
+                folder.write_objects(number, &report)?;
             }
             if let Some(counts) = &counts {
                 folder.write_samples(number, capture.sensor.resolution, counts)?;

@@ -34,8 +34,8 @@ pub(crate) enum Look {
 impl Listing {
     /// Reads the report at `path`, of which nothing else is looked at.
     pub(crate) fn read(path: &Path) -> Result<Self> {
-        let bytes = input::read_at_most(path, input::TABLE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
-        serde_json::from_slice(&bytes).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
+        let text = input::read_text(path, input::TABLE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
+        serde_json::from_str(&text).map_err(|e| Invalid::new("", format!("is damaged: {e}")).in_file(path))
     }
 
     /// The first file in the report's folder of which something is wrong: its name, and what.

@@ -149,8 +149,8 @@ impl Report {
     ///
     /// A file that is missing, is none, or is of a version that this program does not know.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = input::read_at_most(path, input::TABLE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
-        Self::of_json(path, &bytes)
+        let text = input::read_text(path, input::TABLE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
+        Self::of_json(path, text.as_bytes())
     }
 
     /// Reads a report from memory; `path` is for messages.

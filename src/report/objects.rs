@@ -101,6 +101,21 @@ impl ObjectsReport {
             objects: (1..).zip(objects.iter().zip(found)).map(report).collect(),
         }
     }
+
+    /// Warning of objects within the picture that no pixel would see even if they were alone.
+    pub fn warning(&self) -> Option<String> {
+        let is_lost = |object: &&ObjectReport| !object.is_cut_off && object.alone.pixels == 0;
+        let mut lost = self.objects.iter().filter(is_lost);
+        let ObjectReport { name, number, .. } = lost.next()?;
+        let more = match lost.count() {
+            0 => String::new(),
+            n => format!(" (as {n} more)"),
+        };
+        Some(format!(
+            "the object {name:?}, number {number}, lies within the picture, but no pixel would see it even alone{more}: it \
+             is transparent, seen from behind, or smaller than a pixel; objects.json lists it with 0 pixels"
+        ))
+    }
 }
 
 impl ObjectReport {

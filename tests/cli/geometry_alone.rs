@@ -15,6 +15,7 @@ const SMALL: &str = "--set sensor.resolution_px=[48,32] --set render.samples_per
 /// The triangle of `gltf::triangle`.
 const CORNERS: [DVec3; 3] = [DVec3::new(-1.0, 0.0, 0.0), DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 1.5, 0.0)];
 
+/// The triangle in files of every kind; z is up in that of STL.
 fn folder() -> Folder {
     Folder::new([
         ("sail.obj", b"v -1 0 0\nv 1 0 0\nv 0 1.5 0\nf 1 2 3\n".to_vec()),
@@ -26,7 +27,7 @@ fn folder() -> Folder {
         ),
         (
             "sail.stl",
-            b"solid sail\nfacet normal 0 0 1\nouter loop\nvertex -1 0 0\nvertex 1 0 0\nvertex 0 1.5 0\nendloop\nendfacet\n\
+            b"solid sail\nfacet normal 0 -1 0\nouter loop\nvertex -1 0 0\nvertex 1 0 0\nvertex 0 0 1.5\nendloop\nendfacet\n\
               endsolid sail\n"
                 .to_vec(),
         ),

@@ -99,7 +99,42 @@ fn single_objects_touch_what_they_stand_on(#[case] keys: &str, #[case] height_m:
     }
 }
 
+/// The block is twice as long as high; the unit of its file does not matter.
 #[rstest]
+#[case("size_m = 0.05", [0.05, 0.05])]
+#[case("size_m = 0.05\nmeters_per_unit = 0.001", [0.05, 0.05])]
+#[case("size_m = [0.05, 0.1]", [0.05, 0.1])]
+fn sizes_are_those_of_the_longest_side(#[case] keys: &str, #[case] range_m: [f64; 2]) {
+    let [least, most] = range_m;
+    let region = "region = { min_m = [-0.4, 0.3, -0.4], max_m = [0.4, 0.6, 0.4] }";
+    let folder = placed(&format!("[[place]]\nobjects = ['block.obj']\ncount = 2\nmethod = 'box'\n{region}\n{keys}\n"));
+    folder.succeed("dataset set.toml -o out");
+    let text = std::fs::read_to_string(folder.path("out/camera/000000/objects.json")).expect("objects.json");
+    let objects: Value = serde_json::from_str(&text).expect("JSON");
+    let placed: Vec<&Value> = objects["objects"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .filter(|o| o["category"] == "block" && o["name"] != "table")
+        .collect();
+    assert_eq!(placed.len(), 2, "{objects}");
+    for object in placed {
+        let corner = |i: usize| -> [f64; 3] {
+            serde_json::from_value(object["box_corners_world_m"][i].clone()).expect("a corner")
+        };
+        let length = corner(0).iter().zip(corner(1)).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        // Corners of single precision
+        assert!((least * (1.0 - 1e-6)..=most * (1.0 + 1e-6)).contains(&length), "{length} m");
+    }
+}
+
+#[rstest]
+#[case::two_sizes(
+    "objects = ['block.obj']\nmethod = 'rest'\nscale = [1, 2]\nsize_m = 1",
+    "cannot be combined with size_m"
+)]
+#[case::no_size("objects = ['block.obj']\nmethod = 'rest'\nsize_m = 0", "must be a length, or two, above 0")]
+#[case::sizes_in_disorder("objects = ['block.obj']\nmethod = 'rest'\nsize_m = [2, 1]", "must be a length, or two,")]
 #[case::no_file("objects = ['none-*.obj']\nmethod = 'rest'", "place[0].objects")]
 #[case::no_surface("objects = ['block.obj']\nmethod = 'drop'\nsurface = 'tabel'", "table")]
 #[case::too_many(

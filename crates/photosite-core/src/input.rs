@@ -7,7 +7,7 @@ use std::fs::{self, File, FileType, Metadata, ReadDir};
 use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
-use crate::{memory, sandbox};
+use crate::{memory, sandbox, text};
 
 /// Most bytes of a description that is read into a tree, as captures and sensors are: the tree of a TOML file takes some
 /// seventy times as much memory.
@@ -95,29 +95,13 @@ pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads a text of at most so many bytes.
+/// Reads a text of at most so many bytes, as [`text::decode`] has it.
 ///
 /// # Errors
 ///
-/// As [`read_at_most`]; that it is no UTF-8, with the line.
+/// As [`read_at_most`] and [`text::decode`].
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
-    text(read_at_most(path, most)?)
-}
-
-/// Bytes as text.
-///
-/// # Errors
-///
-/// The line that is no UTF-8.
-pub fn text(bytes: Vec<u8>) -> io::Result<String> {
-    String::from_utf8(bytes).map_err(|bad| {
-        let valid = &bad.as_bytes()[..bad.utf8_error().valid_up_to()];
-        let line = 1 + valid.iter().filter(|&&byte| byte == b'\n').count();
-        io::Error::new(
-            ErrorKind::InvalidData,
-            format!("line {line} is not valid UTF-8 text; save the file in that encoding"),
-        )
-    })
+    text::decode(read_at_most(path, most)?)
 }
 
 /// What there is instead of a file.
@@ -150,9 +134,6 @@ mod tests {
         assert_eq!(read(&path).expect("read"), b"one\ntwo");
         assert_eq!(read_text(&path, 7).expect("read"), "one\ntwo");
         assert_eq!(read_at_most(&path, 6).expect_err("too long").kind(), ErrorKind::FileTooLarge);
-        fs::write(&path, b"one\ntwo\n\xff").expect("written");
-        let error = read_text(&path, 100).expect_err("no text").to_string();
-        assert!(error.contains("line 3"), "{error}");
     }
 
     #[cfg(unix)]

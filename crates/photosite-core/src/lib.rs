@@ -28,6 +28,7 @@ pub mod schema_range;
 mod shorten;
 pub mod spectrum;
 pub mod suggest;
+pub mod text;
 pub mod toml_text;
 pub mod units;
 pub mod warnings;

@@ -89,6 +89,13 @@ impl Shape {
         point(self.mass.local_com)
     }
 
+    /// The longest side of the box around it along its own axes, m.
+    pub fn longest_side(&self) -> f64 {
+        let corners = |fold: fn(DVec3, DVec3) -> DVec3| self.hull.points.iter().map(|p| point(*p)).reduce(fold);
+        let (low, high) = (corners(DVec3::min), corners(DVec3::max));
+        low.zip(high).map_or(0.0, |(low, high)| (high - low).max_element())
+    }
+
     /// How far its farthest point is from the centre of mass, m.
     pub fn radius(&self) -> f64 {
         let centre = self.centre_of_mass();

@@ -8,8 +8,8 @@ use super::mesh::checked;
 use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, Result};
 use photosite_transport::scene::description::{
-    Colour, Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription,
-    TexturedColour,
+    AlphaMode, Colour, Diffuse, InstanceDescription, LayeredDescription, MaterialDescription, MaterialModel,
+    MeshDescription, SceneDescription, TexturedColour, TexturedFactor,
 };
 
 /// Reflectance of surfaces of which nothing is known.
@@ -25,6 +25,16 @@ pub(crate) fn diffuse(name: &str, reflectance: TexturedColour) -> MaterialDescri
     MaterialDescription {
         double_sided: true,
         ..MaterialDescription::new(name, MaterialModel::Diffuse(Diffuse { reflectance }))
+    }
+}
+
+/// A diffuse surface of the colours of its vertices: layers without any reflection at the facets. `kind` is the format.
+pub(crate) fn coloured(kind: &'static str, name: &str, has_holes: bool) -> MaterialDescription {
+    let layers = LayeredDescription { kind, specular: TexturedFactor::plain(0.0), ..LayeredDescription::default() };
+    MaterialDescription {
+        alpha: if has_holes { AlphaMode::Blend } else { AlphaMode::Opaque },
+        double_sided: true,
+        ..MaterialDescription::new(name, MaterialModel::Layered(Box::new(layers)))
     }
 }
 

@@ -6,8 +6,7 @@
 use std::f32::consts::TAU;
 use std::path::Path;
 
-use photosite_core::input;
-use photosite_core::{Error, Invalid, Result};
+use photosite_core::{Error, Invalid, Result, input, text};
 use photosite_transport::light::Profile;
 
 /// Reads an IES file.
@@ -18,8 +17,7 @@ pub fn read_ies(path: &Path) -> Result<Profile> {
 
 /// Reads an IES file from memory; `path` is for messages.
 pub fn parse_ies(bytes: &[u8], path: &Path) -> Result<Profile> {
-    // Keywords come in any code page; what counts is ASCII.
-    let text = String::from_utf8_lossy(bytes);
+    let text = text::decode_any(bytes.to_vec()).map_err(|reason| Error::io(path, "read", reason))?;
     parse(&text).map_err(|(invalid, line)| match line {
         0 => invalid.in_file(path),
         line => invalid.at_line(path, line),

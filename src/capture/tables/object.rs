@@ -31,7 +31,8 @@ pub(crate) struct ObjectTable {
     pub(crate) look_at_m: Option<[f64; 3]>,
     /// Makes it larger by this factor, or by one along each of its axes. Left out: 1.
     pub(crate) scale: Option<ScaleSource>,
-    /// Which axis of the file points up. The object's own axes are those after it was turned to y. Left out: "y".
+    /// Which axis of the file points up. The object's own axes are those after it was turned to y. Left out: "z" of STL files,
+    /// which come from CAD, and "y" of others.
     pub(crate) up: Option<UpAxis>,
     /// Length of the unit of the file, m. Left out: 1. OBJ, PLY and STL files state none.
     #[schemars(transform = above(0.0..))]

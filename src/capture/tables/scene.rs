@@ -6,7 +6,7 @@ use serde::Deserialize;
 use crate::sensor::SpectrumSource;
 
 use super::surroundings::{BackdropTable, GroundSource};
-use super::{LightColour, NormalsName, ObjectTable};
+use super::{LightColour, NormalsName, ObjectTable, UpAxis};
 use photosite_core::schema_range::{above, within};
 
 /// What is there: geometry and surroundings.
@@ -31,6 +31,9 @@ pub(crate) struct SceneTable {
     /// Without it a scene of such files that is longer than 20 units is told of, as most of these are in millimetres.
     #[schemars(transform = above(0.0..))]
     pub(crate) meters_per_unit: Option<f64>,
+    /// Which axis of the files in `geometry` points up; it is turned to y. Left out: "z" of STL files, which come from CAD,
+    /// with a warning, and "y" of others.
+    pub(crate) up: Option<UpAxis>,
     /// What faces without normals get in OBJ, PLY and STL files, outside the smoothing groups of OBJ. Left out: "flat".
     pub(crate) generate_normals: Option<NormalsName>,
     /// Whether grey stands for a texture of these files that is missing or broken, with a warning. Left out: false, it is

@@ -1,5 +1,6 @@
 //! Whole captures, made here.
 
+mod encodings;
 mod errors;
 mod finite;
 mod levels;

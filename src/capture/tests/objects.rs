@@ -20,6 +20,35 @@ fn objects_of(capture: &str) -> Files {
     files
 }
 
+/// A facet with a corner at [1, 2, 3].
+const FACET: &str = "solid\nfacet normal 0 0 1\nouter loop\nvertex 1 2 3\nvertex 0 0 0\nvertex 0 1 0\nendloop\nendfacet\n\
+                     endsolid\n";
+
+/// Of z up, x stays, and z and −y become y and z.
+#[rstest]
+#[case("geometry = ['a.stl']", [1.0, 3.0, -2.0], 1)]
+#[case("geometry = ['a.stl', 'a.stl']", [1.0, 3.0, -2.0], 1)]
+#[case("geometry = ['a.stl']\nup = 'z'", [1.0, 3.0, -2.0], 0)]
+#[case("geometry = ['a.stl']\nup = 'y'", [1.0, 2.0, 3.0], 0)]
+#[case("geometry = ['a.stl']\nmeters_per_unit = 0.5", [0.5, 1.5, -1.0], 1)]
+#[case("geometry = ['corner.obj']", [1.0, 2.0, 3.0], 0)]
+#[case("geometry = ['corner.obj']\nup = 'z'", [1.0, 3.0, -2.0], 0)]
+#[case("objects = [{ file = 'a.stl' }, { file = 'a.stl', name = 'b' }]", [1.0, 3.0, -2.0], 1)]
+#[case("objects = [{ file = 'a.stl', up = 'y' }]", [1.0, 2.0, 3.0], 0)]
+fn what_programs_for_design_write_stands_upright(#[case] keys: &str, #[case] expected: [f64; 3], #[case] said: usize) {
+    let files = objects_of(&format!("[scene]\nenvironment = {{ illuminant = 'D65', luminance_nit = 9 }}\n{keys}\n"));
+    files.add("a.stl", FACET.as_bytes());
+    let capture = files.read(&[]).unwrap_or_else(|error| panic!("{error}"));
+    let scene = &capture.scene;
+    for instance in &scene.instances {
+        let found = instance.to_world.transform_point3(scene.meshes[instance.meshes.start].positions[0].as_dvec3());
+        assert!(found.abs_diff_eq(DVec3::from_array(expected), 1e-12), "{found} instead of {expected:?}");
+    }
+    let warnings = capture.warnings();
+    let of_axis = warnings.iter().filter(|warning| warning.contains("a.stl") && warning.contains("points up"));
+    assert_eq!(of_axis.count(), said, "{warnings:?}");
+}
+
 /// Where the keys of an object put the corner, in figures of their own.
 #[rstest]
 #[case::nothing("", [1.0, 2.0, 3.0])]

@@ -52,3 +52,49 @@ fn solid_glass_is_named_where_a_lamp_without_a_surface_shines() {
         assert_eq!(said(&(glass(material) + lamp), &words), expected, "{material}, {lamp}");
     }
 }
+
+/// The surfaces that no ray meets, or that change none, are named with what has them.
+#[test]
+fn what_is_wholly_transparent_is_named() {
+    let words = ["is wholly transparent", "\"wall\""];
+    for (material, expected) in [
+        ("type = \"dielectric\"\nindex = 1.0", 1),
+        ("type = \"dielectric\"\nindex = 1.001", 0),
+        ("type = \"thin-dielectric\"\nindex = 1.0", 1),
+        ("type = \"thin-dielectric\"\nindex = 1.0\ntransmittance = 0.9", 0),
+        ("type = \"dielectric\"\nindex = 1.0\nemission = { luminance_nit = 3 }", 0),
+        (
+            "type = \"mix\"\nweight = 1\nfirst = { type = \"diffuse\", reflectance = 0.5 }\n\
+             second = { type = \"thin-dielectric\", index = 1.0 }",
+            1,
+        ),
+        (
+            "type = \"mix\"\nweight = 0.9\nfirst = { type = \"diffuse\", reflectance = 0.5 }\n\
+             second = { type = \"thin-dielectric\", index = 1.0 }",
+            0,
+        ),
+    ] {
+        assert_eq!(said(&format!("[materials.wall]\n{material}"), &words), expected, "{material}");
+    }
+    let mut png = std::io::Cursor::new(Vec::new());
+    image::RgbaImage::from_pixel(2, 1, image::Rgba([255, 0, 0, 0]))
+        .write_to(&mut png, image::ImageFormat::Png)
+        .expect("encoded");
+    for (mtl, expected) in [
+        ("d 0", 1),
+        ("d 0.01", 0),
+        ("d 1\nTr 1", 0),
+        ("Tr 1", 0),
+        ("d 0\nNi 1.5", 0),
+        ("map_d clear.png", 1),
+        ("map_d -mm 0.5 1 clear.png", 0),
+    ] {
+        let files = Files::new(&room(""));
+        files.add("clear.png", png.get_ref());
+        files.add("a.mtl", format!("newmtl wall\nKd 1 0 0\n{mtl}\n").as_bytes());
+        files.add("room.obj", format!("mtllib a.mtl\n{OBJ}").as_bytes());
+        let warnings = files.read(&[]).expect("a capture").warnings();
+        let found = warnings.iter().filter(|warning| words.iter().all(|word| warning.contains(word)));
+        assert_eq!(found.count(), expected, "{mtl}: {warnings:?}");
+    }
+}

@@ -102,8 +102,8 @@ impl Samples {
         };
         let folder = self.dataset.join(&line.folder);
         let path = folder.join(REPORT);
-        let text = input::read_at_most(&path, input::TABLE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
-        let report = Report::of_json(&path, &text)?;
+        let text = input::read_text(&path, input::TABLE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
+        let report = Report::of_json(&path, text.as_bytes())?;
         let (seed, files) = (report.seed, report.files.clone());
         let shot = shot(&path, report, line, camera)?;
         let has = |name: &&str| files.iter().any(|file| file == name);
@@ -134,7 +134,7 @@ impl Samples {
             let help = "make the data set with output.image = true or output.raw = [\"dng\"]";
             return Err(Invalid::new("", "has neither image.png nor a raw file").help(help).in_file(&folder));
         }
-        Ok(Sample { shot, time_s, seed, report: text, image, raw, truth })
+        Ok(Sample { shot, time_s, seed, report: text.into_bytes(), image, raw, truth })
     }
 }
 

@@ -80,8 +80,8 @@ impl ImageSets {
     /// Reads the file of a folder of image sets.
     pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(CONTENTS);
-        let text = input::read(&path).map_err(|reason| Error::io(&path, "read", reason))?;
-        serde_json::from_slice(&text)
+        let text = input::read_text(&path, input::TREE_BYTES).map_err(|reason| Error::io(&path, "read", reason))?;
+        serde_json::from_str(&text)
             .map_err(|error| Error::in_file(&path, "", format!("is not what photosite emva1288 writes: {error}")))
     }
 }

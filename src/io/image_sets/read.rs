@@ -6,7 +6,7 @@ use crate::characterisation::{Descriptor, Light, PairStatistics, Series, Spatial
 use crate::io::picture_file::read_picture_file;
 use crate::raw::Pixels;
 use crate::{Error, Invalid, Result};
-use photosite_core::{input, memory};
+use photosite_core::{input, memory, text};
 
 /// Bytes of a pixel while a set is evaluated, as they are measured: two stacks of sums, and images.
 const PIXEL: u64 = 40;
@@ -25,9 +25,8 @@ pub struct MeasuredSet {
 /// Reads a descriptor and the images that it names. `taken` is called after each, and may end the work. Several dark pairs of one exposure
 /// time count as their mean.
 pub fn read_set(path: &Path, taken: &dyn Fn() -> Result<()>) -> Result<MeasuredSet> {
-    let bytes = input::read_at_most(path, input::TREE_BYTES).map_err(|reason| Error::io(path, "read", reason))?;
-    // Comments may be in any encoding.
-    let text = String::from_utf8_lossy(&bytes);
+    let text = input::read_at_most(path, input::TREE_BYTES).and_then(text::decode_any);
+    let text = text.map_err(|reason| Error::io(path, "read", reason))?;
     let descriptor = Descriptor::parse(&text).map_err(|(line, invalid)| invalid.at_line(path, line))?;
     let Descriptor { width, height, .. } = descriptor;
     let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(PIXEL);

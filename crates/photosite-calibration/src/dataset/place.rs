@@ -32,6 +32,9 @@ pub struct PlaceDescription {
     /// Makes them larger by factors drawn evenly between these two. Left out: [1, 1].
     #[schemars(transform = above(0.0..))]
     pub scale: Option<[f64; 2]>,
+    /// How long the longest side is of the box around an object in its own axes, m: a number, or two between which it is
+    /// drawn evenly. It makes objects of any unit equally large; instead of scale. Left out: as the files have them.
+    pub size_m: Option<SizeDescription>,
     /// How far they are from each other and from all that they do not stand on, m; not of objects that fall. Left out: 0.
     #[schemars(transform = within(0.0..))]
     pub min_distance_m: Option<f64>,
@@ -39,9 +42,8 @@ pub struct PlaceDescription {
     /// Left out: those of the files.
     #[serde(default)]
     pub materials: Vec<String>,
-    /// Whether the files have z up in place of y. Left out: false.
-    #[serde(default)]
-    pub z_up: bool,
+    /// Whether the files have z up in place of y. Left out: true of STL files, which come from CAD, and false of others.
+    pub z_up: Option<bool>,
     /// Length of the unit of the files, m. Left out: 1.
     #[schemars(transform = above(0.0..))]
     pub meters_per_unit: Option<f64>,
@@ -93,6 +95,26 @@ pub enum CountDescription {
     Exact(u32),
     /// From the least to the largest.
     Range([u32; 2]),
+}
+
+/// A length, or a range of lengths, m.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
+#[serde(untagged, expecting = "expected a length in metres, or the least and the largest such as [0.1, 0.2]")]
+pub enum SizeDescription {
+    /// So long.
+    Exact(#[schemars(transform = above(0.0..))] f64),
+    /// From the least to the largest.
+    Range(#[schemars(transform = above(0.0..))] [f64; 2]),
+}
+
+impl SizeDescription {
+    /// The least and the largest, m.
+    pub fn range(self) -> [f64; 2] {
+        match self {
+            Self::Exact(size) => [size; 2],
+            Self::Range(range) => range,
+        }
+    }
 }
 
 /// A box along the axes of the world.

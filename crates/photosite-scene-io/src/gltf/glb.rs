@@ -1,5 +1,6 @@
 //! The binary container: a header of 12 bytes, a JSON chunk, at most one chunk of binary data.
 
+use super::document::CONVERT;
 use photosite_core::Invalid;
 
 /// First bytes of every binary glTF file.
@@ -20,8 +21,7 @@ pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Invalid> {
     }
     let version = read_u32(bytes, 4);
     if version != 2 {
-        return Err(Invalid::new("", format!("is binary glTF of version {version}"))
-            .help("only version 2 is supported; export the scene as glTF 2.0"));
+        return Err(Invalid::new("", format!("is binary glTF of version {version}")).help(CONVERT));
     }
     let length = read_u32(bytes, 8) as usize;
     if length > bytes.len() {

@@ -3,6 +3,7 @@
 use std::f32::consts::FRAC_PI_2;
 
 use gltf::json::Root;
+use gltf::json::camera::Type as CameraType;
 use gltf::json::extensions::scene::khr_lights_punctual::{Light, Type};
 use gltf::json::validation::Checked;
 
@@ -27,9 +28,21 @@ pub(super) fn read_camera(
         out_of_range(&format!("nodes[{}].camera", placed.index), "cameras", index, root.cameras.len())
     })?;
     let name = camera.name.clone().unwrap_or_else(|| placed.name.clone());
-    let Some(perspective) = &camera.perspective else {
-        warnings.once(format!("the camera {name:?} is orthographic, which no lens is, and is left out"));
-        return Ok(None);
+    let perspective = match (camera.type_, &camera.perspective) {
+        (Checked::Valid(CameraType::Perspective), Some(perspective)) => perspective,
+        (Checked::Valid(CameraType::Perspective), None) => {
+            let invalid = Invalid::new(format!("cameras[{index}]"), "has no perspective, as its type promises");
+            return Err(invalid.help("the file is damaged; export it again"));
+        }
+        (Checked::Valid(CameraType::Orthographic), _) => {
+            warnings.once(format!("the camera {name:?} is orthographic, which no lens is, and is left out"));
+            return Ok(None);
+        }
+        (Checked::Invalid, _) => {
+            return Err(
+                Invalid::new(format!("cameras[{index}].type"), "is unknown").help("write perspective or orthographic")
+            );
+        }
     };
     let fov = perspective.yfov;
     if !(fov > 0.0 && f64::from(fov) < std::f64::consts::PI) {

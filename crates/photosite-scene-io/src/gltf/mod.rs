@@ -11,6 +11,7 @@ mod accessor;
 mod animation;
 mod buffers;
 mod contained;
+mod document;
 mod draco;
 mod extensions;
 mod glb;
@@ -43,11 +44,12 @@ use gltf::json::validation::Checked;
 use accessor::Accessors;
 pub use animation::Moment;
 use buffers::{Buffers, Place};
+use document::Document;
 use mesh::{MeshReader, Pose};
 use photosite_core::input;
 use photosite_core::json::located;
 use photosite_core::warnings::Warnings;
-use photosite_core::{Error, Invalid, Result, Sandbox, memory};
+use photosite_core::{Error, Invalid, Result, Sandbox, memory, text};
 use photosite_transport::scene::description::{
     CameraDescription, InstanceDescription, LightDescription, SceneDescription,
 };
@@ -58,6 +60,7 @@ pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",
+    "KHR_animation_pointer",
     "KHR_draco_mesh_compression",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
@@ -76,6 +79,7 @@ pub const SUPPORTED_EXTENSIONS: &[&str] = &[
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
+    "KHR_node_visibility",
     "KHR_texture_basisu",
     "KHR_texture_transform",
 ];
@@ -115,27 +119,25 @@ pub fn read_bytes(bytes: &[u8], path: &Path, choice: Choice<'_>) -> Result<GltfF
     let is_glb = glb::is_glb(bytes);
     let (json, chunk) =
         if is_glb { glb::split(bytes).map_err(|invalid| invalid.in_file(path))? } else { (bytes, None) };
-    let root: Root = serde_json::from_slice(json).map_err(|error| {
-        let text = if error.is_eof() { "it ends too early".to_owned() } else { error.to_string() };
-        let problem = text.rsplit_once(" at line ").map_or(&*text, |(problem, _)| problem);
-        let invalid =
-            Invalid::new("", format!("is not a glTF document: {problem}")).help("export the scene as glTF 2.0");
-        // The lines of a binary file are nobody's, not even where its first bytes are missing.
-        let is_binary = is_glb || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
-        if is_binary || json.is_empty() { invalid.in_file(path) } else { invalid.at_line(path, error.line()) }
-    })?;
+    let json = &*text::plain(json).map_err(|reason| Error::io(path, "read", reason))?;
+    // The lines of a binary file are nobody's, not even where its first bytes are missing.
+    let is_binary = is_glb || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
+    let document = Document::parse(json, path, !is_binary && !json.is_empty())?;
+    let root = &document.root;
     let place = Place { folder: path.parent().unwrap_or(Path::new("")), sandbox: choice.sandbox };
     let in_text = |invalid| if is_glb { Invalid::in_file(invalid, path) } else { located(invalid, path, json) };
     let read = || {
-        check(&root)?;
-        let variants = variants::names(&root)?;
+        check(root)?;
+        let variants = variants::names(root)?;
         let chosen = choice.variant.and_then(|variant| variants.iter().position(|name| name == variant));
-        let (scene, warnings) = convert(&root, chunk, place, chosen, choice)?;
-        Ok((GltfFile { scene, variants, animations: animation::names(&root) }, warnings))
+        let mut warnings = Warnings::default();
+        document.say_what_stands_still(|what| warnings.once(what))?;
+        let scene = convert(root, chunk, place, chosen, choice, &mut warnings)?;
+        Ok((GltfFile { scene, variants, animations: animation::names(root) }, warnings))
     };
     read().map_err(in_text).map(|(mut file, warnings)| {
         file.scene.warnings = warnings.of_file(path);
-        file.scene.files = named_files(&root, place);
+        file.scene.files = named_files(root, place);
         file
     })
 }
@@ -189,8 +191,8 @@ fn convert(
     place: Place<'_>,
     variant: Option<usize>,
     choice: Choice<'_>,
-) -> Result<(SceneDescription, Warnings), Invalid> {
-    let mut warnings = Warnings::default();
+    warnings: &mut Warnings,
+) -> Result<SceneDescription, Invalid> {
     for name in root.extensions_used.iter().filter(|name| !SUPPORTED_EXTENSIONS.contains(&name.as_str())) {
         warnings.once(format!("the extension {name} is not supported and is ignored"));
     }
@@ -201,12 +203,12 @@ fn convert(
 
     let mut textures = Textures::new(root);
     for (i, material) in root.materials.iter().enumerate() {
-        scene.materials.push(material::read_material(material, i, &mut textures, &mut warnings)?);
+        scene.materials.push(material::read_material(material, i, &mut textures, warnings)?);
     }
     let default_material = scene.materials.len();
     scene.materials.push(material::default_material());
 
-    let poses = animation::poses(accessors, choice.moment, &mut warnings)?;
+    let poses = animation::poses(accessors, choice.moment, warnings)?;
     let times = poses.iter().map(|nodes| Moved::new(root, nodes)).collect::<Result<Vec<_>, _>>()?;
     let reader = MeshReader { accessors, default_material, variant };
     // glTF mesh in its own shape → the descriptions of its primitives, read once however often it is placed.
@@ -216,9 +218,13 @@ fn convert(
         // The node at all times.
         let always = || times.iter().map(|time| &time.placed[i]);
         let later: Vec<DAffine3> = always().skip(1).map(|placed| nodes::rigid(&placed.to_world)).collect();
-        let camera = light::read_camera(root, placed, &mut warnings)?;
+        let camera = light::read_camera(root, placed, warnings)?;
         scene.cameras.extend(camera.map(|camera| CameraDescription { later: later.clone(), ..camera }));
-        let light = light::read_light(root, placed, &mut warnings)?;
+        // Cameras stay where things are hidden.
+        if !placed.is_visible {
+            continue;
+        }
+        let light = light::read_light(root, placed, warnings)?;
         scene.lights.extend(light.map(|light| LightDescription { later, ..light }));
         let Some(mesh) = placed.node.mesh else { continue };
         let key = format!("nodes[{}].mesh", placed.index);
@@ -250,10 +256,10 @@ fn convert(
         let primitives = if poses.iter().all(Pose::is_own) {
             match meshes.entry(mesh.value()) {
                 Entry::Occupied(known) => known.get().clone(),
-                Entry::Vacant(new) => new.insert(read(&mut warnings)?).clone(),
+                Entry::Vacant(new) => new.insert(read(warnings)?).clone(),
             }
         } else {
-            read(&mut warnings)?
+            read(warnings)?
         };
         // The joints of a skin stand in the world; where its mesh does is of no importance (§3.7.3.3).
         let places = |placed| match joints[..] {
@@ -275,8 +281,8 @@ fn convert(
     if scene.meshes.iter().all(|mesh| mesh.material != default_material) {
         scene.materials.truncate(default_material);
     }
-    scene.images = textures.decode(&buffers, place, choice.is_lenient, &mut warnings)?;
-    Ok((scene, warnings))
+    scene.images = textures.decode(&buffers, place, choice.is_lenient, warnings)?;
+    Ok(scene)
 }
 
 /// Where all nodes are at a time.

@@ -13,6 +13,8 @@ pub(super) struct PlacedNode<'a> {
     pub(super) node: &'a Node,
     pub(super) name: String,
     pub(super) to_world: DAffine3,
+    /// Whether neither it nor a node above it is hidden (KHR_node_visibility).
+    pub(super) is_visible: bool,
 }
 
 /// All nodes of the default scene, parents before children. `nodes` are those of the document as they are at some time.
@@ -21,7 +23,7 @@ pub(super) fn placed_nodes<'a>(root: &Root, nodes: &'a [Node]) -> Result<Vec<Pla
     let mut parents: Vec<Visit> = vec![Visit::Never; nodes.len()];
     let mut stack: Vec<Pending> = roots(root)?;
     stack.reverse();
-    while let Some(Pending { index, parent, to_world, key }) = stack.pop() {
+    while let Some(Pending { index, parent, to_world, is_visible, key }) = stack.pop() {
         let node = nodes.get(index).ok_or_else(|| out_of_range(&key, "nodes", index, nodes.len()))?;
         if parents[index] != Visit::Never {
             return Err(visited_twice(&parents, index, parent, &key));
@@ -30,15 +32,16 @@ pub(super) fn placed_nodes<'a>(root: &Root, nodes: &'a [Node]) -> Result<Vec<Pla
         let name = node.name.clone().unwrap_or_else(|| format!("node-{index}"));
         let local = local_transform(node, index, &name)?;
         let to_world = to_world * local;
+        let is_visible = is_visible && says_visible(node, index)?;
         if !is_invertible(&to_world) {
             let message = format!("the transform of the node {name:?} and its parents leaves the range of numbers");
             return Err(Invalid::new(format!("nodes[{index}]"), message));
         }
         for (c, child) in node.children.as_deref().unwrap_or_default().iter().enumerate().rev() {
             let key = format!("nodes[{index}].children[{c}]");
-            stack.push(Pending { index: child.value(), parent: Some(index), to_world, key });
+            stack.push(Pending { index: child.value(), parent: Some(index), to_world, is_visible, key });
         }
-        placed.push(PlacedNode { index, node, name, to_world });
+        placed.push(PlacedNode { index, node, name, to_world, is_visible });
     }
     Ok(placed)
 }
@@ -49,6 +52,8 @@ struct Pending {
     parent: Option<usize>,
     /// Parent → world.
     to_world: DAffine3,
+    /// Whether all nodes above it are visible.
+    is_visible: bool,
     /// What refers to the node, for messages.
     key: String,
 }
@@ -62,7 +67,7 @@ enum Visit {
 
 /// The roots of the default scene; without scenes, all nodes that are nobody's children.
 fn roots(root: &Root) -> Result<Vec<Pending>, Invalid> {
-    let pending = |index, key| Pending { index, parent: None, to_world: DAffine3::IDENTITY, key };
+    let pending = |index, key| Pending { index, parent: None, to_world: DAffine3::IDENTITY, is_visible: true, key };
     let scene = root.scene.map_or(0, |scene| scene.value());
     if let Some(description) = root.scenes.get(scene) {
         let key = |i| format!("scenes[{scene}].nodes[{i}]");
@@ -102,6 +107,19 @@ fn visited_twice(parents: &[Visit], index: usize, parent: Option<usize>, key: &s
     }
     Invalid::new(key, format!("nodes[{index}] appears in the hierarchy twice"))
         .help("every node has at most one parent; to place a mesh twice, make two nodes that refer to it")
+}
+
+/// What KHR_node_visibility says of a node; left out, it is visible.
+fn says_visible(node: &Node, index: usize) -> Result<bool, Invalid> {
+    const NAME: &str = "KHR_node_visibility";
+    let Some(table) = node.extensions.as_ref().and_then(|e| e.others.get(NAME)) else { return Ok(true) };
+    match table.get("visible") {
+        None => Ok(true),
+        Some(value) => value.as_bool().ok_or_else(|| {
+            let key = format!("nodes[{index}].extensions.{NAME}.visible");
+            Invalid::new(key, format!("must be true or false, got {value}"))
+        }),
+    }
 }
 
 /// Node → parent.

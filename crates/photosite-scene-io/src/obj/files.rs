@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use photosite_core::input;
-use photosite_core::{Error, Result};
+use photosite_core::{Error, Result, input, text};
 
-/// Bytes that are no UTF-8, as in comments and names of old files, become replacement characters.
+/// A text in any encoding.
 pub(super) fn read_text(path: &Path) -> Result<String> {
-    let bytes = input::read(path).map_err(|reason| Error::io(path, "read", reason))?;
-    Ok(String::from_utf8(bytes).unwrap_or_else(|bad| String::from_utf8_lossy(bad.as_bytes()).into_owned()))
+    let text = input::read(path).and_then(text::decode_any);
+    text.map_err(|reason| Error::io(path, "read", reason))
 }
 
 /// The path of a file that another one names; backslashes of other systems are understood where nothing else fits.

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
+use super::colours::VertexColours;
 use super::lines::{Statement, statements};
 use crate::polygon::MOST_CORNERS;
 use photosite_core::warnings::Warnings;
@@ -14,6 +15,8 @@ use photosite_core::{Invalid, Result};
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
     pub(super) positions: Vec<Vec3>,
+    /// Linear colours of the positions, of those that have one; empty where none has.
+    pub(super) colours: Vec<Option<Vec3>>,
     /// v grows downwards as in glTF; OBJ has it growing upwards.
     pub(super) uvs: Vec<Vec2>,
     pub(super) normals: Vec<Vec3>,
@@ -62,13 +65,33 @@ impl Geometry {
             geometry.add(&statement, &mut state, warnings).map_err(|invalid| statement.at(invalid, path))?;
         }
         geometry.check(path)?;
+        geometry.colours = state.colours.linear(geometry.positions.len(), warnings);
         Ok(geometry)
     }
 
     fn add(&mut self, statement: &Statement<'_>, state: &mut State, warnings: &mut Warnings) -> Result<(), Invalid> {
         match statement.keyword() {
-            // A weight or a colour may follow.
-            "v" => self.positions.push(Vec3::from_array(statement.numbers::<3>(3)?.0)),
+            "v" => {
+                let ([x, y, z, r, g, b, _], count) = statement.numbers::<7>(3)?;
+                match count {
+                    3 => {}
+                    // A weight, which surfaces of polygons have no use for
+                    4 if r == 1.0 => {}
+                    6 => state.colours.set(self.positions.len(), [r, g, b]),
+                    _ => warnings.once(format!(
+                        "line {}: what follows the position of a vertex is left out: it is neither red, green and blue \
+                         nor a weight of 1",
+                        statement.line
+                    )),
+                }
+                self.positions.push(Vec3::new(x, y, z));
+            }
+            "#MRGB" => {
+                if state.colours.add_comment(statement.rest()).is_none() {
+                    warnings
+                        .once(format!("line {}: #MRGB holds no colours of vertices and is left out", statement.line));
+                }
+            }
             "vt" => {
                 let [u, v] = statement.numbers::<2>(1)?.0;
                 self.uvs.push(Vec2::new(u, 1.0 - v));
@@ -186,4 +209,5 @@ struct State {
     material: Option<usize>,
     smoothing_group: u32,
     material_indices: HashMap<String, usize>,
+    colours: VertexColours,
 }

@@ -77,7 +77,7 @@ pub(super) fn number(word: &str) -> Result<f32, Invalid> {
 
 /// The statements of a file. A line that ends in a backslash goes on in the next.
 pub(super) fn statements(text: &str) -> impl Iterator<Item = Statement<'_>> {
-    let mut lines = text.strip_prefix('\u{feff}').unwrap_or(text).lines().enumerate();
+    let mut lines = text.lines().enumerate();
     std::iter::from_fn(move || {
         loop {
             let (number, line) = lines.next()?;
@@ -86,7 +86,8 @@ pub(super) fn statements(text: &str) -> impl Iterator<Item = Statement<'_>> {
                 let next = lines.next().map_or("", |(_, line)| line.trim());
                 joined = Cow::Owned(format!("{begun} {next}").trim().to_owned());
             }
-            if joined.is_empty() || joined.starts_with('#') {
+            // Comments in which ZBrush has colours are statements.
+            if joined.is_empty() || joined.starts_with('#') && !joined.starts_with("#MRGB") {
                 continue;
             }
             let keyword_len = joined.find(char::is_whitespace).unwrap_or(joined.len());
@@ -101,7 +102,7 @@ mod tests {
 
     #[test]
     fn lines_are_joined_and_comments_dropped() {
-        let text = "\u{feff}# head\r\nv 1 2 \\\r\n  3 # tail\r\n\r\n  usemtl red #2\r\nf 1 \\";
+        let text = "# head\r\nv 1 2 \\\r\n  3 # tail\r\n\r\n  usemtl red #2\r\nf 1 \\";
         let found: Vec<_> = statements(text).collect();
         assert_eq!(
             found.iter().map(|s| (s.line, s.keyword())).collect::<Vec<_>>(),

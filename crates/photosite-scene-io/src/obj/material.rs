@@ -15,7 +15,8 @@
 //! n of a Blinn–Phong lobe, of which α = √(2/(n + 2)) is the microfacet roughness
 //! ([Walter07](photosite_core::references#walter07) §5.2), so the perceptual roughness is √α; `Pr` goes first.
 //!
-//! `d` below 1 or `map_d` leave that part of the surface there and nothing of the rest (`Blend`), unless it is glass.
+//! `Tr` stands for 1 − `d` where there is no `d`, but for 1, which programs write of opaque surfaces. `d` below 1 or
+//! `map_d` leave that part of the surface there and nothing of the rest (`Blend`), unless it is glass.
 //! With a coloured `Tf` the rest is a filter of that colour instead. `Pc` and `Pcr` are weight and roughness of a coat,
 //! `Ps` the weight of white sheen of roughness 0.5 (assumed: the format has no key for it), `aniso` 0–1 and `anisor`
 //! (in turns) strength and rotation of grooves. `-bm` scales the bumps of `norm`; in `bump` it is the height of white

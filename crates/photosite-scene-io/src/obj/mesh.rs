@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use glam::{DVec3, Vec2, Vec3};
 
+use super::colours::of_vertex;
 use super::geometry::{Corner, Face, Geometry};
 use crate::mesh::MissingNormals;
 use crate::polygon::triangulate;
@@ -36,6 +37,8 @@ fn build(
         uvs: if has_uvs { vec![Vec::new()] } else { Vec::new() },
         ..MeshDescription::default()
     };
+    let colour_of = |corner: &Corner| geometry.colours.get(corner.position as usize).copied().flatten();
+    let has_colours = corners().any(|corner| colour_of(corner).is_some());
     let mut vertices: HashMap<(Corner, [u32; 3]), u32> = HashMap::new();
     let (mut polygon, mut indices) = (Vec::new(), Vec::new());
     for face in faces {
@@ -52,6 +55,9 @@ fn build(
             };
             let index = *vertices.entry((corner, normal.to_array().map(f32::to_bits))).or_insert_with(|| {
                 mesh.positions.push(position);
+                if has_colours {
+                    mesh.colours.push(of_vertex(colour_of(&corner)));
+                }
                 if has_normals {
                     mesh.normals.push(normal);
                 }

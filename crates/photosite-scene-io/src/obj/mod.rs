@@ -3,11 +3,12 @@
 //! In: an `.obj` file, the material libraries and pictures that it names. Out: meshes in the file's own unit, one for
 //! each material of each object, at the origin; materials with what the MTL file says of them.
 //!
-//! Concave polygons, continued lines, smoothing groups and the options of textures are followed; curves, free-form
-//! surfaces, groups (`g`) and vertex colours are not. The parser is our own because files of this format are often
+//! Concave polygons, continued lines, smoothing groups, colours of vertices and the options of textures are followed;
+//! curves, free-form surfaces and groups (`g`) are not. The parser is our own because files of this format are often
 //! wrong in small ways, and a message is of use only with a line number. A test compares it with that of the `tobj`
 //! crate on what both can read.
 
+mod colours;
 mod files;
 mod geometry;
 mod lines;
@@ -87,19 +88,23 @@ pub fn parse(text: &str, path: &Path, choice: &Choice) -> Result<ObjFile> {
 
     let mut scene = SceneDescription::default();
     let mut pictures = Pictures::within(&choice.sandbox, choice.is_lenient);
-    let mut undescribed_materials = Vec::new();
     for name in &geometry.materials {
         scene.materials.push(match libraries.get(name) {
             Some((library, mtl)) => describe(mtl, pictures.of_material(mtl, library)?, &mut warnings),
-            None => {
-                undescribed_materials.push(name.clone());
-                undescribed(name)
-            }
+            None => undescribed(name),
         });
     }
-    add_meshes(&mut scene, mesh::meshes(&geometry, choice.missing_normals), path, &mut warnings)?;
-    if scene.meshes.iter().any(|mesh| mesh.material == scene.materials.len()) {
-        scene.materials.push(undescribed("default"));
+    let default_material = scene.materials.len();
+    scene.materials.push(undescribed("default"));
+    let mut meshes = mesh::meshes(&geometry, choice.missing_normals);
+    let is_described: Vec<bool> = geometry.materials.iter().map(|name| libraries.contains_key(name)).collect();
+    let coloured = colours::settle(&mut meshes, &mut scene.materials, &is_described, &mut warnings);
+    let is_undescribed = |(i, _): &(usize, &String)| !is_described[*i] && !coloured.contains(i);
+    let undescribed_materials = geometry.materials.iter().enumerate().filter(is_undescribed);
+    let undescribed_materials = undescribed_materials.map(|(_, name)| name.clone()).collect();
+    add_meshes(&mut scene, meshes, path, &mut warnings)?;
+    if scene.meshes.iter().all(|mesh| mesh.material != default_material) {
+        scene.materials.truncate(default_material);
     }
     pictures.warnings.into_messages().into_iter().for_each(|message| warnings.once(message));
     let libraries = libraries.into_values().map(|(path, _)| path);

@@ -24,8 +24,10 @@ pub(super) struct MtlMaterial {
     pub(super) shininess: Option<f32>,
     /// `Ni`.
     pub(super) index: Option<f32>,
-    /// `d`, or 1 − `Tr`.
+    /// `d`, or what `Tr` is taken for.
     pub(super) opacity: Option<f32>,
+    /// `Tr`.
+    pub(super) transparency: Option<f32>,
     /// `illum`.
     pub(super) illumination_model: Option<u32>,
     /// `Pr`, perceptual roughness 0–1.
@@ -75,6 +77,7 @@ pub(super) fn parse(text: &str, path: &Path, warnings: &mut Warnings) -> Result<
         };
         material.add(&statement, warnings).map_err(|invalid| statement.at(invalid, path))?;
     }
+    materials.iter_mut().for_each(|material| material.settle(warnings));
     Ok(materials)
 }
 
@@ -97,11 +100,7 @@ impl MtlMaterial {
                 }
                 self.opacity = Some(number(words.next().unwrap_or_default())?);
             }
-            // Its meaning varies between programs, d's does not.
-            "Tr" => {
-                let transparency = statement.numbers::<1>(1)?.0[0];
-                self.opacity.get_or_insert(1.0 - transparency);
-            }
+            "Tr" => self.transparency = Some(statement.numbers::<1>(1)?.0[0]),
             "illum" => {
                 let word = statement.words().next().unwrap_or_default();
                 let model =
@@ -147,6 +146,65 @@ impl MtlMaterial {
     }
 }
 
+impl MtlMaterial {
+    /// Decides where the statements of a material contradict each other, or mean different things to different programs, as
+    /// most programs do.
+    fn settle(&mut self, warnings: &mut Warnings) {
+        let name = &self.name;
+        let mut say = |what: String| warnings.once(format!("material {name:?}: {what}"));
+        // Its meaning varies between programs, that of d does not.
+        if let (None, Some(transparency)) = (self.opacity, self.transparency) {
+            if transparency >= 1.0 {
+                say(format!(
+                    "Tr {transparency} without d is taken for an opaque surface, as MeshLab, OpenMVS and others mean it; \
+                     write d 0 for one that is not there"
+                ));
+            } else if transparency > 0.0 {
+                let opacity = 1.0 - transparency;
+                say(format!(
+                    "Tr {transparency} without d is taken for the part of the light that passes, as d {opacity}; programs \
+                     disagree about it, so write d"
+                ));
+                self.opacity = Some(opacity);
+            }
+        }
+        if let Some(opacity) = self.opacity.filter(|opacity| !(0.0..=1.0).contains(opacity)) {
+            say(format!("d {opacity} is outside 0–1 and is cut off there"));
+        }
+        // Programs write what they do not use as 0 beside a picture of it, and read the picture alone.
+        let mut alone = |key: &str, map: &Option<Map>, is_zero: bool| {
+            let Some(map) = map.as_ref().filter(|_| is_zero) else { return false };
+            say(format!(
+                "{key} 0 beside {} would leave nothing of the picture {:?} and is left out",
+                map.key, map.file
+            ));
+            true
+        };
+        for (key, colour, map) in [
+            ("Kd", &mut self.diffuse, &self.diffuse_map),
+            ("Ks", &mut self.specular, &self.specular_map),
+            ("Ke", &mut self.emission, &self.emission_map),
+        ] {
+            if alone(key, map, *colour == Some([0.0; 3])) {
+                *colour = None;
+            }
+        }
+        for (key, number, map) in [
+            ("Ns", &mut self.shininess, &self.shininess_map),
+            ("d", &mut self.opacity, &self.opacity_map),
+            ("Pr", &mut self.roughness, &self.roughness_map),
+            ("Pm", &mut self.metallic, &self.metallic_map),
+            ("Ps", &mut self.sheen, &self.sheen_map),
+            ("Pc", &mut self.coat, &self.coat_map),
+            ("Pcr", &mut self.coat_roughness, &self.coat_roughness_map),
+        ] {
+            if alone(key, map, *number == Some(0.0)) {
+                *number = None;
+            }
+        }
+    }
+}
+
 /// `r g b`, or `r` for grey; the same after `xyz`, where white has the XYZ of D65 at Y = 1. Files of spectra are left
 /// out with a warning.
 fn colour(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<Option<[f32; 3]>, Invalid> {
@@ -179,6 +237,7 @@ pub(super) fn roughness_of_exponent(exponent: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use glam::Vec2;
+    use rstest::rstest;
 
     use super::*;
     use crate::obj::map::Range;
@@ -221,6 +280,59 @@ mod tests {
         assert_eq!((rough.channel, rough.file.as_str()), (Some(MapChannel::G), "r.png"));
         assert_eq!(rough.range, Range { base: 0.5, gain: 2.0 });
         assert_eq!(material("norm -odd name.png").expect("valid").normal_map.expect("a map").file, "-odd name.png");
+    }
+
+    /// A material, and what is said of it.
+    fn told(lines: &str) -> (MtlMaterial, Vec<String>) {
+        let mut warnings = Warnings::default();
+        let found = parse(&format!("newmtl m\n{lines}"), Path::new("a.mtl"), &mut warnings).expect("valid");
+        (found.into_iter().next().expect("one material"), warnings.into_messages())
+    }
+
+    /// What MeshLab, OpenMVS, mvs-texturing and 3ds Max write of opaque surfaces, and what the format itself says.
+    #[test]
+    fn transparency_without_d_is_opaque_where_it_is_0_or_1() {
+        for (lines, opacity, words) in [
+            ("Tr 1.000000", None, "Tr 1 without d is taken for an opaque surface"),
+            ("Tr 0", None, ""),
+            ("Tr 0.25", Some(0.75), "as d 0.75"),
+            ("Tr 1.0\nd 1.0", Some(1.0), ""),
+            ("d 1.0\nTr 0.0", Some(1.0), ""),
+            ("Tr 1\nd 0", Some(0.0), ""),
+            ("Tr 0\nd 0.25", Some(0.25), ""),
+            ("d 1.5", Some(1.5), "d 1.5 is outside 0–1"),
+        ] {
+            let (material, warnings) = told(lines);
+            assert_eq!(material.opacity, opacity, "{lines}");
+            assert_eq!(warnings.len(), usize::from(!words.is_empty()), "{lines}: {warnings:?}");
+            assert!(warnings.iter().all(|w| w.starts_with("material \"m\": ") && w.contains(words)), "{warnings:?}");
+        }
+    }
+
+    #[rstest]
+    #[case("Kd 0 0 0", "map_Kd")]
+    #[case("Kd 0", "map_Kd")]
+    #[case("Ks 0 0 0", "map_Ks")]
+    #[case("Ke 0 0 0", "map_Ke")]
+    #[case("Ns 0", "map_Ns")]
+    #[case("d 0", "map_d")]
+    #[case("Pr 0", "map_Pr")]
+    #[case("Pm 0.0", "map_Pm")]
+    #[case("Pm 0", "map_ORM")]
+    #[case("Ps 0", "map_Ps")]
+    #[case("Pc 0", "map_Pc")]
+    #[case("Pcr 0", "map_Pcr")]
+    fn nothing_beside_a_picture_leaves_the_picture(#[case] zero: &str, #[case] map: &str) {
+        for lines in [format!("{zero}\n{map} a.png"), format!("{map} a.png\n{zero}")] {
+            let (found, warnings) = told(&lines);
+            let bare = format!("{:?}", told(&format!("{map} a.png")).0);
+            // But for the line of the map
+            assert_eq!(format!("{found:?}").replace("line: 3", "line: 2"), bare);
+            let key = zero.split(' ').next().unwrap_or_default();
+            let [warning] = &warnings[..] else { panic!("{warnings:?}") };
+            assert!(warning.contains(&format!("{key} 0 beside {map} ")) && warning.contains("a.png"), "{warning}");
+        }
+        assert_eq!(told(zero).1, Vec::<String>::new());
     }
 
     #[test]

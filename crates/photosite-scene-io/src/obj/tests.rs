@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use rstest::rstest;
 use tempfile::TempDir;
 
@@ -106,6 +106,86 @@ fn materials_come_from_the_library_and_pictures_from_beside_it() {
     assert_eq!(scene.images[opacity.image].linear_texel(0), [77.0 / 255.0; 4]);
     assert!(matches!(&scene.images[texture.image].texels, Texels::Rgba8(t) if t[0] == [77, 77, 77, 255]));
     assert_eq!(scene.materials[1].emission.as_ref().and_then(|e| e.level), Some(1.0));
+}
+
+/// The value of a half in sRGB (IEC 61966-2-1): ((½ + 0.055)/1.055)^2.4.
+const HALF: f32 = 0.214_041_14;
+
+/// The linear colours of the vertices of a square without a material, and the warnings.
+fn colours_of(text: &str) -> (Vec<Vec4>, Vec<String>) {
+    let file = read_text(text).expect("valid");
+    (file.scene.meshes[0].colours.clone(), file.scene.warnings)
+}
+
+#[rstest]
+#[case::of_photogrammetry("v 0 0 0 1 0 0.5\nv 1 0 0 1 0 0.5\nv 0 1 0 1 0 0.5\nf 1 2 3", [1.0, 0.0, HALF], "")]
+#[case::of_bytes("v 0 0 0 255 0 0\nv 1 0 0 255 0 0\nv 0 1 0 255 0 0\nf 1 2 3", [1.0, 0.0, 0.0], "up to 255")]
+#[case::beyond("v 0 0 0 1.5 0 -0.5\nv 1 0 0 1.5 0 -1\nv 0 1 0 2 0 -1\nf 1 2 3", [1.0, 0.0, 0.0], "cut off")]
+#[case::of_zbrush("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n#MRGB ffff0000ffff0000\n#MRGB 00FF0000", [1.0, 0.0, 0.0], "")]
+#[case::before_their_vertices("#MRGB ffff0000ffff000000ff0000\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3", [1.0, 0.0, 0.0], "")]
+#[case::more_than_vertices("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n#MRGB ffff0000ffff0000ffff0000ffff0000", [1.0, 0.0, 0.0], "of 4 vertices, but 3")]
+fn vertices_have_colours(#[case] text: &str, #[case] expected: [f32; 3], #[case] words: &str) {
+    let (colours, warnings) = colours_of(text);
+    assert_eq!(colours.len(), 3);
+    let expected = Vec3::from(expected).extend(1.0);
+    // Six digits of the standard's curve
+    assert!(colours.iter().all(|colour| (*colour - expected).abs().max_element() < 1e-6), "{colours:?}");
+    assert_eq!(warnings.len(), usize::from(!words.is_empty()), "{warnings:?}");
+    assert!(warnings.iter().all(|warning| warning.contains(words)), "{warnings:?}");
+}
+
+#[test]
+fn what_follows_a_position_and_is_no_colour_is_said() {
+    for (rest, is_said) in
+        [("", false), (" 1.0", false), (" 0.5", true), (" 1 0", true), (" 1 1 0 0", true), (" # 1 0 0", false)]
+    {
+        let (colours, warnings) = colours_of(&format!("v 0 0 0{rest}\nv 1 0 0\nv 0 1 0\nf 1 2 3"));
+        assert!(colours.is_empty());
+        assert_eq!(warnings.len(), usize::from(is_said), "{rest}: {warnings:?}");
+    }
+    for line in ["#MRGB fff", "#MRGB ffffgg00", "#MRGB ff ff ff ff"] {
+        let (colours, warnings) = colours_of(&format!("{line}\n{SQUARE}f 1 2 3"));
+        assert!(colours.is_empty() && warnings.len() == 1 && warnings[0].contains("line 1: #MRGB"), "{warnings:?}");
+    }
+}
+
+#[test]
+fn colours_of_vertices_are_what_the_material_has_room_for() {
+    const RED: &str = "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nv 0 0 1\n";
+    let read = |mtl: &str, faces: &str| {
+        let obj = format!("mtllib a.mtl\n{RED}{faces}");
+        let folder = folder(&[("scene.obj", obj.as_bytes()), ("a.mtl", mtl.as_bytes())]);
+        image::GrayImage::from_pixel(1, 1, image::Luma([77])).save(folder.path().join("a.png")).expect("saved");
+        read(&folder.path().join("scene.obj"), &Choice::default()).expect("valid")
+    };
+    let layers = |file: &ObjFile| {
+        let MaterialModel::Layered(layers) = &file.scene.materials[0].model else { panic!("no layers") };
+        let Colour::Rgb(rgb) = layers.base_colour.colour else { panic!("a spectrum") };
+        (rgb, layers.specular.value)
+    };
+    // Without a material: the colours are the reflectance, and where there are none, that of any other surface.
+    let file = read("newmtl other\n", "usemtl red\nf 1 2 3\no grey\nf 1 2 4\no none\nf 4 4 4");
+    assert_eq!(layers(&file), ([1.0; 3], 0.0));
+    assert!(file.undescribed_materials.is_empty(), "{:?}", file.undescribed_materials);
+    assert_eq!(file.scene.meshes[0].colours, [Vec4::new(1.0, 0.0, 0.0, 1.0); 3]);
+    assert_eq!(file.scene.meshes[1].colours[2], Vec4::new(0.5, 0.5, 0.5, 1.0));
+    assert!(file.scene.warnings.iter().any(|warning| warning.contains("have no colour")), "{:?}", file.scene.warnings);
+    for (mtl, expected, kept, words) in [
+        ("newmtl red\nKd 0.5 0.5 0.5", [0.5; 3], true, ""),
+        ("newmtl red\nKd 0 0 0", [1.0; 3], true, "Kd is black"),
+        ("newmtl red\nKd 0.5 0.5 0.5\nmap_Kd a.png", [0.5; 3], false, "its picture has those"),
+        ("newmtl red\nKd 0.5 0.5 0.5\nPr 0.2", [0.5; 3], true, ""),
+    ] {
+        let file = read(mtl, "usemtl red\nf 1 2 3");
+        assert_eq!(layers(&file).0, expected, "{mtl}");
+        assert_eq!(!file.scene.meshes[0].colours.is_empty(), kept, "{mtl}");
+        let warnings = &file.scene.warnings;
+        assert_eq!(warnings.len(), usize::from(!words.is_empty()), "{mtl}: {warnings:?}");
+        assert!(warnings.iter().all(|w| w.contains("material \"red\"") && w.contains(words)), "{warnings:?}");
+    }
+    let glass = read("newmtl red\nNi 1.5\nillum 7", "usemtl red\nf 1 2 3");
+    assert!(matches!(glass.scene.materials[0].model, MaterialModel::Dielectric(_)));
+    assert!(glass.scene.meshes[0].colours.is_empty() && glass.scene.warnings.len() == 1);
 }
 
 #[test]

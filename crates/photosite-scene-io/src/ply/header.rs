@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use photosite_core::{Invalid, Result};
+use photosite_core::{Error, Invalid, Result, text};
 
 /// What the header says.
 #[derive(Debug)]
@@ -161,7 +161,7 @@ impl Header {
                 return Err(Invalid::new("", "the header ends without end_header").help(help).at_line(path, line));
             };
             at += length + if !is_lone && rest[length..].starts_with(b"\r\n") { 2 } else { 1 };
-            let text = String::from_utf8_lossy(&rest[..length]);
+            let text = text::decode_any(rest[..length].to_vec()).map_err(|reason| Error::io(path, "read", reason))?;
             match text.trim() {
                 "end_header" => break,
                 text => has_form |= header.add(text, line).map_err(|invalid| invalid.at_line(path, line))?,

@@ -28,17 +28,14 @@ mod tests;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::assemble::{add_meshes, diffuse, name_of_file, undescribed};
+use super::assemble::{add_meshes, coloured, diffuse, name_of_file, undescribed};
 use super::mesh::MissingNormals;
 use super::picture::read_picture;
 use header::Header;
 use mesh::Geometry;
 use photosite_core::warnings::Warnings;
-use photosite_core::{Error, Result, Sandbox, input};
-use photosite_transport::scene::description::{
-    AlphaMode, Colour, LayeredDescription, MaterialDescription, MaterialModel, SceneDescription, TextureDescription,
-    TexturedColour, TexturedFactor,
-};
+use photosite_core::{Error, Result, Sandbox, input, text};
+use photosite_transport::scene::description::{Colour, SceneDescription, TextureDescription, TexturedColour};
 use photosite_transport::texture::{SamplerSettings, UvTransform};
 
 /// Reads a `.ply` file with the picture that it names, which must lie in a sandbox.
@@ -56,6 +53,7 @@ pub fn parse(
     sandbox: &Sandbox,
 ) -> Result<SceneDescription> {
     let mut warnings = Warnings::default();
+    let bytes = &*text::plain(bytes).map_err(|reason| Error::io(path, "read", reason))?;
     let header = Header::parse(bytes, path)?;
     let geometry = Geometry::read(bytes, &header, path, &mut warnings)?;
     let name = name_of_file(path);
@@ -72,22 +70,11 @@ pub fn parse(
             diffuse(&name, TexturedColour { colour, texture: Some(texture) })
         }
         None if mesh.colours.is_empty() => undescribed(&name),
-        None => coloured(&name, mesh.colours.iter().any(|colour| colour.w < 1.0)),
+        None => coloured("PLY", &name, mesh.colours.iter().any(|colour| colour.w < 1.0)),
     });
     add_meshes(&mut scene, [mesh], path, &mut warnings)?;
     scene.warnings = warnings.of_file(path);
     Ok(scene)
-}
-
-/// A diffuse surface of the colours of its vertices: layers without any reflection at the facets.
-fn coloured(name: &str, has_holes: bool) -> MaterialDescription {
-    let layers =
-        LayeredDescription { kind: "PLY", specular: TexturedFactor::plain(0.0), ..LayeredDescription::default() };
-    MaterialDescription {
-        alpha: if has_holes { AlphaMode::Blend } else { AlphaMode::Opaque },
-        double_sided: true,
-        ..MaterialDescription::new(name, MaterialModel::Layered(Box::new(layers)))
-    }
 }
 
 /// The picture of the surface, if the file names a single one and says where it goes.

@@ -7,6 +7,7 @@ use rstest::rstest;
 
 use super::*;
 use photosite_core::spectrum::rgb;
+use photosite_transport::scene::description::{AlphaMode, MaterialModel};
 use photosite_transport::scene::description::{Diffuse, MeshDescription};
 use photosite_transport::texture::Texels;
 

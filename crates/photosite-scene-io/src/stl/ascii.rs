@@ -6,14 +6,14 @@ use std::str::Lines;
 use glam::Vec3;
 
 use super::solid::{FACET, Solid};
-use photosite_core::{Error, Invalid, Result, memory};
+use photosite_core::{Error, Invalid, Result, memory, text};
 
 /// Lines of a facet, as all programs write it.
 const LINES: u64 = 7;
 
 /// Reads a text file.
-pub(super) fn read(bytes: &[u8], path: &Path) -> Result<Vec<Solid>> {
-    let text = String::from_utf8_lossy(bytes);
+pub(super) fn read(bytes: Vec<u8>, path: &Path) -> Result<Vec<Solid>> {
+    let text = text::decode_any(bytes).map_err(|reason| Error::io(path, "read", reason))?;
     let facets = text.bytes().filter(|&byte| byte == b'\n').count() as u64 / LINES;
     memory::check(facets * FACET, &format!("its geometry of {facets} facets"), "simplify it")
         .map_err(|invalid| invalid.in_file(path))?;

@@ -16,8 +16,12 @@ const SIZE: usize = 50;
 /// that is not what they announce, zeros, of which there are some in the number of facets at least.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     let begins_as_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
-    let announced = announced(bytes).map(|count| HEAD as u64 + count * SIZE as u64);
-    !begins_as_text || announced == Some(bytes.len() as u64) || bytes[..bytes.len().min(HEAD)].contains(&0)
+    !begins_as_text || is_whole(bytes) || bytes[..bytes.len().min(HEAD)].contains(&0)
+}
+
+/// Whether a file is as long as the number of facets in its head has it, whatever else is there.
+pub(super) fn is_whole(bytes: &[u8]) -> bool {
+    announced(bytes).map(|count| HEAD as u64 + count * SIZE as u64) == Some(bytes.len() as u64)
 }
 
 /// The number of facets in the head.

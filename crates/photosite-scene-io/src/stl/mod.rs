@@ -20,7 +20,7 @@ use std::path::Path;
 use super::assemble::{add_meshes, name_of_file, undescribed};
 use super::mesh::{MissingNormals, seamless_normals};
 use photosite_core::warnings::Warnings;
-use photosite_core::{Error, Result, input};
+use photosite_core::{Error, Result, input, text};
 use photosite_transport::scene::description::{MeshDescription, SceneDescription};
 use solid::Solid;
 
@@ -33,10 +33,12 @@ pub fn read(path: &Path, missing_normals: MissingNormals) -> Result<SceneDescrip
 /// Reads a `.stl` file from memory; `path` is for messages.
 pub fn parse(bytes: &[u8], path: &Path, missing_normals: MissingNormals) -> Result<SceneDescription> {
     let mut warnings = Warnings::default();
-    let solids = if binary::is_binary(bytes) {
-        vec![binary::read(bytes, path, &mut warnings)?]
+    let text = if binary::is_whole(bytes) { Ok(bytes.into()) } else { text::plain(bytes) };
+    let bytes = text.map_err(|reason| Error::io(path, "read", reason))?;
+    let solids = if binary::is_binary(&bytes) {
+        vec![binary::read(&bytes, path, &mut warnings)?]
     } else {
-        ascii::read(bytes, path)?
+        ascii::read(bytes.into_owned(), path)?
     };
     let contrary: usize = solids.iter().map(|solid| solid.contrary).sum();
     if contrary > 0 {

@@ -45,6 +45,26 @@ fn damaged_documents_are_refused(#[case] pointer: &str, #[case] value: Value, #[
     assert!(error.starts_with("scene.gltf"), "{error}");
 }
 
+#[rstest]
+#[case::with_its_version(r#"{"asset":{"version":"1.0"},"nodes":{"a":{"meshes":["m"]}},"meshes":{"m":{}}}"#)]
+#[case::without_asset(r#"{"scene":"s","scenes":{"s":{"nodes":["a"]}},"nodes":{"a":{}}}"#)]
+#[case::of_a_number(r#"{"asset":{"version":0.8},"accessors":{}}"#)]
+fn documents_of_the_first_version_are_told_as_such(#[case] text: &str) {
+    let error = read_bytes(text.as_bytes(), Path::new("old.gltf"), Choice::default()).expect_err("refused");
+    let Error::Input(input) = &error else { panic!("{error:?}") };
+    assert!(error.to_string().starts_with("old.gltf: asset.version: is glTF "), "{error}");
+    assert!(input.help.as_ref().is_some_and(|help| format!("{help:?}").contains("gltf-pipeline")), "{input:?}");
+}
+
+#[test]
+fn documents_may_begin_with_a_mark_or_be_in_utf16() {
+    let text = Fixture::square().text();
+    let wide: Vec<u8> = text.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    for bytes in [[b"\xef\xbb\xbf", text.as_bytes()].concat(), [b"\xff\xfe", &wide[..]].concat(), wide] {
+        assert_eq!(read_bytes(&bytes, Path::new("a.gltf"), Choice::default()).expect("valid").scene.meshes.len(), 1);
+    }
+}
+
 #[test]
 fn bad_vertices_are_named_with_mesh_primitive_and_line() {
     let mut fixture = Fixture::square();

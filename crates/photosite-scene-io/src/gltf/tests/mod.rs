@@ -4,6 +4,7 @@ mod damage;
 mod materials;
 mod meshes;
 mod nodes;
+mod optional;
 mod packed;
 
 use std::path::Path;

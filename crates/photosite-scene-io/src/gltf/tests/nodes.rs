@@ -152,6 +152,86 @@ fn damaged_animations_are_refused(#[case] pointer: &str, #[case] value: Value, #
     assert!(text.contains(message), "{text}");
 }
 
+/// A way of a channel of `animated` by KHR_animation_pointer.
+fn pointer_target(pointer: &str) -> Value {
+    json!({ "path": "pointer", "extensions": { "KHR_animation_pointer": { "pointer": pointer } } })
+}
+
+#[test]
+fn pointers_to_nodes_move_them_and_others_are_named() {
+    let target = "/animations/0/channels/0/target";
+    let expected = at_moment(animated(), 0.5, 1.0).expect("valid").instances[0].clone();
+    let by_pointer = || animated().with(target, pointer_target("/nodes/0/translation"));
+    for required in [json!([]), json!(["KHR_animation_pointer"])] {
+        let scene = at_moment(by_pointer().with("/extensionsRequired", required), 0.5, 1.0).expect("valid");
+        assert_eq!((scene.instances[0].to_world, &scene.instances[0].later), (expected.to_world, &expected.later));
+        assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+    }
+    // A node that some programs name beside the pointer says nothing.
+    let beside = by_pointer()
+        .with(&format!("{target}/node"), json!(1))
+        .with("/extensionsUsed", json!(["KHR_animation_pointer"]));
+    assert_eq!(at_moment(beside, 0.5, 1.0).expect("valid").instances[0].to_world, expected.to_world);
+
+    for pointer in [
+        "/materials/0/pbrMetallicRoughness/baseColorFactor",
+        "/nodes/0/extensions/KHR_node_visibility/visible",
+        "/nodes/0/translation/0",
+        "/nodes/x/translation",
+        "nodes/0/translation",
+    ] {
+        let fixture = || animated().with(target, pointer_target(pointer));
+        let scene = at_moment(fixture(), 0.5, 1.0).expect("read");
+        assert_eq!(scene.instances[0].to_world, DAffine3::IDENTITY);
+        assert_eq!(scene.warnings.len(), 1, "{:?}", scene.warnings);
+        assert!(scene.warnings[0].contains("animations[0].channels[0]") && scene.warnings[0].contains(pointer));
+        let error = fixture().with("/extensionsRequired", json!(["KHR_animation_pointer"])).error();
+        assert!(error.contains("animations[0].channels[0].target: moves") && error.contains(pointer), "{error}");
+    }
+    let error = at_moment(animated().with(target, pointer_target("/nodes/9/translation")), 0.0, 1.0).expect_err("none");
+    assert!(error.to_string().contains("refers to nodes[9]"), "{error}");
+}
+
+#[test]
+fn channels_without_a_node_are_left_out_with_one_warning() {
+    let mut fixture = animated();
+    for channel in fixture.json["animations"][0]["channels"].as_array_mut().expect("channels") {
+        channel["target"].as_object_mut().expect("a target").shift_remove("node");
+    }
+    let scene = at_moment(fixture, 0.5, 1.0).expect("read");
+    let instance = &scene.instances[0];
+    assert!(instance.later.iter().all(|place| *place == instance.to_world), "{:?}", instance.later);
+    let [warning] = &scene.warnings[..] else { panic!("{:?}", scene.warnings) };
+    assert!(warning.contains("animations[0].channels[0] has no node") && warning.contains("2 more"), "{warning}");
+    // An error behind what was filled in is told.
+    let mut fixture = animated().with("/scenes", json!([{}, { "nodes": [0] }])).with("/nodes/0/mesh", json!("x"));
+    fixture.json["scene"] = json!(1);
+    assert!(fixture.error().contains("invalid type: string \"x\""));
+}
+
+#[test]
+fn hidden_nodes_hide_what_is_below_them_but_cameras() {
+    let hidden = |visible: Value| json!({ "KHR_node_visibility": { "visible": visible } });
+    let lamp = json!({ "KHR_lights_punctual": { "light": 0 }, "KHR_node_visibility": { "visible": true } });
+    let scene = |top: Value| {
+        animated()
+            .with("/extensions", json!({ "KHR_lights_punctual": { "lights": [{ "type": "point" }] } }))
+            .with("/extensionsRequired", json!(["KHR_node_visibility", "KHR_lights_punctual"]))
+            .with(
+                "/nodes",
+                json!([{ "children": [1, 2], "extensions": top }, { "mesh": 0, "extensions": lamp }, { "camera": 0 }]),
+            )
+            .read()
+    };
+    for (top, there) in [(hidden(json!(true)), 1), (hidden(json!(false)), 0), (json!({ "KHR_node_visibility": {} }), 1)]
+    {
+        let scene = scene(top.clone()).expect("valid");
+        assert_eq!((scene.instances.len(), scene.lights.len(), scene.cameras.len()), (there, there, 1), "{top}");
+    }
+    let error = scene(hidden(json!("no"))).expect_err("refused").to_string();
+    assert!(error.contains("nodes[0].extensions.KHR_node_visibility.visible: must be true or false"), "{error}");
+}
+
 #[test]
 fn instances_stand_where_the_accessors_say() {
     let mut fixture = Fixture::square();
