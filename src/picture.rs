@@ -57,9 +57,9 @@ impl Picture {
                 assumed = assumption(path, &raw, settings);
                 develop_linear(&raw, settings)
             }
-            Developable::Light(Light { planes, pixel_aspect, left_out }) => {
+            Developable::Light(Light { planes, pixel_aspect, warnings: of_file }) => {
                 warnings.extend(no_part(settings.raw_keys(), "a picture that is developed already"));
-                warnings.extend(left_out);
+                warnings.extend(of_file);
                 develop_picture(planes, pixel_aspect, settings)
             }
         };

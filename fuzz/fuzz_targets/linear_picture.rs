@@ -10,7 +10,7 @@ use photosite::io::linear_picture::read_linear_picture;
 use photosite::raw::Pixels;
 use photosite_fuzz::written;
 
-const KINDS: [&str; 6] = ["png", "tiff", "jpg", "exr", "ppm", "dng"];
+const KINDS: [&str; 7] = ["png", "tiff", "jpg", "exr", "ppm", "dng", "hdr"];
 
 fuzz_target!(|data: &[u8]| {
     if let [kind, file @ ..] = data {

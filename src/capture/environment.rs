@@ -12,9 +12,10 @@ use super::tables::{EnvironmentSource, EnvironmentTable, SkyTable};
 use crate::Invalid;
 use crate::light::{EnvironmentPicture, SkyConditions, SunPosition};
 use crate::scene::description::{Colour, EmissionDescription, EnvironmentDescription, PictureLevel};
+use crate::texture::{Bitmap, Texels};
 use photosite_core::spectrum::illuminant;
 use photosite_core::warnings::Warnings;
-use photosite_scene_io::read_environment;
+use photosite_scene_io::{EnvironmentFile, read_environment};
 
 /// The environment of the same light everywhere.
 pub(super) const EVEN: &str = "even";
@@ -23,6 +24,10 @@ const EVEN_ILLUMINANCE_LUX: f64 = 500.0;
 
 /// Reflectance of the ground that a sky sees, where nothing states it: that of soil and grass.
 pub(super) const DEFAULT_GROUND_ALBEDO: f64 = 0.2;
+
+/// The brightest light of pictures, cd/m², a million times that of the sun's disc. In 1 ms behind f/1 it frees 3·10¹⁷
+/// electrons in a pixel of 10 µm, whose square, as in a variance, is far from the largest 32-bit float.
+const BRIGHTEST_NIT: f64 = 1e15;
 
 /// Describes `scene.environment`.
 pub(super) fn describe_environment(
@@ -117,17 +122,35 @@ fn picture(
     if !rotation_deg.is_finite() {
         return Err(Invalid::new("rotation_deg", format!("must be finite, got {rotation_deg}")));
     }
-    let image = Arc::new(
-        finder
-            .path(image)
-            .and_then(|path| read_environment(&path, warnings))
-            .map_err(|invalid| invalid.within("image"))?,
-    );
+    let file = finder.path(image).and_then(|path| read_environment(&path, warnings));
+    let EnvironmentFile { bitmap, white_luminance_nit } = file.map_err(|invalid| invalid.within("image"))?;
+    if let PictureLevel::NitPerUnit(nit) = level {
+        refuse_overflow(&bitmap, nit).map_err(|invalid| invalid.within("image"))?;
+        if let Some(white) = white_luminance_nit.filter(|white| ((white - nit) / nit).abs() > 1e-6) {
+            let name = &bitmap.name;
+            warnings.once(format!("{name}: its whiteLuminance is {white} cd/m², and nit_per_unit, {nit}, is used"));
+        }
+    }
+    let image = Arc::new(bitmap);
     if matches!(level, PictureLevel::HorizontalLux(_)) && EnvironmentPicture::luminous_integrals(&image).1 <= 0.0 {
         let message = "cannot be reached: all light of the picture comes from below the horizon";
         return Err(Invalid::new("illuminance_lux", message).help("give nit_per_unit, what a value of 1 means"));
     }
     Ok(EnvironmentDescription::Picture { image, level, rotation_deg })
+}
+
+/// Refuses a picture that has a texel brighter than [`BRIGHTEST_NIT`] in units of so many cd/m².
+fn refuse_overflow(picture: &Bitmap, nit_per_unit: f64) -> Result<(), Invalid> {
+    let Texels::Rgb32F(texels) = &picture.texels else { return Ok(()) };
+    let too_bright = |texel: &[f32; 3]| texel.iter().any(|&value| f64::from(value) * nit_per_unit > BRIGHTEST_NIT);
+    let Some(i) = texels.iter().position(too_bright) else { return Ok(()) };
+    let (name, x, y) = (&picture.name, i % picture.width, i / picture.width);
+    let message = format!(
+        "{name}: the texel in column {x}, row {y}, {:?}, is brighter than {BRIGHTEST_NIT:e} cd/m² at {nit_per_unit} \
+         cd/m² for 1",
+        texels[i]
+    );
+    Err(Invalid::new("", message).help("correct the picture or nit_per_unit; the disc of the sun has 1.6e9 cd/m²"))
 }
 
 fn sky(table: &SkyTable) -> Result<SkyConditions, Invalid> {

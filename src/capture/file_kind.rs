@@ -42,7 +42,7 @@ impl FileKind {
             "json" => Some(Self::Report),
             "dng" => Some(Self::Raw),
             "tif" | "tiff" | "pbm" | "pgm" | "ppm" | "pnm" | "npy" => Some(Self::Numbers),
-            "exr" | "hdr" => Some(Self::Light),
+            "exr" | "hdr" | "pic" => Some(Self::Light),
             "png" | "jpg" | "jpeg" | "webp" => Some(Self::Picture),
             _ => None,
         }

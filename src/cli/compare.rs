@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::compare_report::text;
+use super::log::warning;
 use super::print::{print_json, println_out, refuse_existing};
 use super::remedies::in_options;
 use crate::develop::EncodedPicture;
@@ -106,6 +107,9 @@ pub(super) fn run(args: &CompareArgs) -> Result<bool> {
     }
     let a = read(&args.a, args.variance_a.as_deref(), args.samples_a, args.masked)?;
     let b = read(&args.b, args.variance_b.as_deref(), args.samples_b, args.masked)?;
+    if !args.quiet {
+        warn(&a, &b);
+    }
     let settings = Settings {
         channels: args.channels.clone(),
         alpha: args.alpha,
@@ -131,6 +135,20 @@ pub(super) fn run(args: &CompareArgs) -> Result<bool> {
         println_out(&text(&report))?;
     }
     Ok(report.failures.is_empty())
+}
+
+/// Tells what is left out of the files, and what only one of them says of its numbers, which are compared as they are.
+fn warn(a: &Picture, b: &Picture) {
+    for (picture, other) in [(a, b), (b, a)] {
+        picture.warnings.iter().for_each(|what| warning!("{}: {what}", picture.name));
+        for stated in picture.stated.iter().filter(|stated| !other.stated.contains(stated)) {
+            warning!(
+                "{} states {stated}, {} does not; their numbers are compared as they are",
+                picture.name,
+                other.name
+            );
+        }
+    }
 }
 
 /// What is wrong with the command line where two files do not fit together.

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use photosite_core::{input, suggest};
+use photosite_scene_io::linear::NotFinite;
 use serde_json::{Map, Value, json};
 
 use super::listing::listing;
@@ -15,9 +16,10 @@ use super::scene_args::SceneArgs;
 use crate::capture::{Capture, ExposureTime, Extent, read_sensor_file, subject};
 use crate::image::Planes;
 use crate::io::exr::{Attribute, read_exr};
+use crate::io::linear_picture::read_linear_picture;
 use crate::optics::{Camera, Focus, LensDescription, LensKind};
 use crate::pipeline::standalone_camera;
-use crate::raw::{self, RawImage};
+use crate::raw::{self, Pixels, RawImage};
 use crate::report::LensReport;
 use crate::scene::description::{EnvironmentDescription, InstanceDescription, MaterialDescription, SceneDescription};
 use crate::sensor::{Binning, Format, SensorModel, presets};
@@ -36,8 +38,8 @@ Examples:
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct InfoArgs {
-    /// A .toml, capture.json, .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pgm, .ppm, .npy or .exr file, or the name of a
-    /// sensor preset.
+    /// A .toml, capture.json, .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pgm, .ppm, .npy, .exr or .hdr file, or the
+    /// name of a sensor preset.
     file: PathBuf,
     /// Print JSON instead of text.
     #[arg(long)]
@@ -81,23 +83,27 @@ fn facts(path: &Path, sandbox: &Sandbox, overrides: &[String]) -> Result<Map<Str
         "gltf" | "glb" | "obj" | "ply" | "stl" | "json" => of_capture(&Capture::load_within(sandbox, path, overrides)?),
         "exr" => {
             let picture = read_exr(open(path)?).map_err(|invalid| invalid.in_file(path))?;
-            let mut facts = of_planes(&picture.planes);
+            let mut facts = of_planes(&picture.planes, picture.warnings);
             for (name, value) in &picture.attributes {
                 let value = match value {
                     Attribute::Text(text) => json!(text),
-                    Attribute::Number(number) => json!(number),
+                    Attribute::Number(number) | Attribute::PixelAspect(number) => json!(number),
                     Attribute::Chromaticities(points) => json!(points),
-                    Attribute::PixelAspect(aspect) => json!(aspect),
+                    Attribute::Other(_) => value.number().map_or_else(|| json!(value.to_string()), |n| json!(n)),
                 };
                 facts.insert(name.clone(), value);
             }
             Ok(facts)
         }
+        "hdr" | "pic" => {
+            let light = read_linear_picture(path, false, Pixels::All)?;
+            Ok(of_planes(&light.planes, Vec::new()))
+        }
         "dng" => Ok(of_raw(&raw::read(path)?.linear())),
         "tif" | "tiff" | "pbm" | "pgm" | "ppm" | "pnm" | "npy" => Ok(of_numbers(&raw::read(path)?)),
         _ => {
             let help = "give a .toml, .json (a capture.json), .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pbm, .pgm, .ppm, \
-                        .npy or .exr file, or a name that `photosite sensors` lists";
+                        .npy, .exr or .hdr file, or a name that `photosite sensors` lists";
             let near = suggest::did_you_mean(&path.to_string_lossy(), presets::names());
             let message = format!("is not a kind of file that photosite knows{near}");
             Err(Invalid::new("", message).help(help).in_file(path))
@@ -358,17 +364,25 @@ fn of_raw(raw: &RawImage) -> Map<String, Value> {
     facts
 }
 
-fn of_planes(planes: &Planes) -> Map<String, Value> {
+/// Figures of the finite numbers of planes, and what else is told of their file.
+fn of_planes(planes: &Planes, mut warnings: Vec<String>) -> Map<String, Value> {
     let channel = |c: &crate::image::Channel| {
-        let sum: f64 = c.data.iter().map(|&v| f64::from(v)).sum();
-        let (low, high) = c.data.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
-        let mean = sum / c.data.len().max(1) as f64;
-        json!({"name": c.name, "minimum": low, "mean": mean, "maximum": high})
+        let finite = || c.data.iter().copied().filter(|value| value.is_finite());
+        let count = finite().count();
+        let sum: f64 = finite().map(f64::from).sum();
+        let (low, high) = finite().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let mean = sum / count as f64;
+        json!({"name": c.name, "minimum": low, "mean": mean, "maximum": high, "not_finite": c.data.len() - count})
     };
-    map(json!({
+    warnings.extend(NotFinite::of(planes).map(|found| found.to_string()));
+    let mut facts = map(json!({
         "resolution_px": [planes.width(), planes.height()],
         "channels": planes.channels().iter().map(channel).collect::<Vec<_>>(),
-    }))
+    }));
+    if !warnings.is_empty() {
+        facts.insert("warnings".to_owned(), json!(warnings));
+    }
+    facts
 }
 
 /// Six significant digits: no more are meant where units were converted.

@@ -6,6 +6,7 @@ use clap::{Args, Subcommand};
 use glam::DVec3;
 use serde::Serialize;
 
+use super::log::warning;
 use super::print::{print_json, println_out};
 use crate::colour::{ColourSpace, cielab, difference};
 use crate::image::{Channel, Planes};
@@ -93,7 +94,9 @@ impl PictureArgs {
     }
 
     fn read_other(&self, path: &Path) -> Result<Picture> {
-        read_picture_file(path, self.pixels())
+        let picture = read_picture_file(path, self.pixels())?;
+        picture.warnings.iter().for_each(|what| warning!("{}: {what}", path.display()));
+        Ok(picture)
     }
 
     fn pixels(&self) -> Pixels {
@@ -102,7 +105,9 @@ impl PictureArgs {
 
     /// Planes of linear light, white at 1 where the file has codes; colours are sRGB.
     fn read_linear(&self, path: &Path) -> Result<Planes> {
-        read_linear_picture(path, self.linear, self.pixels())
+        let light = read_linear_picture(path, self.linear, self.pixels())?;
+        light.warnings.iter().for_each(|what| warning!("{}: {what}", path.display()));
+        Ok(light.planes)
     }
 
     fn print<T: Serialize>(&self, report: &T, text: impl FnOnce(&T) -> String) -> Result<()> {

@@ -10,7 +10,7 @@ use crate::calibration::layouts::{LayoutFiles, SeenPoint, Shot};
 use crate::calibration::truth::TruthLayer;
 use crate::capture::Capture;
 use crate::image::Planes;
-use crate::io::exr::read_exr;
+use crate::io::exr::{ExrPicture, read_exr};
 use crate::io::lock::Lock;
 use crate::io::npy::write_planes;
 use crate::io::output::{create_folder, write_unsynced};
@@ -152,7 +152,8 @@ pub(super) fn check_size([width, height]: [u32; 2], shot: &Shot, path: &Path) ->
 /// Reads all layers of a picture.
 pub(super) fn read_truth(path: &Path) -> Result<Planes> {
     let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
-    Ok(read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))?.planes)
+    let whole = read_exr(BufReader::new(file)).and_then(ExrPicture::whole);
+    whole.map(|truth| truth.planes).map_err(|invalid| invalid.in_file(path))
 }
 
 impl LayoutFiles for LayoutFolder {

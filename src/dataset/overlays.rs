@@ -158,7 +158,7 @@ fn objects(folder: &Path, shot: &Shot) -> Result<Option<Vec<SeenObject>>> {
     if !path.is_file() {
         return Ok(None);
     }
-    let truth = read_exr_file(&path)?.planes;
+    let truth = read_exr_file(&path)?.whole().map_err(|invalid| invalid.in_file(&path))?.planes;
     Ok(truth.plane("instance").map(|plane| of_numbers(plane, [truth.width(), truth.height()], &shot.objects)))
 }
 

@@ -269,7 +269,7 @@ impl Work<'_> {
     }
 
     fn linear(&self, folder: &LayoutFolder, path: &Path, name: &str) -> Result<()> {
-        let ExrPicture { planes, attributes } = read(path)?;
+        let ExrPicture { planes, attributes, .. } = read(path)?;
         let rectified = self.remap(&planes, path)?;
         let attributes: Vec<(&str, Attribute)> =
             attributes.iter().map(|(key, value)| (&key[..], value.clone())).collect();
@@ -303,5 +303,5 @@ impl Work<'_> {
 
 fn read(path: &Path) -> Result<ExrPicture> {
     let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
-    read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
+    read_exr(BufReader::new(file)).and_then(ExrPicture::whole).map_err(|invalid| invalid.in_file(path))
 }

@@ -4,19 +4,19 @@
 //! |---|---|
 //! | PNG, JPEG | a picture: codes become linear light by what the file says of its colours |
 //! | PNG of 16 bits of grey that says nothing of colours | numbers of a monochrome sensor |
-//! | EXR with R, G and B, X, Y and Z, or Y alone | a picture: linear light |
+//! | EXR of a picture, Radiance HDR | a picture: [linear light](photosite_scene_io::linear) |
 //! | EXR of digital numbers, and all other files | raw, as [`read_raw`] has it |
 //!
-//! Pixels have the shape that PNG files say in pHYs, and EXR files in pixelAspectRatio.
+//! Pixels have the shape that PNG files say in pHYs, and EXR and HDR files in their headers.
 
 use std::io::BufReader;
 use std::path::Path;
 use std::sync::Arc;
 
-use super::exr::{Attribute, ExrPicture, read_exr_file};
+use super::exr::read_exr_file;
 use super::linear_picture::read_linear_picture;
 use super::raw_file::read_raw;
-use crate::image::{Channel, Planes};
+use crate::image::Planes;
 use crate::raw::{Cfa, Pixels, RawImage};
 use crate::validation::MOSAIC;
 use crate::{Error, Invalid, Result};
@@ -38,8 +38,8 @@ pub struct Light {
     pub planes: Planes,
     /// Width of a pixel over its height.
     pub pixel_aspect: f64,
-    /// What of the file is left out, as a warning says it.
-    pub left_out: Option<String>,
+    /// What of the file is left out, filled in or no number.
+    pub warnings: Vec<String>,
 }
 
 /// Reads a file of digital numbers alone.
@@ -65,7 +65,7 @@ pub fn read_developable(path: &Path) -> Result<Developable> {
             let aspect = png_aspect(path)?;
             of_picture(path, aspect)
         }
-        "jpg" | "jpeg" => of_picture(path, 1.0),
+        "jpg" | "jpeg" | "hdr" | "pic" => of_picture(path, 1.0),
         "exr" => of_exr(path),
         _ => of_raw(path),
     }
@@ -84,50 +84,32 @@ fn of_exr(path: &Path) -> Result<Developable> {
             let help = "photosite expose makes a raw file of electrons.exr; develop that";
             Err(Invalid::new("unit", message).help(help).in_file(path))
         }
-        None => of_picture(path, exr_aspect(&picture)),
+        None => of_picture(path, 1.0),
     }
 }
 
 fn of_picture(path: &Path, pixel_aspect: f64) -> Result<Developable> {
-    let picture = read_linear_picture(path, false, Pixels::Active)?;
-    let size = [picture.width(), picture.height()];
-    let mut channels = picture.into_channels();
-    if let [mosaic] = &channels[..]
+    let light = read_linear_picture(path, false, Pixels::Active)?;
+    let size = [light.planes.width(), light.planes.height()];
+    if let [mosaic] = light.planes.channels()
         && mosaic.name == MOSAIC
     {
         let numbers = mosaic.data.iter().map(|&number| number as u16).collect();
         let raw = RawImage::bare(size[0], size[1], numbers, Cfa::mono(), u16::MAX);
         return Ok(Developable::Raw(Arc::new(raw)));
     }
-    let wanted: &[&str] = if channels.iter().any(|channel| channel.name == "R") { &["R", "G", "B"] } else { &["Y"] };
-    let mut planes = Vec::new();
-    for name in wanted {
-        let Some(i) = channels.iter().position(|channel| channel.name == *name) else {
-            let names: Vec<&str> = channels.iter().map(|channel| &channel.name[..]).collect();
-            let message = format!("holds no picture, but the planes {}", names.join(", "));
-            let help = "give a file with R, G and B, with X, Y and Z, or with Y";
-            return Err(Invalid::new("", message).help(help).in_file(path));
-        };
-        planes.push(channels.swap_remove(i));
+    if light.components == 0 {
+        let message = format!("holds no picture, but the planes {}", light.others().join(", "));
+        let help = "give a file with R, G and B, with X, Y and Z, or with Y, or with one layer of them";
+        return Err(Invalid::new("", message).help(help).in_file(path));
     }
-    channels.sort_by(|a, b| a.name.cmp(&b.name));
-    let left_out = (!channels.is_empty()).then(|| {
-        let names: Vec<String> = channels.into_iter().map(|Channel { name, .. }| name).collect();
-        format!("{}: of its planes, {} have no part in the picture", path.display(), names.join(", "))
-    });
-    let planes = Planes::new(size[0], size[1], planes).map_err(|invalid| invalid.in_file(path))?;
-    Ok(Developable::Light(Light { planes, pixel_aspect, left_out }))
-}
-
-fn exr_aspect(picture: &ExrPicture) -> f64 {
-    picture
-        .attributes
-        .iter()
-        .find_map(|(_, value)| match value {
-            Attribute::PixelAspect(aspect) => Some(*aspect),
-            Attribute::Text(_) | Attribute::Number(_) | Attribute::Chromaticities(_) => None,
-        })
-        .unwrap_or(1.0)
+    let said = light.left_out().into_iter().chain(light.warnings).map(|what| format!("{}: {what}", path.display()));
+    let warnings = said.collect();
+    let pixel_aspect = pixel_aspect * light.pixel_aspect;
+    let mut channels = light.planes.into_channels();
+    channels.truncate(light.components);
+    let planes = Planes::new(size[0], size[1], channels).map_err(|invalid| invalid.in_file(path))?;
+    Ok(Developable::Light(Light { planes, pixel_aspect, warnings }))
 }
 
 /// By pHYs, whatever its unit: columns and rows along equal lengths.
@@ -146,8 +128,9 @@ mod tests {
     use super::*;
     use crate::colour::ColourSpace;
     use crate::develop::EncodedPicture;
+    use crate::image::Channel;
     use crate::io::developed::{write_linear, write_png};
-    use crate::io::exr::write_exr;
+    use crate::io::exr::{Attribute, write_exr};
     use crate::io::raw_file::save_raw;
 
     fn file(name: &str, bytes: &[u8]) -> Result<Developable> {
@@ -171,7 +154,7 @@ mod tests {
         let Developable::Light(light) = file("grey.png", &bytes).expect("a picture") else { panic!("not a raw file") };
         // ((128/255 + 0.055)/1.055)^2.4 by a calculator.
         assert!((light.planes.plane("Y").expect("grey")[1] - 0.215_861).abs() < 1e-4);
-        assert!((light.pixel_aspect - 1.5).abs() < 1e-5 && light.left_out.is_none());
+        assert!((light.pixel_aspect - 1.5).abs() < 1e-5 && light.warnings.is_empty());
 
         let xyz = ColourSpace::Xyz.white().as_vec3().to_array();
         let channel = |(name, v): (&str, f32)| Channel { name: name.to_owned(), data: vec![v] };
@@ -189,7 +172,7 @@ mod tests {
     fn what_has_no_part_is_named_and_what_is_no_picture_refused() {
         let with_alpha = exr(&Planes::zeros(2, 2, ["A", "B", "G", "R"]), &[]).expect("a picture");
         let Developable::Light(light) = with_alpha else { panic!("not a raw file") };
-        assert!(light.left_out.expect("alpha").contains("its planes, A have no part"));
+        assert!(light.warnings[0].contains("its planes, A have no part"));
         for (planes, attributes, complaint) in [
             (["depth.Z"], vec![], "depth.Z"),
             (["Y"], vec![("unit", Attribute::Text("e-".to_owned()))], "a quantity in e-"),

@@ -37,7 +37,7 @@ fn named<'a>(planes: &'a Planes, prefix: &'static str) -> impl Iterator<Item = N
 
 /// Reads electrons with their variance, which has the channels that the file has it for.
 pub fn read_electrons<R: BufRead + Seek>(from: R) -> Result<(Estimate, Seconds), Invalid> {
-    electrons(read_exr(from)?)
+    electrons(read_exr(from)?.whole()?)
 }
 
 /// The electrons that a picture holds, as [`read_electrons`] does.

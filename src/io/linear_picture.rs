@@ -5,31 +5,32 @@
 //! |---|---|
 //! | PNG | code points (cICP), else an ICC profile, else gAMA and cHRM |
 //! | TIFF, JPEG | an ICC profile |
-//! | EXR | the attribute `chromaticities`; XYZ by `colorSpace` |
+//! | EXR, HDR | its header, as [`linear`](photosite_scene_io::linear) has it |
 //!
-//! What says nothing is sRGB, and of EXR linear sRGB, as its specification has it. Profiles of tables and curves for
-//! high dynamic range are refused by name.
+//! What says nothing is sRGB. Profiles of tables and curves for high dynamic range are refused by name.
 
 use photosite_core::{Help, Remedy};
 use std::fs::File;
 use std::io::BufReader;
+use std::iter;
 use std::path::Path;
 
 use glam::{DMat3, DVec3};
 use moxcms::{ColorProfile, DataColorSpace, ToneReprCurve, TransferCharacteristics};
 use rayon::prelude::*;
 
-use super::exr::{Attribute, read_exr};
-use super::picture_file::read_picture_file;
+use super::exr::read_exr_file;
+use super::picture_file::{picture_of_exr, read_picture_file};
 use super::stated_colours::{jpeg_profile, tiff_profile};
 use crate::colour::adaptation::D50;
 use crate::colour::{ColourSpace, Transfer};
 use crate::image::{Channel, Planes};
 use crate::raw::Pixels;
-use crate::spectrum::{cie, rgb};
 use crate::validation::Picture;
 use crate::{Error, Invalid, Result};
 use photosite_core::input;
+use photosite_scene_io::linear::colours::to_srgb;
+use photosite_scene_io::linear::{LinearPicture, NotFinite, decode_radiance, of_exr};
 
 /// What the numbers of a picture mean.
 struct Meaning {
@@ -49,41 +50,84 @@ impl Meaning {
 
 /// Reads a picture as linear light: R, G and B of sRGB, or grey, white at 1 where the file has codes. `is_linear` says
 /// that codes are in proportion to light, whatever the file says of them. Digital numbers and quantities stay as they
-/// are.
-pub fn read_linear_picture(path: &Path, is_linear: bool, pixels: Pixels) -> Result<Planes> {
-    let picture = read_picture_file(path, pixels)?;
-    let stated = meaning(path)?;
-    if is_digital_numbers(&picture) && stated.is_none() || is_quantity(&picture) {
-        return Ok(picture.mean);
+/// are. Numbers that are not finite stay, too, with a warning.
+pub fn read_linear_picture(path: &Path, is_linear: bool, pixels: Pixels) -> Result<LinearPicture> {
+    let mut light = match read(path, pixels)? {
+        Held::Light(light) => light,
+        Held::Numbers(picture) => {
+            let stated = meaning(path)?;
+            if is_digital_numbers(&picture) && stated.is_none() || is_quantity(&picture) {
+                let whole = picture.whole().map_err(|invalid| invalid.in_file(path))?;
+                return Ok(LinearPicture { components: 0, ..LinearPicture::plain(whole.mean) });
+            }
+            LinearPicture::plain(linear(picture, stated, is_linear).map_err(|invalid| invalid.in_file(path))?)
+        }
+    };
+    light.warnings.extend(NotFinite::of(&light.planes).map(|found| format!("{found}; they stay as they are")));
+    Ok(light)
+}
+
+/// What a file of a picture holds.
+enum Held {
+    /// Light, by what the header says.
+    Light(LinearPicture),
+    /// Numbers that are yet to be understood.
+    Numbers(Picture),
+}
+
+fn read(path: &Path, pixels: Pixels) -> Result<Held> {
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    match extension.as_str() {
+        "hdr" | "pic" => {
+            let bytes = input::read(path).map_err(|source| Error::io(path, "read", source))?;
+            let light = decode_radiance(&bytes).map_err(|invalid| invalid.in_file(path))?;
+            Ok(Held::Light(light))
+        }
+        "exr" => {
+            let picture = read_exr_file(path)?;
+            let keys = ["unit", "emissiveUnits", "spectralLayoutVersion"];
+            if keys.iter().any(|key| picture.text(key).is_some()) {
+                let picture = picture_of_exr(picture, path.display().to_string(), pixels);
+                return picture.map(Held::Numbers).map_err(|invalid| invalid.in_file(path));
+            }
+            of_exr(picture).map(Held::Light).map_err(|invalid| invalid.in_file(path))
+        }
+        _ => read_picture_file(path, pixels).map(Held::Numbers),
     }
-    linear(picture, stated, is_linear).map_err(|invalid| invalid.in_file(path))
 }
 
 /// Light that a picture holds.
 pub struct PictureLight {
     /// In proportion to light; white at 1 where the file has whole numbers.
     pub planes: Planes,
-    /// What its numbers were taken for.
-    pub assumed: String,
+    /// What its numbers were taken for, and what else is told of them.
+    pub said: Vec<String>,
 }
 
 /// Reads a picture as [`read_linear_picture`] does, and makes 1 of the largest of whole numbers of any kind.
 pub fn read_picture_light(path: &Path, is_linear: bool) -> Result<PictureLight> {
-    let picture = read_picture_file(path, Pixels::Active)?;
-    let stated = meaning(path)?;
     let name = path.display();
+    let in_proportion = format!("the numbers of {name} are taken to be proportional to light");
+    let picture = match read(path, Pixels::Active)? {
+        Held::Light(LinearPicture { planes, warnings, .. }) => {
+            let warnings = warnings.into_iter().map(|warning| format!("{name}: {warning}"));
+            return Ok(PictureLight { planes, said: iter::once(in_proportion).chain(warnings).collect() });
+        }
+        Held::Numbers(picture) => picture,
+    };
+    let stated = meaning(path)?;
     let Some(white) = picture.full_scale else {
-        let assumed = format!("the numbers of {name} are taken to be proportional to light");
         let planes = if is_quantity(&picture) {
-            picture.mean
+            picture.whole().map(|whole| whole.mean)
         } else {
-            linear(picture, stated, is_linear).map_err(|invalid| invalid.in_file(path))?
+            linear(picture, stated, is_linear)
         };
-        return Ok(PictureLight { planes, assumed });
+        let planes = planes.map_err(|invalid| invalid.in_file(path))?;
+        return Ok(PictureLight { planes, said: vec![in_proportion] });
     };
     if is_digital_numbers(&picture) && stated.is_none() {
         let assumed = format!("the numbers of {name} are taken to be proportional to light, {white} for 1");
-        return Ok(PictureLight { planes: picture.mean.scaled(1.0 / white), assumed });
+        return Ok(PictureLight { planes: picture.mean.scaled(1.0 / white), said: vec![assumed] });
     }
     let assumed = match (is_linear, &stated) {
         (true, _) => format!("the codes of {name} are taken to be proportional to light, {white} for 1"),
@@ -95,7 +139,7 @@ pub fn read_picture_light(path: &Path, is_linear: bool) -> Result<PictureLight> 
         }
     };
     let planes = linear(picture, stated, is_linear).map_err(|invalid| invalid.in_file(path))?;
-    Ok(PictureLight { planes, assumed })
+    Ok(PictureLight { planes, said: vec![assumed] })
 }
 
 /// Light of each code of R, G and B (and of grey: R) from 0 to `largest`, 1 for white, and whether the file says so
@@ -137,8 +181,7 @@ fn linear(picture: Picture, stated: Option<Meaning>, is_linear: bool) -> Result<
             }
         }
     }
-    let names = if planes.plane("X").is_some() { ["X", "Y", "Z"] } else { ["R", "G", "B"] };
-    let [Some(r), Some(g), Some(b)] = names.map(|name| planes.plane(name)) else { return Ok(planes) };
+    let [Some(r), Some(g), Some(b)] = ["R", "G", "B"].map(|name| planes.plane(name)) else { return Ok(planes) };
     if to_srgb == DMat3::IDENTITY {
         return Ok(planes);
     }
@@ -157,7 +200,6 @@ fn meaning(path: &Path) -> Result<Option<Meaning>> {
         "png" => of_png,
         "tif" | "tiff" => of_tiff,
         "jpg" | "jpeg" => of_jpeg,
-        "exr" => of_exr,
         _ => return Ok(None),
     };
     let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
@@ -178,10 +220,10 @@ fn of_png(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
         return Ok(Some(Meaning::new(Transfer::Srgb, DMat3::IDENTITY)));
     }
     let gamma = info.gama_chunk.map(|gamma| f64::from(gamma.into_value())).filter(|gamma| *gamma > 0.0);
-    let to_srgb = info.chrm_chunk.map_or(DMat3::IDENTITY, |c| {
+    let to_srgb = info.chrm_chunk.map_or(Ok(DMat3::IDENTITY), |c| {
         let point = |(x, y): (png::ScaledFloat, png::ScaledFloat)| [x, y].map(|v| f64::from(v.into_value()));
-        of_chromaticities([c.red, c.green, c.blue, c.white].map(point))
-    });
+        to_srgb([c.red, c.green, c.blue, c.white].map(point)).map_err(|e| Invalid { key: "cHRM".to_owned(), ..e })
+    })?;
     Ok(gamma.map(|gamma| Meaning::new(Transfer::Gamma(1.0 / gamma), to_srgb)))
 }
 
@@ -191,31 +233,6 @@ fn of_tiff(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
 
 fn of_jpeg(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
     jpeg_profile(file)?.map(|profile| of_profile(&profile)).transpose()
-}
-
-fn of_exr(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
-    let picture = read_exr(file)?;
-    let to_srgb = if picture.text("colorSpace") == Some(ColourSpace::Xyz.name()) {
-        ColourSpace::Srgb.to_xyz().inverse()
-    } else {
-        let points = picture.attributes.iter().find_map(|(_, value)| match value {
-            Attribute::Chromaticities(points) => Some(*points),
-            Attribute::Text(_) | Attribute::Number(_) | Attribute::PixelAspect(_) => None,
-        });
-        points.map_or(DMat3::IDENTITY, of_chromaticities)
-    };
-    Ok(Some(Meaning::new(Transfer::Linear, to_srgb)))
-}
-
-/// Of linear RGB whose red, green, blue and white have these x and y.
-fn of_chromaticities([red, green, blue, white]: [[f64; 2]; 4]) -> DMat3 {
-    // Files round what they say; those of sRGB are meant to be it.
-    let srgb = ColourSpace::Srgb.chromaticities();
-    if [red, green, blue, white].as_flattened().iter().zip(srgb.as_flattened()).all(|(a, b)| (a - b).abs() < 1e-3) {
-        return DMat3::IDENTITY;
-    }
-    let white = cie::xyz_of_chromaticity(white);
-    ColourSpace::Srgb.from_xyz(white) * rgb::matrix([red, green, blue], white)
 }
 
 /// By numbers of H.273.
@@ -299,7 +316,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let expected = planes(ColourSpace::Srgb);
         let check = |path: &Path, tolerance: f32| {
-            let found = read_linear_picture(path, false, Pixels::Active).expect("read");
+            let found = read_linear_picture(path, false, Pixels::Active).expect("read").planes;
             for channel in expected.channels() {
                 let found = found.plane(&channel.name).expect("R, G and B");
                 let largest = channel.data.iter().zip(found).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
@@ -346,7 +363,7 @@ mod tests {
         for (format, name) in [(PictureFormat::Jpeg, "a.jpg"), (PictureFormat::Ppm, "a.ppm")] {
             let path = folder.path().join(name);
             write_whole(&path, |to| write_encoded(&picture, format, to)).expect("written");
-            let found = read_linear_picture(&path, false, Pixels::Active).expect("read");
+            let found = read_linear_picture(&path, false, Pixels::Active).expect("read").planes;
             let rgb = DVec3::from_array([180.0f32, 90.0, 60.0].map(|code| transfer.decode(code / 255.0).into()));
             let expected = match format {
                 PictureFormat::Jpeg => ColourSpace::Srgb.from_xyz(colour_space.white()) * colour_space.to_xyz() * rgb,

@@ -50,7 +50,7 @@ impl MapFile {
 
 /// Reads a map; of an EXR file of several planes that of the name.
 pub fn read_map(path: &Path, channel: Option<&str>) -> Result<MapFile> {
-    let picture = read_picture_file(path, Pixels::Active)?;
+    let picture = read_picture_file(path, Pixels::Active)?.whole().map_err(|invalid| invalid.in_file(path))?;
     let (size, is_codes) = ([picture.mean.width(), picture.mean.height()], picture.full_scale.is_some());
     let mut planes = picture.mean.into_channels();
     let names = planes.iter().map(|plane| &plane.name[..]).collect::<Vec<_>>().join(", ");

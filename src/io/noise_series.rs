@@ -126,7 +126,7 @@ impl NoiseSeries {
 impl Input {
     fn read(path: &Path, pixels: Pixels) -> Result<Self> {
         if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("dng")) {
-            let picture = read_picture_file(path, pixels)?;
+            let picture = read_picture_file(path, pixels)?.whole().map_err(|invalid| invalid.in_file(path))?;
             let (white, step) = (picture.full_scale, picture.full_scale.map(|_| 1.0));
             return Ok(Self { picture, black: None, white, step });
         }

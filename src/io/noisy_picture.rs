@@ -38,12 +38,13 @@ pub fn make_noisy(
     seed: u64,
     format: NumberFormat,
 ) -> Result<NoisyPicture> {
-    let Picture { mean: mut planes, full_scale, unit, .. } = read_picture_file(path, Pixels::All)?;
+    let Picture { mean: mut planes, full_scale, unit, warnings: of_file, .. } = read_picture_file(path, Pixels::All)?;
     let stated = StatedColours::read(path)?;
     let largest = full_scale.map(|largest| largest as u16);
     let scale = Scale { white: noise.full_scale.or(full_scale) };
     let sigma_map = noise.sigma_map.file.as_deref().map(read_sigma_map).transpose()?;
     let mut warnings = noise.without_effect();
+    warnings.extend(of_file.into_iter().map(|warning| format!("{}: {warning}", path.display())));
     if planes.plane("A").is_some() {
         warnings.push("transparency (A) gets no noise".to_owned());
     }
@@ -96,7 +97,8 @@ pub fn make_noisy(
 }
 
 fn read_sigma_map(path: &Path) -> Result<Planes> {
-    read_picture_file(path, Pixels::All).map(|picture| picture.mean)
+    let picture = read_picture_file(path, Pixels::All)?.whole().map_err(|invalid| invalid.in_file(path))?;
+    Ok(picture.mean)
 }
 
 fn added_to(path: &Path, unit: Option<&str>, largest: Option<u16>, decoded: Option<bool>) -> String {

@@ -3,6 +3,7 @@
 //! | file | channels | unit |
 //! |---|---|---|
 //! | EXR | as they are named; `variance.X` is the variance of `X`; of spectral pictures the bands, named by their wavelengths in nm, without the preview | attribute `unit` or `emissiveUnits` |
+//! | Radiance HDR | `R`, `G`, `B` of linear sRGB | none |
 //! | DNG, NPY of 16 bits, PBM, PGM, raw EXR, and TIFF and PNG of one plane of 16 bits | `raw`: a mosaic; `R`, `G`, `B` where every pixel has all of them | DN |
 //! | other PNG and TIFF, JPEG, PPM, NPY of 8 bits | `Y`, `R`, `G`, `B`, alpha `A` | codes, as they are encoded |
 //! | NPY and TIFF of floating-point numbers | the same | none |
@@ -27,6 +28,7 @@ use crate::validation::{MOSAIC, Picture};
 use crate::{Error, Invalid, Result};
 use photosite_core::input;
 use photosite_scene_io::decode;
+use photosite_scene_io::linear::decode_radiance;
 
 /// Reads a picture by the kind that the file's name says.
 pub fn read_picture_file(path: &Path, pixels: Pixels) -> Result<Picture> {
@@ -36,8 +38,9 @@ pub fn read_picture_file(path: &Path, pixels: Pixels) -> Result<Picture> {
         "dng" | "pbm" | "pgm" => {
             return Ok(Picture::from_raw(name, raw::read(path)?.linear().into_owned(), pixels));
         }
-        "exr" if pixels == Pixels::All => |file, name| of_exr(read_exr(file)?, name),
-        "exr" => |file, name| of_active_area(read_exr(file)?, name),
+        "exr" if pixels == Pixels::All => |file, name| picture_of_exr(read_exr(file)?, name, Pixels::All),
+        "exr" => |file, name| picture_of_exr(read_exr(file)?, name, Pixels::Active),
+        "hdr" | "pic" => of_radiance,
         "npy" => of_npy,
         "tif" | "tiff" => of_tiff,
         "png" => |file, name| of_codes(file, name, "PNG"),
@@ -46,12 +49,17 @@ pub fn read_picture_file(path: &Path, pixels: Pixels) -> Result<Picture> {
         _ => {
             return Err(Error::Usage {
                 message: format!("{} is not a picture of a kind that photosite knows", path.display()),
-                help: Some("give a .exr, .png, .tiff, .jpg, .ppm, .dng, .pgm, .pbm or .npy file".into()),
+                help: Some("give a .exr, .hdr, .png, .tiff, .jpg, .ppm, .dng, .pgm, .pbm or .npy file".into()),
             });
         }
     };
     let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
     read(&mut BufReader::new(file), name).map_err(|invalid| invalid.in_file(path))
+}
+
+/// An EXR file that was read.
+pub(super) fn picture_of_exr(picture: ExrPicture, name: String, pixels: Pixels) -> Result<Picture, Invalid> {
+    if pixels == Pixels::All { of_exr(picture, name) } else { of_active_area(picture, name) }
 }
 
 /// A raw EXR file without its masked pixels; of other EXR files all.
@@ -70,6 +78,7 @@ fn of_active_area(picture: ExrPicture, name: String) -> Result<Picture, Invalid>
 
 fn of_exr(picture: ExrPicture, name: String) -> Result<Picture, Invalid> {
     let unit = picture.text("unit").or(picture.text("emissiveUnits")).map(str::to_owned);
+    let (stated, warnings) = (picture.stated_of_colours(), picture.warnings.clone());
     let spectral = picture.text("spectralLayoutVersion").is_some();
     let planes = if spectral { spectral_exr::bands(picture.planes)? } else { picture.planes };
     let (mut mean, mut variance) = (Vec::new(), Vec::new());
@@ -85,7 +94,26 @@ fn of_exr(picture: ExrPicture, name: String) -> Result<Picture, Invalid> {
     }
     let planes = |channels| Planes::new(planes.width(), planes.height(), channels);
     let (mean, variance) = (planes(mean)?, planes(variance)?);
-    Ok(Picture { name, mean, variance, unit, full_scale: None, mosaic: None, active_area: None })
+    Ok(Picture { name, mean, variance, unit, full_scale: None, mosaic: None, active_area: None, stated, warnings })
+}
+
+fn of_radiance(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid> {
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes).map_err(|e| unreadable("Radiance HDR", &e))?;
+    let mean = decode_radiance(&bytes)?.planes;
+    let variance = Planes::zeros(mean.width(), mean.height(), [""; 0]);
+    let (stated, warnings) = (Vec::new(), Vec::new());
+    Ok(Picture {
+        name,
+        mean,
+        variance,
+        unit: None,
+        full_scale: None,
+        mosaic: None,
+        active_area: None,
+        stated,
+        warnings,
+    })
 }
 
 fn of_codes(file: &mut BufReader<File>, name: String, kind: &str) -> Result<Picture, Invalid> {
@@ -188,6 +216,8 @@ pub fn interleaved(
         full_scale: maximum.map(f64::from),
         mosaic: None,
         active_area: None,
+        stated: Vec::new(),
+        warnings: Vec::new(),
     })
 }
 

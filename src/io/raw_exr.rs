@@ -50,7 +50,7 @@ pub(super) fn stated_active_area(picture: &ExrPicture) -> Result<Option<PixelAre
 
 /// Reads what [`write_raw_exr`] writes. Numbers are rounded to whole ones.
 pub fn read_raw_exr<R: BufRead + Seek>(from: R) -> Result<RawImage, Invalid> {
-    let picture = read_exr(from)?;
+    let picture = read_exr(from)?.whole()?;
     let (Some("DN"), Some(cfa)) = (picture.text("unit"), picture.text("cfa")) else {
         let help = "give a raw.exr that photosite wrote, or a DNG, TIFF, PGM, PPM or NPY file";
         return Err(Invalid::new("", "is not a raw picture: it has no attributes unit = \"DN\" and cfa").help(help));

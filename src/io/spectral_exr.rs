@@ -50,7 +50,7 @@ pub fn write_irradiance<W: Write + Seek>(bands: &dyn PictureRows, to: W) -> io::
 
 /// Reads bands, sorted by wavelength, named by their central wavelengths in nm.
 pub fn read_irradiance<R: BufRead + Seek>(from: R) -> Result<Planes, Invalid> {
-    irradiance(read_exr(from)?)
+    irradiance(read_exr(from)?.whole()?)
 }
 
 /// The bands that a picture holds, as [`read_irradiance`] does.

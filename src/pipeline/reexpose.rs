@@ -48,8 +48,8 @@ impl StoredRender {
             let invalid = Invalid::new("", "is stored light, which states itself what it contains");
             return Err(invalid.help("expose it without a unit").in_file(input));
         }
-        let PictureLight { planes, assumed } = read_picture_light(input, scale.is_linear)?;
-        let (stored, light) = Stored::of_planes(sandbox, input, &planes, scale, &[assumed], overrides)?;
+        let PictureLight { planes, said } = read_picture_light(input, scale.is_linear)?;
+        let (stored, light) = Stored::of_planes(sandbox, input, &planes, scale, &said, overrides)?;
         let load_s = start.elapsed().as_secs_f64();
         Ok(Self { input: input.to_owned(), overrides: overrides.to_vec(), stored, light: Arc::new(light), load_s })
     }

@@ -32,11 +32,11 @@ impl StoredLight {
             at(if is_picture(path) { says_nothing.help(Remedy::LightUnit) } else { invalid })
         })?;
         if picture.text("spectralLayoutVersion").is_some() {
-            let bands = Arc::new(irradiance(picture).map_err(at)?);
+            let bands = Arc::new(picture.whole().and_then(irradiance).map_err(at)?);
             return Ok(Self::Irradiance { path: path.to_owned(), bands });
         }
         if picture.text("unit").is_some() {
-            let (electrons, collected) = electrons(picture).map_err(at)?;
+            let (electrons, collected) = picture.whole().and_then(electrons).map_err(at)?;
             return Ok(Self::Electrons { electrons: Arc::new(electrons), collected });
         }
         let invalid = Invalid::new("", "holds neither electrons nor spectral irradiance on a sensor");

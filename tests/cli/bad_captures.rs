@@ -109,8 +109,16 @@ fn errors_of_curves_name_their_file_and_line(#[case] csv: &str, #[case] message:
 
 #[rstest]
 #[case::missing(None, "cannot read sky.hdr", "relative")]
-#[case::cut(Some("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\nab"), "sky.hdr: the file ends too early", ".exr")]
-#[case::other(Some("no picture"), "cannot decode sky.hdr", ".exr")]
+#[case::cut(
+    Some("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\nab"),
+    "sky.hdr: cannot decode its scanlines: the file ends too early",
+    ".exr"
+)]
+#[case::other(
+    Some("no picture"),
+    "sky.hdr: is neither Radiance HDR, which begins with #?RADIANCE, nor OpenEXR: it begins with \"no picture\"",
+    ".exr"
+)]
 fn broken_environments_are_refused(#[case] sky: Option<&str>, #[case] message: &str, #[case] help: &str) {
     let folder = folder(HEAD.replace("illuminant = 'D65'", "image = 'sky.hdr'"));
     if let Some(sky) = sky {
@@ -123,7 +131,7 @@ fn broken_environments_are_refused(#[case] sky: Option<&str>, #[case] message: &
 fn environments_of_few_bits_are_refused() {
     let folder = folder(HEAD.replace("illuminant = 'D65'", "image = 'sky.png'"));
     folder.add("sky.png", encoded(&image::RgbImage::new(2, 1).into(), image::ImageFormat::Png));
-    folder.fail("render capture.toml", 1, &["capture.toml:3: ", "sky.png has no more than 16 bits", ".hdr"]);
+    folder.fail("render capture.toml", 1, &["capture.toml:3: ", "sky.png: is neither Radiance HDR", ".hdr"]);
 }
 
 #[test]

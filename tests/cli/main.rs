@@ -32,6 +32,7 @@ mod lens;
 mod lens_files;
 mod light_paths;
 mod limits;
+mod linear_pictures;
 mod log;
 mod memory;
 mod merge;

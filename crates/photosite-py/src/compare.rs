@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use numpy::{PyReadonlyArray3, PyUntypedArrayMethods};
 use photosite::image::{Channel, Planes};
 use photosite::io::picture_file::{interleaved, read_picture_file};
+use photosite::pipeline::Event;
 use photosite::raw::Pixels;
 use photosite::report::ComparisonReport;
 use photosite::validation::{Limits, Picture, Settings, false_colour};
@@ -25,7 +26,15 @@ impl ComparedPicture {
     /// Reads a file.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf, masked: bool) -> PyResult<Self> {
-        work(py, How::default(), |_| read_picture_file(&path, pixels(masked))).map(Self)
+        work(py, How::default(), |monitor| {
+            let picture = read_picture_file(&path, pixels(masked))?;
+            picture
+                .warnings
+                .iter()
+                .for_each(|what| monitor.report(Event::Warning(&format!("{}: {what}", picture.name))));
+            Ok(picture)
+        })
+        .map(Self)
     }
 
     /// A raw image.
@@ -64,6 +73,8 @@ impl ComparedPicture {
                     full_scale: maximum.map(f64::from),
                     mosaic: None,
                     active_area: None,
+                    stated: Vec::new(),
+                    warnings: Vec::new(),
                 })
             }
         };

@@ -225,7 +225,11 @@ fn kept<T>(list: Mutex<T>) -> T {
 /// The planes of an EXR file by their names, those of a layer of ground truth together.
 #[pyfunction]
 pub(crate) fn read_exr_arrays(py: Python<'_>, path: PathBuf) -> PyResult<BTreeMap<String, Py<PyAny>>> {
-    let layers = work(py, How::default(), |_| Ok(by_layer(read_exr_file(&path)?.planes)))?;
+    let layers = work(py, How::default(), |monitor| {
+        let picture = read_exr_file(&path)?;
+        picture.warnings.iter().for_each(|what| monitor.report(Event::Warning(&format!("{}: {what}", path.display()))));
+        Ok(by_layer(picture.planes))
+    })?;
     layers.into_iter().map(|(name, planes)| Ok((name, of_planes(py, planes)?.unbind()))).collect()
 }
 

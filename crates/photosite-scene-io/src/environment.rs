@@ -1,26 +1,30 @@
-//! Environment pictures: Radiance HDR and OpenEXR files of linear sRGB.
+//! Environment pictures: [linear light](super::linear) in all directions.
 
 use std::io::Cursor;
 use std::path::Path;
 
-use exr::meta::MetaData;
-use exr::prelude::{ReadChannels, ReadLayers, Vec2, read};
-
-use super::picture::decode_picture;
-use photosite_core::Invalid;
+use super::exr::read_exr;
+use super::linear::{LinearPicture, Mapping, decode_radiance, in_picture, is_radiance, of_exr};
 use photosite_core::warnings::Warnings;
-use photosite_core::{input, memory};
+use photosite_core::{Invalid, input};
 use photosite_transport::texture::{Bitmap, Texels};
 
 /// First bytes of an OpenEXR file.
 const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 /// Largest picture: 16384 × 8192 texels take 1.6 GB.
 const MAX_TEXELS: usize = 1 << 27;
-/// Pixels for each byte of a file; no compression of OpenEXR makes more of one.
-const MOST_INFLATION: usize = 1 << 12;
+
+/// A picture of surroundings.
+#[derive(Clone, Debug)]
+pub struct EnvironmentFile {
+    /// Longitude from left to right, latitude from top to bottom.
+    pub bitmap: Bitmap,
+    /// Luminance that the file says a value of 1 has, cd/m².
+    pub white_luminance_nit: Option<f64>,
+}
 
 /// Reads an environment picture, as [`decode_environment`] does.
-pub fn read_environment(path: &Path, warnings: &mut Warnings) -> Result<Bitmap, Invalid> {
+pub fn read_environment(path: &Path, warnings: &mut Warnings) -> Result<EnvironmentFile, Invalid> {
     let name = path.display().to_string();
     let bytes = input::read(path).map_err(|source| {
         Invalid::new("", format!("cannot read {name}: {source}"))
@@ -29,71 +33,62 @@ pub fn read_environment(path: &Path, warnings: &mut Warnings) -> Result<Bitmap, 
     decode_environment(&bytes, name, warnings)
 }
 
-/// Decodes an environment picture; `name` is for messages. Texels that are not finite are refused; negative ones, which the filters of editing
-/// programs leave behind, become zero with a warning.
-pub fn decode_environment(bytes: &[u8], name: String, warnings: &mut Warnings) -> Result<Bitmap, Invalid> {
-    let mut picture = if bytes.starts_with(EXR_MAGIC) {
-        decode_exr(bytes, name)?
+/// Decodes an environment picture; `name` is for messages. Texels that are not finite are refused; negative ones, which
+/// the filters of editing programs leave behind and which colours outside of sRGB have, become zero with a warning.
+pub fn decode_environment(bytes: &[u8], name: String, warnings: &mut Warnings) -> Result<EnvironmentFile, Invalid> {
+    let read = if bytes.starts_with(EXR_MAGIC) {
+        read_exr(Cursor::new(bytes)).and_then(of_exr)
+    } else if is_radiance(bytes) {
+        decode_radiance(bytes)
     } else {
-        let help = "the picture is damaged, or neither Radiance HDR (.hdr) nor OpenEXR (.exr); export it again";
-        decode_picture(bytes, name).map_err(|invalid| invalid.help(help))?
+        let line = bytes.split(|byte| b"\r\n".contains(byte)).next().unwrap_or_default();
+        let line = String::from_utf8_lossy(line.get(..16).unwrap_or(line)).into_owned();
+        let message =
+            format!("is neither Radiance HDR, which begins with #?RADIANCE, nor OpenEXR: it begins with {line:?}");
+        Err(Invalid::new("", message).help("pictures of 8 or 16 bits hold no sun; use a .hdr or .exr picture"))
     };
-    let Texels::Rgb32F(texels) = &mut picture.texels else {
-        let message = format!("{} has no more than 16 bits, too few for a sky with a sun", picture.name);
-        return Err(Invalid::new("", message).help("use a Radiance HDR (.hdr) or OpenEXR (.exr) picture"));
-    };
-    if let Some(i) = texels.iter().position(|texel| !texel.iter().all(|c| c.is_finite())) {
-        let (x, y) = (i % picture.width, i / picture.width);
-        let message = format!("{}: the texel in column {x}, row {y} is not finite: {:?}", picture.name, texels[i]);
-        return Err(Invalid::new("", message)
-            .help("fix the picture; a sun brighter than 65504 does not fit into half-precision files"));
-    }
-    let mut negative = 0;
-    for component in texels.as_flattened_mut().iter_mut().filter(|component| **component < 0.0) {
-        *component = 0.0;
-        negative += 1;
-    }
-    if negative > 0 {
-        warnings.once(format!("{}: {negative} negative values are taken to be 0", picture.name));
-    }
-    Ok(picture)
+    let of_file = |invalid| in_picture(invalid, &name);
+    let light = read.map_err(of_file)?;
+    check(&light).map_err(of_file)?;
+    let said = said(&light);
+    let white_luminance_nit = light.white_luminance_nit;
+    let [width, height] = [light.planes.width(), light.planes.height()];
+    let (texels, negative) = light.into_texels().map_err(of_file)?;
+    let negative = negative.map(|what| format!("{what}: they are taken to be 0"));
+    said.into_iter().chain(negative).for_each(|message| warnings.once(format!("{name}: {message}")));
+    let bitmap = Bitmap { name, width, height, texels: Texels::Rgb32F(texels) };
+    Ok(EnvironmentFile { bitmap, white_luminance_nit })
 }
 
-/// Decodes the first layer that has red, green and blue.
-fn decode_exr(bytes: &[u8], name: String) -> Result<Bitmap, Invalid> {
-    let bad = |problem: &dyn std::fmt::Display| {
-        Invalid::new("", format!("cannot decode {name}: {problem}"))
-            .help("an environment needs the channels R, G and B")
-    };
-    // The sizes in the header decide how much is allocated, so they are looked at first.
-    let headers = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| bad(&e))?.headers;
-    let texels = |size: Vec2<usize>| size.width().saturating_mul(size.height());
-    let most = headers.iter().map(|header| texels(header.layer_size)).max().unwrap_or(0);
-    if most > bytes.len().saturating_mul(MOST_INFLATION) {
-        return Err(bad(&format!("its {} bytes cannot hold its pixels", bytes.len())));
+/// Refuses what is no picture of all directions.
+fn check(light: &LinearPicture) -> Result<(), Invalid> {
+    if light.components == 0 {
+        let message = format!("holds no picture, but the planes {}", light.others().join(", "));
+        return Err(Invalid::new("", message).help("give a picture with the channels R, G and B, or one layer of them"));
     }
-    // In the file's own planes, and side by side.
-    memory::check(most as u64 * 24, &format!("decoding the {most} pixels of {name}"), "make the picture smaller")?;
-    if headers.iter().any(|header| header.layer_size.width().saturating_mul(header.layer_size.height()) > MAX_TEXELS) {
-        return Err(bad(&format!("it has more than {MAX_TEXELS} pixels")));
+    if light.planes.width() * light.planes.height() > MAX_TEXELS {
+        return Err(Invalid::new("", format!("has more than {MAX_TEXELS} pixels")).help("make the picture smaller"));
     }
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgb_channels(
-            |size, _| (size.width(), vec![[0.0f32; 3]; size.width() * size.height()]),
-            |(width, texels), at, (r, g, b): (f32, f32, f32)| texels[at.y() * *width + at.x()] = [r, g, b],
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(|e| bad(&e))?;
-    let (width, texels) = image.layer_data.channel_data.pixels;
-    let height = texels.len() / width.max(1);
-    if texels.is_empty() {
-        return Err(Invalid::new("", format!("{name} has no pixels")));
+    if light.mapping == Mapping::Cube {
+        return Err(Invalid::new("envmap", "says that the picture is the six faces of a cube")
+            .help("convert it to longitude and latitude, as exrenvmap -latlong does"));
     }
-    Ok(Bitmap { name, width, height, texels: Texels::Rgb32F(texels) })
+    Ok(())
+}
+
+/// What is told of a picture that is taken for all directions.
+fn said(light: &LinearPicture) -> Vec<String> {
+    let mut said = light.warnings.clone();
+    said.extend(light.left_out());
+    if let Mapping::View(view) = &light.mapping {
+        said.push(format!(
+            "its VIEW, {view:?}, is a camera's: its columns are taken for longitudes, its rows for latitudes"
+        ));
+    }
+    if light.pixel_aspect != 1.0 {
+        said.push("the shape of pixels that it states is left out, as they cover all directions".to_owned());
+    }
+    said
 }
 
 #[cfg(test)]
@@ -101,6 +96,7 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::exr::made_for_tests::{Part, file, floats};
 
     const SKY: [[f32; 3]; 2] = [[0.25, 1.0, 2000.0], [0.5, 0.125, 0.0]];
 
@@ -121,13 +117,13 @@ mod tests {
         let exr = folder.path().join("sky.exr");
         write_exr(&exr, SKY);
         let mut warnings = Warnings::default();
-        let picture = read_environment(&exr, &mut warnings).expect("valid");
+        let picture = read_environment(&exr, &mut warnings).expect("valid").bitmap;
         assert_eq!((picture.width, picture.height, texels(&picture)), (2, 1, &SKY[..]));
 
         let hdr = folder.path().join("sky.hdr");
         let pixels = image::Rgb32FImage::from_fn(2, 1, |x, _| image::Rgb(SKY[x as usize]));
         pixels.save(&hdr).expect("written");
-        let picture = read_environment(&hdr, &mut warnings).expect("valid");
+        let picture = read_environment(&hdr, &mut warnings).expect("valid").bitmap;
         for (read, written) in texels(&picture).iter().zip(&SKY) {
             // RGBE has 8 bits of mantissa, scaled by the largest component.
             let tolerance = written.iter().fold(0.0f32, |m, c| m.max(*c)) / 128.0;
@@ -145,9 +141,62 @@ mod tests {
         assert!(error.message.contains("column 1, row 0"), "{error}");
         write_exr(&path, [SKY[0], [1.0, -0.5, 1.0]]);
         let mut warnings = Warnings::default();
-        let picture = read_environment(&path, &mut warnings).expect("mended");
+        let picture = read_environment(&path, &mut warnings).expect("mended").bitmap;
         assert_eq!(texels(&picture)[1], [1.0, 0.0, 1.0]);
-        assert!(warnings.into_messages()[0].contains("1 negative"));
+        assert!(warnings.into_messages()[0].contains("1 value is negative"));
+    }
+
+    /// A file whose pixels are these, by hand.
+    fn by_hand(part: Part) -> Result<(Vec<[f32; 3]>, Vec<String>), Invalid> {
+        let mut warnings = Warnings::default();
+        let picture = decode_environment(&file(&[part]), "sky.exr".to_owned(), &mut warnings)?.bitmap;
+        Ok((texels(&picture).to_vec(), warnings.into_messages()))
+    }
+
+    fn row() -> Part {
+        Part::row(&[("B", &[0.25, 0.2]), ("G", &[0.5, 0.2]), ("R", &[1.0, 0.2])])
+    }
+
+    #[test]
+    fn surroundings_are_what_their_header_says() {
+        // ITU-R BT.2087, annex 1: BT.2020 to BT.709.
+        let rec2020 = floats(&[0.708, 0.292, 0.17, 0.797, 0.131, 0.046, 0.3127, 0.329]);
+        let (found, said) = by_hand(row().with("chromaticities", "chromaticities", rec2020)).expect("read");
+        let expected = [1.6605 - 0.2938 - 0.0182, -0.1246 + 0.566_45 - 0.0021, -0.0182 - 0.0503 + 0.2797];
+        assert!(found[0].iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3), "{found:?}");
+        assert!(said.is_empty(), "{said:?}");
+        // The second of four columns and the next are stored.
+        let (found, said) = by_hand(Part { display: [-1, 0, 2, 0], ..row() }).expect("read");
+        assert_eq!(found, [[0.0; 3], [1.0, 0.5, 0.25], [0.2; 3], [0.0; 3]]);
+        assert!(said[0].starts_with("sky.exr: its data window holds 2 of the 4 pixels"), "{said:?}");
+        let (found, _) = by_hand(Part::row(&[("Y", &[3.0])])).expect("grey");
+        assert_eq!(found, [[3.0; 3]]);
+    }
+
+    #[test]
+    fn what_is_no_picture_of_all_directions_is_refused_or_said() {
+        let error = by_hand(row().with("envmap", "envmap", vec![1])).expect_err("a cube");
+        assert!(error.message.starts_with("sky.exr: envmap: ") && error.help.is_some(), "{error}");
+        let error = by_hand(Part::row(&[("Z", &[1.0])])).expect_err("depth");
+        assert!(error.message.contains("holds no picture, but the planes Z"), "{error}");
+        let (_, said) = by_hand(row().with("pixelAspectRatio", "float", floats(&[2.0]))).expect("read");
+        assert!(said.len() == 1 && said[0].contains("shape of pixels"), "{said:?}");
+        let view = b"#?RADIANCE\nVIEW=-vtv -vh 40\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
+        let mut warnings = Warnings::default();
+        decode_environment(view, "sky.hdr".to_owned(), &mut warnings).expect("read");
+        let said = warnings.into_messages();
+        assert!(said.len() == 1 && said[0].contains("its VIEW, \"-vtv -vh 40\", is a camera's"), "{said:?}");
+    }
+
+    /// The largest number of a file, 255/256·2^127, is no float once it is divided by 1/8.
+    #[test]
+    fn numbers_that_an_exposure_takes_beyond_floats_are_named() {
+        let file = b"#?RADIANCE\nEXPOSURE=0.125\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x80\xff\x80\xff";
+        let error = decode_environment(file, "sky.hdr".to_owned(), &mut Warnings::default()).expect_err("refused");
+        assert!(
+            error.message.contains("sky.hdr: 3 numbers are not finite") && error.message.contains("column 1, row 0"),
+            "{error}"
+        );
     }
 
     #[test]

@@ -6,9 +6,12 @@
 mod assemble;
 mod changed_meshes;
 mod complete;
+mod decoded;
 mod environment;
+pub mod exr;
 pub mod gltf;
 mod ies;
+pub mod linear;
 mod mesh;
 pub mod obj;
 mod picture;
@@ -20,10 +23,11 @@ mod tangents;
 
 pub use changed_meshes::{ChangedMeshes, MeshChange};
 pub use complete::complete;
-pub use environment::{decode_environment, read_environment};
+pub use decoded::{decode, dimensions};
+pub use environment::{EnvironmentFile, decode_environment, read_environment};
 pub use ies::{parse_ies, read_ies};
 pub use mesh::MissingNormals;
-pub use picture::{decode, dimensions, read_picture};
+pub use picture::read_picture;
 
 /// Tells the user of triangles that were left out.
 fn zero_area_message(count: usize) -> String {

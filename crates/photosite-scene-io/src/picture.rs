@@ -1,25 +1,14 @@
 //! Pictures from files and from memory, as [`Bitmap`]s.
 
-use std::io::{Cursor, ErrorKind};
 use std::path::Path;
 
-use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
+use image::DynamicImage;
 
+use super::decoded::decode;
+use super::linear::{decode_radiance, in_picture, is_radiance};
 use photosite_core::Invalid;
-use photosite_core::{input, memory};
+use photosite_core::input;
 use photosite_transport::texture::{Bitmap, Texels};
-
-/// Largest picture, pixels along a side.
-pub(crate) const MAX_SIDE: u32 = 32_768;
-/// Most memory that decoding a picture may take, bytes.
-const MAX_BYTES: u64 = 4 << 30;
-/// Most memory for what comes with its pixels: compressed profiles and texts, which may inflate a thousandfold. What is
-/// larger is left out, as nothing of a texture depends on it.
-const MAX_BESIDE: u64 = 16 << 20;
-/// Kinds of files whose pixels take no more than [`MOST_INFLATION`] times as much memory as the file: those that are
-/// packed by zlib at best, from bits or palettes.
-const BOUNDED: [ImageFormat; 4] = [ImageFormat::Png, ImageFormat::Tiff, ImageFormat::Hdr, ImageFormat::Pnm];
-const MOST_INFLATION: u64 = 1 << 15;
 
 /// Reads a picture file.
 pub fn read_picture(path: &Path) -> Result<Bitmap, Invalid> {
@@ -33,61 +22,24 @@ pub fn read_picture(path: &Path) -> Result<Bitmap, Invalid> {
 /// Decodes a PNG, JPEG, WebP, TIFF, PNM or Radiance HDR picture, whichever the bytes say it is. Integer pictures keep
 /// their encoding: whether a texture is sRGB-encoded is known where it is used. `name` is for messages.
 pub(crate) fn decode_picture(bytes: &[u8], name: String) -> Result<Bitmap, Invalid> {
+    if is_radiance(bytes) {
+        return of_radiance(bytes, name);
+    }
     let picture = decode(bytes, &name)?;
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     Ok(Bitmap { name, width, height, texels: texels(picture) })
 }
 
-/// The same, in whatever form the file has it.
-pub fn decode(bytes: &[u8], name: &str) -> Result<DynamicImage, Invalid> {
-    let bad = |problem: &str| {
-        Invalid::new("", format!("cannot decode {name}: {problem}"))
-            .help("the picture is damaged, or not one of PNG, JPEG and WebP; export it again as one of them")
-    };
-    let bad_image = |e: ImageError| {
-        let is_cut = matches!(&e, ImageError::IoError(e) if e.kind() == ErrorKind::UnexpectedEof);
-        if is_cut { bad("the file ends too early") } else { bad(&e.to_string()) }
-    };
-    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|e| bad(&e.to_string()))?;
-    reader.limits(limits(MAX_BESIDE));
-    let is_bounded = reader.format().is_some_and(|format| BOUNDED.contains(&format));
-    let mut decoder = reader.into_decoder().map_err(bad_image)?;
-    let (width, height) = decoder.dimensions();
-    if width == 0 || height == 0 {
-        return Err(bad("it has no pixels"));
+/// The texels of a Radiance HDR picture.
+fn of_radiance(bytes: &[u8], name: String) -> Result<Bitmap, Invalid> {
+    let of_file = |invalid| in_picture(invalid, &name);
+    let light = decode_radiance(bytes).map_err(of_file)?;
+    let [width, height] = [light.planes.width(), light.planes.height()];
+    let (texels, negative) = light.into_texels().map_err(of_file)?;
+    match negative {
+        None => Ok(Bitmap { name, width, height, texels: Texels::Rgb32F(texels) }),
+        Some(what) => Err(of_file(Invalid::new("", what).help("convert the picture to the colours of sRGB first"))),
     }
-    // Sizes are looked at before memory is taken for them.
-    let decoded = decoder.total_bytes();
-    if is_bounded && decoded > (bytes.len() as u64).saturating_mul(MOST_INFLATION) {
-        return Err(bad(&format!("its {} bytes cannot hold {width} × {height} pixels", bytes.len())));
-    }
-    // Decoded, and in the form that it is kept in: twice while it changes its form.
-    let of_pixel = u64::from(decoder.color_type().bytes_per_pixel()).max(4);
-    memory::check(
-        (u64::from(width) * u64::from(height)).saturating_mul(2 * of_pixel),
-        &format!("decoding the {width} × {height} pixels of {name}"),
-        "make the picture smaller",
-    )?;
-    decoder.set_limits(limits(MAX_BYTES)).map_err(bad_image)?;
-    if decoded > MAX_BYTES {
-        return Err(bad("it is too large to be decoded"));
-    }
-    DynamicImage::from_decoder(decoder).map_err(bad_image)
-}
-
-/// Columns and rows of a picture, which is not decoded.
-pub fn dimensions(bytes: &[u8]) -> Result<[u32; 2], ImageError> {
-    let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
-    reader.limits(limits(MAX_BESIDE));
-    reader.into_dimensions().map(|(width, height)| [width, height])
-}
-
-fn limits(most: u64) -> image::Limits {
-    let mut limits = image::Limits::default();
-    limits.max_image_width = Some(MAX_SIDE);
-    limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(most);
-    limits
 }
 
 fn texels(picture: DynamicImage) -> Texels {
@@ -110,8 +62,10 @@ fn pixels<T: Copy, const N: usize>(components: Vec<T>) -> Vec<[T; N]> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
     use super::*;
-    use image::ImageBuffer;
+    use image::{ImageBuffer, ImageFormat};
 
     fn encoded(picture: &DynamicImage, format: ImageFormat) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());

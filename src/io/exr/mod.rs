@@ -1,83 +1,33 @@
 //! OpenEXR files of 32-bit float planes with text and number attributes.
 //!
 //! In and out: [`Planes`], whose channels keep their names. What the names and numbers of a file mean is said by
-//! [`electrons`](super::electrons) and [`spectral_exr`](super::spectral_exr).
+//! [`electrons`](super::electrons) and [`spectral_exr`](super::spectral_exr), and of pictures by
+//! [`linear`](photosite_scene_io::linear).
 
 mod sorted_header;
 
 use std::collections::HashMap;
-use std::io::{self, BufRead, BufReader, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::io::{self, Seek, Write};
 use std::sync::Mutex;
 
 use exr::block::lines::LineRefMut;
 use exr::compression::Compression;
 use exr::image::write::samples::{SamplesWriter, WritableSamples};
-use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, FlatSamples, Image, Layer};
+use exr::image::{AnyChannel, AnyChannels, Blocks, Encoding, Image, Layer};
 use exr::math::RoundingMode;
 use exr::meta::attribute::{AttributeValue, Chromaticities, LevelMode, LineOrder, SampleType, Text};
 use exr::meta::header::Header;
-use exr::prelude::{LayerAttributes, ReadChannels, ReadLayers, Vec2, WritableImage, read};
+use exr::prelude::{LayerAttributes, Vec2, WritableImage};
 
 use crate::image::{Channel, Planes};
-use crate::{Error, Invalid, Result};
 
 use super::picture_rows::PictureRows;
-use photosite_core::{input, memory};
 use sorted_header::SortedHeader;
 
-/// A value in the header of a file.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Attribute {
-    /// Text.
-    Text(String),
-    /// A number.
-    Number(f64),
-    /// CIE x and y of red, green, blue and white: the standard attribute `chromaticities`.
-    Chromaticities([[f64; 2]; 4]),
-    /// Width of a pixel over its height: the standard attribute `pixelAspectRatio`.
-    PixelAspect(f64),
-}
-
-/// What an EXR file holds.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ExrPicture {
-    /// The planes, sorted by name as EXR wants it.
-    pub planes: Planes,
-    /// The attributes that are no standard ones, `chromaticities`, and `pixelAspectRatio` of pixels that are not square,
-    /// sorted by name.
-    pub attributes: Vec<(String, Attribute)>,
-}
-
-impl ExrPicture {
-    /// The text attribute of that name.
-    pub fn text(&self, name: &str) -> Option<&str> {
-        self.attributes.iter().find_map(|(n, value)| match value {
-            Attribute::Text(text) if n == name => Some(&text[..]),
-            Attribute::Text(_) | Attribute::Number(_) | Attribute::Chromaticities(_) | Attribute::PixelAspect(_) => {
-                None
-            }
-        })
-    }
-
-    /// The number attribute of that name.
-    pub fn number(&self, name: &str) -> Option<f64> {
-        self.attributes.iter().find_map(|(n, value)| match value {
-            Attribute::Number(number) if n == name => Some(*number),
-            Attribute::Number(_) | Attribute::Text(_) | Attribute::Chromaticities(_) | Attribute::PixelAspect(_) => {
-                None
-            }
-        })
-    }
-}
+pub use photosite_scene_io::exr::{Attribute, ExrPicture, channel_names, read_exr, read_exr_file};
 
 /// Pixels of a picture that several threads compress.
 const MANY_PIXELS: usize = 1 << 16;
-/// Most bytes of pixels that are read: more is a damaged header, or not a picture of ours.
-const MAX_BYTES: usize = 16 << 30;
-/// Bytes of pixels for each of a file: those of even areas are coded by the wavelets of DWA in next to nothing.
-const MOST_INFLATION: usize = 1 << 14;
-
 /// A plane as it is written: what it is called in the file, and where its values are.
 #[derive(Clone)]
 pub struct NamedPlane<'a> {
@@ -147,6 +97,7 @@ pub fn write_planes<'a, W: Write + Seek>(
                 pixel_aspect = *aspect as f32;
                 continue;
             }
+            Attribute::Other(value) => (**value).clone(),
         };
         other.insert(ascii(name), value);
     }
@@ -210,87 +161,9 @@ impl SamplesWriter for Rows<'_> {
     }
 }
 
-/// The names of the channels of an OpenEXR file, of which its head alone is read.
-pub fn channel_names(path: &Path) -> Result<Vec<String>> {
-    let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
-    let meta = exr::meta::MetaData::read_from_buffered(BufReader::new(file), false)
-        .map_err(|error| Invalid::new("", format!("cannot read it as OpenEXR: {error}")).in_file(path))?;
-    Ok(meta.headers.iter().flat_map(|header| &header.channels.list).map(|channel| channel.name.to_string()).collect())
-}
-
-/// Reads a file, as [`read_exr`] does.
-pub fn read_exr_file(path: &Path) -> Result<ExrPicture> {
-    let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
-    read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
-}
-
-/// Reads all channels of the first layer at full resolution, as 32-bit floats.
-pub fn read_exr<R: BufRead + Seek>(mut from: R) -> Result<ExrPicture, Invalid> {
-    let unreadable = |error: &dyn std::fmt::Display| Invalid::new("", format!("cannot read it as OpenEXR: {error}"));
-    let length = from.seek(SeekFrom::End(0)).and_then(|length| from.rewind().map(|()| length));
-    let length = usize::try_from(length.map_err(|e| unreadable(&e))?).unwrap_or(usize::MAX);
-    let headers = exr::meta::MetaData::read_from_buffered(&mut from, false).map_err(|e| unreadable(&e))?.headers;
-    if let Some(header) = headers.first() {
-        let pixels = header.layer_size.0.saturating_mul(header.layer_size.1);
-        if pixels.saturating_mul(header.channels.bytes_per_pixel.max(4 * header.channels.list.len()))
-            > MAX_BYTES.min(length.saturating_mul(MOST_INFLATION))
-        {
-            let size = format!("{} × {} pixels", header.layer_size.0, header.layer_size.1);
-            return Err(unreadable(&format!("its {size} are more than the file can hold, or than fit into memory")));
-        }
-    }
-    if let Some(header) = headers.first() {
-        let [width, height] = [header.layer_size.0, header.layer_size.1];
-        let of_pixel = header.channels.bytes_per_pixel.max(4 * header.channels.list.len());
-        let bytes = width.saturating_mul(height).saturating_mul(of_pixel) as u64;
-        memory::check(bytes, &format!("reading its {width} × {height} pixels"), "")?;
-    }
-    from.rewind().map_err(|e| unreadable(&e))?;
-    let reader = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer().all_attributes();
-    let image = reader.from_buffered(from).map_err(|e| unreadable(&e))?;
-    let (layer, chromaticities) = (image.layer_data, image.attributes.chromaticities);
-    let aspect = f64::from(image.attributes.pixel_aspect);
-    let channel = |c: AnyChannel<FlatSamples>| Channel { name: c.name.to_string(), data: floats(c.sample_data) };
-    let channels = layer.channel_data.list.into_iter().map(channel).collect();
-    let mut attributes: Vec<(String, Attribute)> = layer
-        .attributes
-        .other
-        .into_iter()
-        .filter_map(|(name, value)| Some((name.to_string(), attribute(value)?)))
-        .collect();
-    let chromaticities = chromaticities.map(|Chromaticities { red, green, blue, white }| {
-        let points = [red, green, blue, white].map(|Vec2(x, y)| [x, y].map(f64::from));
-        ("chromaticities".to_owned(), Attribute::Chromaticities(points))
-    });
-    attributes.extend(chromaticities);
-    if aspect != 1.0 {
-        attributes.push(("pixelAspectRatio".to_owned(), Attribute::PixelAspect(aspect)));
-    }
-    attributes.sort_by(|a, b| a.0.cmp(&b.0));
-    Ok(ExrPicture { planes: Planes::new(layer.size.0, layer.size.1, channels)?, attributes })
-}
-
 /// Text as files hold it; what is not ASCII becomes a question mark.
 fn ascii(text: &str) -> Text {
     text.chars().map(|c| if c.is_ascii() && c != '\0' { c } else { '?' }).collect::<String>().as_str().into()
-}
-
-fn floats(samples: FlatSamples) -> Vec<f32> {
-    match samples {
-        FlatSamples::F32(values) => values,
-        FlatSamples::F16(values) => values.into_iter().map(f32::from).collect(),
-        FlatSamples::U32(values) => values.into_iter().map(|v| v as f32).collect(),
-    }
-}
-
-fn attribute(value: AttributeValue) -> Option<Attribute> {
-    if let AttributeValue::Text(text) = value {
-        return Some(Attribute::Text(text.to_string()));
-    }
-    if let AttributeValue::F32(number) = value {
-        return Some(Attribute::Number(f64::from(number)));
-    }
-    if let AttributeValue::F64(number) = value { Some(Attribute::Number(number)) } else { None }
 }
 
 fn io_error(error: exr::error::Error) -> io::Error {

@@ -105,7 +105,7 @@ impl ImageReader<'_> {
 
     fn image(&self, name: &str) -> Result<Vec<u16>> {
         let path = self.folder.join(name);
-        let picture = read_picture_file(&path, Pixels::Active)?;
+        let picture = read_picture_file(&path, Pixels::Active)?.whole().map_err(|invalid| invalid.in_file(&path))?;
         let Descriptor { width, height, .. } = *self.descriptor;
         let planes = &picture.mean;
         if [planes.width(), planes.height()] != [width, height] {

@@ -1,6 +1,7 @@
 //! Pictures as comparison sees them.
 
 use crate::raw::{Cfa, PixelArea, Pixels, RawImage};
+use photosite_core::Invalid;
 use photosite_core::image::Planes;
 
 /// What the plane of a raw picture is called.
@@ -23,6 +24,10 @@ pub struct Picture {
     pub mosaic: Option<Cfa>,
     /// The part of its file that it shows, where the masked pixels around are left out.
     pub active_area: Option<PixelArea>,
+    /// What its file says of the meaning of its numbers besides the unit, such as chromaticities.
+    pub stated: Vec<String>,
+    /// What of its file is left out, filled in or rounded.
+    pub warnings: Vec<String>,
 }
 
 impl Picture {
@@ -48,6 +53,16 @@ impl Picture {
             full_scale: Some(f64::from(raw.white_level_dn)),
             mosaic: (!raw.cfa.is_mono() && !raw.cfa.is_full()).then_some(raw.cfa),
             active_area,
+            stated: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// A picture of numbers that are measured, of which nothing may be left out, filled in or rounded.
+    pub fn whole(self) -> Result<Self, Invalid> {
+        match self.warnings.first() {
+            None => Ok(self),
+            Some(warning) => Err(Invalid::new("", warning.clone()).help("give a file of one picture as a whole")),
         }
     }
 }
@@ -72,6 +87,8 @@ pub(super) mod tests {
             full_scale: None,
             mosaic: None,
             active_area: None,
+            stated: Vec::new(),
+            warnings: Vec::new(),
         }
     }
 

@@ -5,7 +5,7 @@
 use basisu::{DecodeFlags, SourceFormat, TargetFormat, Transcoder};
 
 use super::contained::contained;
-use crate::picture::MAX_SIDE;
+use crate::decoded::MAX_SIDE;
 use photosite_core::{Invalid, memory};
 use photosite_transport::texture::{Bitmap, Texels};
 

@@ -1,0 +1,184 @@
+//! Pictures of linear light: OpenEXR and Radiance HDR, as linear sRGB by what their headers say.
+//!
+//! | header of an EXR file | |
+//! |---|---|
+//! | channels `R`, `G`, `B`; `Y`; `Y`, `RY`, `BY`; `X`, `Y`, `Z` | the picture; those of the only layer where none has a plain name |
+//! | other channels, transparency `A` below 1, other parts | named in a warning; light is that over black |
+//! | `dataWindow`, `displayWindow` | the picture is the display window, 0 where nothing is stored; with `envmap` the data window |
+//! | `colorInteropID`, `chromaticities`, `acesImageContainerFlag`, photosite's own `colorSpace` | used, in this order; linear sRGB without any |
+//! | `pixelAspectRatio`, `whiteLuminance`, `envmap` | for those who use them, such as surroundings |
+//! | `adoptedNeutral`, `renderingTransform`, `lookModTransform`, `originalDataWindow`, other names of colour spaces | named in a warning |
+//! | primaries that span nothing, codes in place of light, deep or subsampled channels | refused |
+//!
+//! | header of an HDR file | |
+//! |---|---|
+//! | first line `#?RADIANCE`, `#?RGBE` or another program's; lines that end with CR LF | read |
+//! | `FORMAT` | `32-bit_rle_rgbe` and `32-bit_rle_xyze`; others are refused |
+//! | `EXPOSURE`, `COLORCORR` | numbers are divided by the products of all of them |
+//! | `PRIMARIES` | used; linear sRGB without |
+//! | `PIXASPECT` | the shape of pixels, the product of all of them |
+//! | `VIEW` | for those who use it, such as surroundings |
+//! | `GAMMA` other than 1, `NCOMP` other than 3 | refused |
+//! | axes in any of the eight orders | the picture is turned upright |
+//!
+//! All else in a header says nothing of what the numbers mean.
+
+pub mod colours;
+mod openexr;
+#[cfg(test)]
+mod openexr_tests;
+mod radiance;
+#[cfg(test)]
+mod radiance_tests;
+
+use std::fmt;
+
+use photosite_core::Invalid;
+use photosite_core::image::{Channel, Planes};
+
+pub use openexr::of_exr;
+pub use radiance::{decode_radiance, is_radiance};
+
+/// A picture as its file has it, in linear light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearPicture {
+    /// First R, G and B of linear sRGB, or Y, then planes that have no part in the picture.
+    pub planes: Planes,
+    /// How many planes are the picture: 3, 1, or none.
+    pub components: usize,
+    /// Width of a pixel over its height.
+    pub pixel_aspect: f64,
+    /// Luminance of R = G = B = 1, cd/m².
+    pub white_luminance_nit: Option<f64>,
+    /// How directions become pixels.
+    pub mapping: Mapping,
+    /// What of the file is left out, filled in or assumed.
+    pub warnings: Vec<String>,
+}
+
+/// How a picture shows what is around.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Mapping {
+    /// Nothing is said of it.
+    Unstated,
+    /// Columns are longitudes, rows are latitudes.
+    Panorama,
+    /// Six faces of a cube, one below the other.
+    Cube,
+    /// As a camera sees it, in the words of the file.
+    View(String),
+}
+
+impl LinearPicture {
+    /// The names of the planes that have no part in the picture.
+    pub fn others(&self) -> Vec<&str> {
+        self.planes.channels().iter().skip(self.components).map(|channel| &channel.name[..]).collect()
+    }
+
+    /// What is left out where nothing but the picture is used.
+    pub fn left_out(&self) -> Option<String> {
+        let others = self.others();
+        (!others.is_empty()).then(|| format!("of its planes, {} have no part in the picture", others.join(", ")))
+    }
+
+    /// A picture of a file that says nothing besides: R, G and B, or Y, first.
+    pub fn plain(planes: Planes) -> Self {
+        let names: Vec<&str> = planes.channels().iter().map(|channel| &channel.name[..]).collect();
+        let components = match names[..] {
+            ["R", "G", "B", ..] => 3,
+            ["Y", ..] => 1,
+            _ => 0,
+        };
+        Self {
+            planes,
+            components,
+            pixel_aspect: 1.0,
+            white_luminance_nit: None,
+            mapping: Mapping::Unstated,
+            warnings: Vec::new(),
+        }
+    }
+}
+
+/// Negative numbers that small beside the largest of a texel are roundings of a matrix of colours.
+const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
+
+impl LinearPicture {
+    /// The texels of the picture, with 0 for negative numbers, and what these were. Numbers that are not finite are
+    /// refused.
+    pub(crate) fn into_texels(self) -> Result<(Vec<[f32; 3]>, Option<String>), Invalid> {
+        let [width, height] = [self.planes.width(), self.planes.height()];
+        let mut channels = self.planes.into_channels();
+        channels.truncate(self.components);
+        let planes = Planes::new(width, height, channels)?;
+        if let Some(found) = NotFinite::of(&planes) {
+            return Err(Invalid::new("", found.to_string())
+                .help("correct the picture; a sun brighter than 65504 does not fit into half-precision files"));
+        }
+        let texel = |i: usize| {
+            let value = |channel: &Channel| channel.data.get(i).copied().unwrap_or_default();
+            match planes.channels() {
+                [r, g, b] => [r, g, b].map(value),
+                grey => [grey.first().map(value).unwrap_or_default(); 3],
+            }
+        };
+        let mut texels: Vec<[f32; 3]> = (0..width * height).map(texel).collect();
+        let (mut count, mut first) = (0, None);
+        for (i, texel) in texels.iter_mut().enumerate() {
+            let largest = texel.iter().fold(0.0f32, |most, value| most.max(value.abs()));
+            for value in texel.iter_mut().filter(|value| **value < 0.0) {
+                if -*value > ROUNDING * largest {
+                    count += 1;
+                    first.get_or_insert((*value, i % width, i / width));
+                }
+                *value = 0.0;
+            }
+        }
+        let negative = first.map(|(value, x, y)| {
+            let (are, the_first) = if count == 1 { ("value is", "") } else { ("values are", "the first ") };
+            format!("{count} {are} negative in linear sRGB, {the_first}{value} in column {x}, row {y}")
+        });
+        Ok((texels, negative))
+    }
+}
+
+/// The error of a picture of that name, whose key is one of its header.
+pub(crate) fn in_picture(invalid: Invalid, name: &str) -> Invalid {
+    let colon = if invalid.key.is_empty() { "" } else { ": " };
+    let message = format!("{name}: {}{colon}{}", invalid.key, invalid.message);
+    Invalid { key: String::new(), message, help: invalid.help }
+}
+
+/// Numbers that are no light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotFinite {
+    /// How many there are.
+    pub count: usize,
+    channel: String,
+    value: f32,
+    place: [usize; 2],
+}
+
+impl NotFinite {
+    /// Those of the planes; `None` where there are none.
+    pub fn of(planes: &Planes) -> Option<Self> {
+        let width = planes.width().max(1);
+        let mut found: Option<Self> = None;
+        for channel in planes.channels() {
+            for (i, &value) in channel.data.iter().enumerate().filter(|(_, value)| !value.is_finite()) {
+                let place = [i % width, i / width];
+                let first = Self { count: 0, channel: channel.name.clone(), value, place };
+                found.get_or_insert(first).count += 1;
+            }
+        }
+        found
+    }
+}
+
+impl fmt::Display for NotFinite {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { count, channel, value, place: [x, y] } = self;
+        let (are, them) = if *count == 1 { ("number is", "it is") } else { ("numbers are", "the first is") };
+        write!(f, "{count} {are} not finite: {them} {value}, of {channel} in column {x}, row {y}")
+    }
+}
