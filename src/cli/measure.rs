@@ -6,6 +6,7 @@ use clap::{Args, Subcommand};
 use glam::DVec3;
 use serde::Serialize;
 
+use super::picture_warnings::warn_of;
 use super::print::{print_json, println_out};
 use crate::colour::{ColourSpace, cielab, difference};
 use crate::image::{Channel, Planes};
@@ -93,6 +94,7 @@ impl PictureArgs {
     }
 
     fn read_other(&self, path: &Path) -> Result<Picture> {
+        warn_of([path])?;
         read_picture_file(path, self.pixels())
     }
 
@@ -102,6 +104,7 @@ impl PictureArgs {
 
     /// Planes of linear light, white at 1 where the file has codes; colours are sRGB.
     fn read_linear(&self, path: &Path) -> Result<Planes> {
+        warn_of([path])?;
         read_linear_picture(path, self.linear, self.pixels())
     }
 

@@ -7,7 +7,8 @@
 //! | EXR with R, G and B, X, Y and Z, or Y alone | a picture: linear light |
 //! | EXR of digital numbers, and all other files | raw, as [`read_raw`] has it |
 //!
-//! Pixels have the shape that PNG files say in pHYs, and EXR files in pixelAspectRatio.
+//! Pixels have the shape that PNG files say in pHYs, and EXR files in pixelAspectRatio. What else of a file is followed
+//! and what is left out, [`PictureNotes`] says.
 
 use std::io::BufReader;
 use std::path::Path;
@@ -15,9 +16,10 @@ use std::sync::Arc;
 
 use super::exr::{Attribute, ExrPicture, read_exr_file};
 use super::linear_picture::read_linear_picture;
+use super::picture_notes::PictureNotes;
 use super::raw_file::read_raw;
 use crate::image::{Channel, Planes};
-use crate::raw::{Cfa, Pixels, RawImage};
+use crate::raw::{Cfa, Orientation, Pixels, RawImage, RawMetadata};
 use crate::validation::MOSAIC;
 use crate::{Error, Invalid, Result};
 use photosite_core::input;
@@ -38,8 +40,10 @@ pub struct Light {
     pub planes: Planes,
     /// Width of a pixel over its height.
     pub pixel_aspect: f64,
-    /// What of the file is left out, as a warning says it.
-    pub left_out: Option<String>,
+    /// How it is to be turned so that it stands upright.
+    pub orientation: Orientation,
+    /// What of the file is left out.
+    pub warnings: Vec<String>,
 }
 
 /// Reads a file of digital numbers alone.
@@ -96,7 +100,9 @@ fn of_picture(path: &Path, pixel_aspect: f64) -> Result<Developable> {
         && mosaic.name == MOSAIC
     {
         let numbers = mosaic.data.iter().map(|&number| number as u16).collect();
-        let raw = RawImage::bare(size[0], size[1], numbers, Cfa::mono(), u16::MAX);
+        let PictureNotes { orientation, left_out } = PictureNotes::read(path)?;
+        let metadata = RawMetadata { orientation, left_out, ..RawMetadata::default() };
+        let raw = RawImage { metadata, ..RawImage::bare(size[0], size[1], numbers, Cfa::mono(), u16::MAX) };
         return Ok(Developable::Raw(Arc::new(raw)));
     }
     let wanted: &[&str] = if channels.iter().any(|channel| channel.name == "R") { &["R", "G", "B"] } else { &["Y"] };
@@ -111,12 +117,13 @@ fn of_picture(path: &Path, pixel_aspect: f64) -> Result<Developable> {
         planes.push(channels.swap_remove(i));
     }
     channels.sort_by(|a, b| a.name.cmp(&b.name));
-    let left_out = (!channels.is_empty()).then(|| {
+    let PictureNotes { orientation, left_out: mut warnings } = PictureNotes::read(path)?;
+    if !channels.is_empty() {
         let names: Vec<String> = channels.into_iter().map(|Channel { name, .. }| name).collect();
-        format!("{}: of its planes, {} have no part in the picture", path.display(), names.join(", "))
-    });
+        warnings.push(format!("{}: of its planes, {} have no part in the picture", path.display(), names.join(", ")));
+    }
     let planes = Planes::new(size[0], size[1], planes).map_err(|invalid| invalid.in_file(path))?;
-    Ok(Developable::Light(Light { planes, pixel_aspect, left_out }))
+    Ok(Developable::Light(Light { planes, pixel_aspect, orientation, warnings }))
 }
 
 fn exr_aspect(picture: &ExrPicture) -> f64 {
@@ -171,7 +178,7 @@ mod tests {
         let Developable::Light(light) = file("grey.png", &bytes).expect("a picture") else { panic!("not a raw file") };
         // ((128/255 + 0.055)/1.055)^2.4 by a calculator.
         assert!((light.planes.plane("Y").expect("grey")[1] - 0.215_861).abs() < 1e-4);
-        assert!((light.pixel_aspect - 1.5).abs() < 1e-5 && light.left_out.is_none());
+        assert!((light.pixel_aspect - 1.5).abs() < 1e-5 && light.warnings.is_empty());
 
         let xyz = ColourSpace::Xyz.white().as_vec3().to_array();
         let channel = |(name, v): (&str, f32)| Channel { name: name.to_owned(), data: vec![v] };
@@ -189,7 +196,7 @@ mod tests {
     fn what_has_no_part_is_named_and_what_is_no_picture_refused() {
         let with_alpha = exr(&Planes::zeros(2, 2, ["A", "B", "G", "R"]), &[]).expect("a picture");
         let Developable::Light(light) = with_alpha else { panic!("not a raw file") };
-        assert!(light.left_out.expect("alpha").contains("its planes, A have no part"));
+        assert!(light.warnings[0].contains("its planes, A have no part"));
         for (planes, attributes, complaint) in [
             (["depth.Z"], vec![], "depth.Z"),
             (["Y"], vec![("unit", Attribute::Text("e-".to_owned()))], "a quantity in e-"),
