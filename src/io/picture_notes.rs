@@ -153,3 +153,94 @@ fn of_png(bytes: &[u8]) -> PictureNotes {
 fn contains(bytes: &[u8], word: &[u8]) -> bool {
     bytes.windows(word.len()).any(|part| part == word)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An EXIF block with an orientation and, in the directory of EXIF, a colour space, byte by byte.
+    fn exif(orientation: u8, colour_space: u8) -> Vec<u8> {
+        let short = |tag: u16, x: u8| [&tag.to_be_bytes()[..], &[0, 3, 0, 0, 0, 1, 0, x, 0, 0]].concat();
+        let pointer = [&0x8769u16.to_be_bytes()[..], &[0, 4, 0, 0, 0, 1, 0, 0, 0, 38]].concat();
+        let main = [&b"MM\0*\0\0\0\x08\0\x02"[..], &short(0x0112, orientation), &pointer, &[0; 4]].concat();
+        [&main[..], &[0, 1], &short(0xa001, colour_space), &[0; 4]].concat()
+    }
+
+    fn jpeg(segments: &[(u8, Vec<u8>)]) -> Vec<u8> {
+        let mut bytes = vec![0xff, 0xd8];
+        for (marker, body) in segments {
+            bytes.extend([0xff, *marker]);
+            bytes.extend((body.len() as u16 + 2).to_be_bytes());
+            bytes.extend(body);
+        }
+        [&bytes[..], &[0xff, 0xda, 0, 2, 0x3f]].concat()
+    }
+
+    fn png(chunks: &[(&[u8; 4], Vec<u8>)]) -> Vec<u8> {
+        let mut bytes = b"\x89PNG\r\n\x1a\n".to_vec();
+        for (kind, data) in chunks {
+            bytes.extend((data.len() as u32).to_be_bytes());
+            bytes.extend([&kind[..], data, &[0; 4]].concat());
+        }
+        bytes
+    }
+
+    fn frame(components: u8) -> Vec<u8> {
+        vec![8, 0, 1, 0, 1, components]
+    }
+
+    /// Every row of the table.
+    #[test]
+    fn what_is_not_followed_is_named() {
+        let of_exif = |orientation, space| [&b"Exif\0\0"[..], &exif(orientation, space)].concat();
+        let marked = |word: &[u8]| word.to_vec();
+        for (segments, orientation, words) in [
+            (vec![(0xe1, of_exif(1, 1)), (0xc0, frame(3))], 1, None),
+            (vec![(0xe1, of_exif(6, 1)), (0xc2, frame(1))], 6, None),
+            (vec![(0xe1, of_exif(1, 2))], 1, Some("ColorSpace, Adobe RGB, is left out")),
+            (vec![(0xe1, of_exif(8, 77))], 8, Some("ColorSpace, number 77, is left out")),
+            (vec![(0xe1, of_exif(1, 2)), (0xe2, marked(b"ICC_PROFILE\0\x01\x01"))], 1, None),
+            (vec![(0xc0, frame(4)), (0xc4, frame(4))], 1, Some("four inks (CMYK)")),
+            (vec![(0xe2, marked(b"MPF\0MM"))], 1, Some("further pictures that it holds (MPF)")),
+            (vec![(0xe1, marked(b"http://ns.adobe.com/xap/1.0/\0 hdrgm:Version='1.0'"))], 1, Some("gain map")),
+            (vec![(0xe2, marked(b"urn:iso:std:iso:ts:21496:-1\0")), (0xe2, marked(b"MPF\0"))], 1, Some("gain map")),
+            (vec![(0xe0, marked(b"JFIF\0\x01\x02\x01\0\x48\0\x48\0\0"))], 1, None),
+            (vec![(0xe0, marked(b"JFIF\0\x01\x02\0\0\x01\0\x02\0\0"))], 1, Some("density 1 × 2 is left out")),
+            (vec![(0xee, marked(b"Adobe\0\x64\0\0\0\0\x01")), (0xc0, frame(3))], 1, None),
+        ] {
+            let file = jpeg(&segments);
+            let notes = of_jpeg(&file);
+            assert_eq!(notes.orientation.number(), orientation);
+            assert_eq!(notes.left_out.len(), usize::from(words.is_some()), "{notes:?}");
+            assert!(words.is_none_or(|words| notes.left_out[0].contains(words)), "{notes:?}");
+            for length in 0..file.len() {
+                of_jpeg(&file[..length]);
+            }
+        }
+        let frames = |count: u32| [count.to_be_bytes(), [0; 4]].concat();
+        for (chunks, orientation, words) in [
+            (vec![(b"eXIf", exif(3, 1)), (b"sBIT", vec![5]), (b"tEXt", vec![])], 3, None),
+            (vec![(b"acTL", frames(12))], 1, Some("an animation of 12 pictures (acTL)")),
+            (vec![(b"acTL", frames(1))], 1, None),
+            (vec![(b"gmAP", vec![]), (b"gdAT", vec![])], 1, Some("gain map")),
+        ] {
+            let file = png(&chunks);
+            let notes = of_png(&file);
+            assert_eq!(notes.orientation.number(), orientation);
+            assert_eq!(notes.left_out.len(), usize::from(words.is_some()), "{notes:?}");
+            assert!(words.is_none_or(|words| notes.left_out[0].contains(words)), "{notes:?}");
+            for length in 0..file.len() {
+                of_png(&file[..length]);
+            }
+        }
+    }
+
+    #[test]
+    fn numbers_that_are_taken_as_they_lie_are_not_turned() {
+        let notes = of_jpeg(&jpeg(&[(0xe1, [&b"Exif\0\0"[..], &exif(6, 1)].concat())]));
+        assert_eq!(
+            notes.of_numbers(Path::new("a.jpg")),
+            ["a.jpg: Orientation 6 is left out: columns and rows are those of the file"]
+        );
+    }
+}

@@ -11,6 +11,8 @@ mod distortion;
 mod dng;
 mod exif;
 mod file;
+#[cfg(test)]
+mod foreign_tests;
 mod gain_map;
 mod lens_model;
 mod lossless_jpeg;

@@ -100,7 +100,7 @@ const OF_TIFF: [Rule; 18] = [
 ];
 
 /// Tags of DNG files alone, by their names in its specification.
-const OF_DNG: [Rule; 150] = [
+const OF_DNG: [Rule; 152] = [
     (33421, "CFARepeatPatternDim", Followed),
     (33422, "CFAPattern", Followed),
     (33434, "ExposureTime", Followed),
@@ -227,10 +227,12 @@ const OF_DNG: [Rule; 150] = [
     (52536, "MaskSubArea", Neutral),
     (52537, "ProfileHueSatMapData3", LeftOut(&[], NO_LOOK)),
     (52538, "ReductionMatrix3", LeftOut(&[], "its more than three colours become XYZ by least squares")),
+    (52539, "RGBTables", LeftOut(&[], NO_LOOK)),
     (52543, "RGBTables", LeftOut(&[], NO_LOOK)),
     (52544, "ProfileGainTableMap2", LeftOut(&[], "the parts that it brightens or darkens stay as they are")),
     (52547, "ColumnInterleaveFactor", Refused(&[1.0])),
     (52548, "ImageSequenceInfo", Neutral),
+    (52549, "ProfileToneMethod", LeftOut(&[], NO_LOOK)),
     (52550, "ImageStats", Neutral),
     (52551, "ProfileDynamicRange", Neutral),
     (52552, "ProfileGroupName", Neutral),

@@ -40,8 +40,8 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
     let cfa = file.cfa(picture, active)?;
     let mut left_out = file.left_out(&main, beneath.as_ref(), active)?;
     if others > 0 {
-        left_out
-            .push(format!("{} in the file are left out", counted(others, ["more raw picture", "more raw pictures"])));
+        let which = counted(others, ["more raw picture", "more raw pictures"]);
+        left_out.push(format!("{which} in the file {} left out", if others == 1 { "is" } else { "are" }));
     }
     let coding = Coding::read(&mut file, picture, cfa.samples_per_pixel())?;
     let black_level_dn = file.black_level(picture, &cfa, active)?;
