@@ -254,7 +254,7 @@ fn pictures_beside_the_one_that_is_read_are_counted() {
     let first = loops[4..8].to_vec();
     let end = loops.len() - 4;
     loops.splice(end.., first);
-    assert_eq!(left_out(loops), Vec::<String>::new());
+    assert_eq!(tiff_notes(Cursor::new(loops)).expect("TIFF"), TiffNotes::default());
 }
 
 #[test]
@@ -277,6 +277,8 @@ fn shapes_and_turns_of_tiff_pictures_are_told() {
     assert_eq!(none.left_out, ["Orientation 9 is none: the picture is not turned"]);
     let profile = tiff(&with(&[(34_675, 7, vec![0.0; 9])], &grey())).expect("TIFF").metadata;
     assert!(profile.left_out[0].starts_with("ICCProfile is left out"), "{:?}", profile.left_out);
+    let palette = [(258, 3, vec![8.0]), (262, 3, vec![3.0]), (320, 3, vec![0.0; 768])];
+    assert!(tiff(&with(&palette, &grey())).expect_err("a palette").help.is_some());
     // Where white is 0, numbers count from the other end, as Pillow has it.
     let inverse = tiff(&with(&[(262, 3, vec![0.0])], &grey())).expect("TIFF");
     assert_eq!(inverse.data, NUMBERS.map(|n| u16::MAX - n));
@@ -478,7 +480,7 @@ fn parts_and_levels_that_are_not_followed_are_told() {
     let wanted = "DefaultCropSize, 2 × 2 pixels at 1, 0, is left out: the picture has all 4 × 2 that see light";
     assert_eq!(said, [wanted]);
     let masked = (50_830, 4, vec![0.0, 0.0, 2.0, 1.0]);
-    let said = dng(&with(&[masked.clone()], &mosaic())).expect("DNG").metadata.left_out;
+    let said = dng(&with(std::slice::from_ref(&masked), &mosaic())).expect("DNG").metadata.left_out;
     assert!(said[0].starts_with("MaskedAreas is left out: black is taken for 0"), "{said:?}");
     let stated = with(&[masked, (50_714, 4, vec![7.0])], &mosaic());
     assert_eq!(dng(&stated).expect("DNG").metadata.left_out, Vec::<String>::new());

@@ -57,7 +57,14 @@ pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
     let unreadable = |error: TiffError| {
         let invalid = Invalid::new("", format!("cannot read it as TIFF: {error}"));
         let is_cut = matches!(&error, TiffError::IoError(error) if error.kind() == io::ErrorKind::UnexpectedEof);
-        if is_cut { invalid.help("the file is truncated or damaged") } else { invalid }
+        let is_unsupported = matches!(&error, TiffError::UnsupportedError(_));
+        if is_cut {
+            invalid.help("the file is truncated or damaged")
+        } else if is_unsupported {
+            invalid.help("write it as grey or RGB of 8 or 16 bits, without compression or with LZW or Deflate")
+        } else {
+            invalid
+        }
     };
     let TiffNotes { mut left_out, orientation, has_profile } = tiff_notes(&mut from)?;
     if has_profile {

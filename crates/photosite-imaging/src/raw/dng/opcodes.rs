@@ -277,8 +277,8 @@ mod tests {
     fn lists_come_back_and_cut_ones_are_said_to_be_damaged() {
         let map = GainMap::new(3, 2, vec![1.5, 1.0, 1.25, 1.5, 1.0, 1.75]).expect("6 gains");
         for tile in [[1, 1], [2, 2]] {
-            let list = gain_maps(&[map.clone()], [64, 48], tile);
-            assert_eq!(corrections(&list, &[]).gain_maps, [map.clone()]);
+            let list = gain_maps(std::slice::from_ref(&map), [64, 48], tile);
+            assert_eq!(corrections(&list, &[]).gain_maps, std::slice::from_ref(&map));
             let of_another_size = read([&[], &list, &[]], [64, 47]).gain_maps;
             assert_eq!((of_another_size.len(), of_another_size[0].reach().is_some()), (tile[0] * tile[1], true));
             for length in 1..list.len() {
