@@ -10,7 +10,7 @@ use crate::image::Planes;
 use crate::io::developable::{Developable, Light};
 use crate::io::developed::{PictureFormat, PictureNumbers, numbers, write_developed};
 use crate::io::output::write_whole;
-use crate::raw::{RawImage, RawMetadata};
+use crate::raw::{Orientation, RawImage};
 use crate::{Invalid, Result};
 
 /// A developed picture.
@@ -55,12 +55,14 @@ impl Picture {
         let developed = match file {
             Developable::Raw(raw) => {
                 assumed = assumption(path, &raw, settings);
+                warnings.extend(raw.metadata.left_out.iter().cloned());
                 develop_linear(&raw, settings)
             }
-            Developable::Light(Light { planes, pixel_aspect, warnings: of_file }) => {
+            Developable::Light(Light { planes, pixel_aspect, orientation, warnings: of_file }) => {
                 warnings.extend(no_part(settings.raw_keys(), "a picture that is developed already"));
                 warnings.extend(of_file);
-                develop_picture(planes, pixel_aspect, settings)
+                let orientation = if settings.orientation { orientation } else { Orientation::default() };
+                develop_picture(orientation.apply(planes), orientation.pixel_aspect(pixel_aspect), settings)
             }
         };
         // What is wrong now lies between the settings and the raw file.
@@ -116,7 +118,7 @@ pub struct DevelopedFile {
 /// What is assumed of files of numbers alone of which nothing is stated.
 fn assumption(path: &Path, raw: &RawImage, settings: &DevelopSettings) -> Option<String> {
     let is_exr = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
-    if is_exr || raw.metadata != RawMetadata::default() || settings.raw != RawDescription::default() {
+    if is_exr || !raw.metadata.is_silent() || settings.raw != RawDescription::default() {
         return None;
     }
     let kind = if raw.cfa.is_mono() { "a monochrome sensor" } else { "a sensor with R, G and B at every pixel" };

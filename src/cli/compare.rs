@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::compare_report::text;
 use super::log::warning;
+use super::picture_warnings::warn_of;
 use super::print::{print_json, println_out, refuse_existing};
 use super::remedies::in_options;
 use crate::develop::EncodedPicture;
@@ -108,6 +109,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<bool> {
     let a = read(&args.a, args.variance_a.as_deref(), args.samples_a, args.masked)?;
     let b = read(&args.b, args.variance_b.as_deref(), args.samples_b, args.masked)?;
     if !args.quiet {
+        warn_of([&args.a, &args.b].map(AsRef::as_ref))?;
         warn(&a, &b);
     }
     let settings = Settings {

@@ -19,7 +19,7 @@ use crate::io::exr::{Attribute, read_exr};
 use crate::io::linear_picture::read_linear_picture;
 use crate::optics::{Camera, Focus, LensDescription, LensKind};
 use crate::pipeline::standalone_camera;
-use crate::raw::{self, Pixels, RawImage};
+use crate::raw::{self, GainMap, Pixels, RawImage, RawMetadata};
 use crate::report::LensReport;
 use crate::scene::description::{EnvironmentDescription, InstanceDescription, MaterialDescription, SceneDescription};
 use crate::sensor::{Binning, Format, SensorModel, presets};
@@ -99,8 +99,12 @@ fn facts(path: &Path, sandbox: &Sandbox, overrides: &[String]) -> Result<Map<Str
             let light = read_linear_picture(path, false, Pixels::All)?;
             Ok(of_planes(&light.planes, Vec::new()))
         }
-        "dng" => Ok(of_raw(&raw::read(path)?.linear())),
-        "tif" | "tiff" | "pbm" | "pgm" | "ppm" | "pnm" | "npy" => Ok(of_numbers(&raw::read(path)?)),
+        "dng" | "tif" | "tiff" | "pbm" | "pgm" | "ppm" | "pnm" | "npy" => {
+            let raw = raw::read(path)?;
+            let mut facts = if extension == "dng" { of_raw(&raw.linear()) } else { of_numbers(&raw) };
+            facts.extend(of_metadata(&raw.metadata));
+            Ok(facts)
+        }
         _ => {
             let help = "give a .toml, .json (a capture.json), .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pbm, .pgm, .ppm, \
                         .npy, .exr or .hdr file, or a name that `photosite sensors` lists";
@@ -324,6 +328,18 @@ fn of_plain_sensor(sensor: &SensorModel) -> Map<String, Value> {
     }))
 }
 
+/// How a file's picture is to be turned, where it does not stand upright, and what of the file is left out.
+fn of_metadata(metadata: &RawMetadata) -> Map<String, Value> {
+    let mut facts = Map::new();
+    if !metadata.orientation.is_upright() {
+        facts.insert("orientation".to_owned(), json!(metadata.orientation.number()));
+    }
+    if !metadata.left_out.is_empty() {
+        facts.insert("warnings".to_owned(), json!(metadata.left_out));
+    }
+    facts
+}
+
 /// All that TIFF, PBM, PGM, PPM and NPY files know.
 fn of_numbers(raw: &RawImage) -> Map<String, Value> {
     let sum: f64 = raw.data.iter().map(|&dn| f64::from(dn)).sum();
@@ -342,19 +358,17 @@ fn of_raw(raw: &RawImage) -> Map<String, Value> {
     facts.extend(map(json!({
         "resolution_px": [raw.width, raw.height],
         "active_area_px": raw.active_area.map(|area| [area.x, area.y, area.width, area.height]),
-        "saturated_pixels": active.data.iter().filter(|&&dn| dn >= raw.white_level_dn).count(),
+        "saturated_pixels": active.saturated(),
         "cfa": raw.cfa.to_string(),
         "bits": raw.bits,
         "black_level_dn": raw.black_level_dn.mean(),
         "white_level_dn": raw.white_level_dn,
+        "channel_whites_dn": raw.channel_whites_dn,
         "camera_model": raw.metadata.camera_model,
         "camera_serial": raw.metadata.camera_serial,
         "pixel_pitch_um": raw.metadata.pixel_pitch_m.map(|pitch| pitch.map(|m| round(m * 1e6))),
         "exposure_time_s": raw.metadata.exposure_time_s,
-        "falloff_correction": raw.metadata.gain_map.as_ref().map(|map| {
-            let largest = map.gains().iter().copied().fold(0.0, f32::max);
-            format!("gains up to {}, {} × {} points", round(largest.into()), map.columns(), map.rows())
-        }),
+        "falloff_correction": falloff_in_words(&raw.metadata.gain_maps),
         "distortion_correction": raw.metadata.distortion.is_some(),
         "iso": raw.metadata.iso,
         "f_number": raw.metadata.f_number,
@@ -362,6 +376,14 @@ fn of_raw(raw: &RawImage) -> Map<String, Value> {
         "as_shot_neutral": raw.metadata.as_shot_neutral,
     })));
     facts
+}
+
+fn falloff_in_words(maps: &[GainMap]) -> Option<String> {
+    let first = maps.first()?;
+    let largest = maps.iter().flat_map(GainMap::gains).copied().fold(0.0, f32::max);
+    let points = format!("{} × {} points", first.columns(), first.rows());
+    let of = if maps.len() == 1 { points } else { format!("{} maps, the first of {points}", maps.len()) };
+    Some(format!("gains up to {}, {of}", round(largest.into())))
 }
 
 /// Figures of the finite numbers of planes, and what else is told of their file.

@@ -7,6 +7,7 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::log::warning;
+use super::picture_warnings::warn_of;
 use super::print::{print_json, println_out};
 use crate::colour::{ColourSpace, cielab, difference};
 use crate::image::{Channel, Planes};
@@ -94,6 +95,7 @@ impl PictureArgs {
     }
 
     fn read_other(&self, path: &Path) -> Result<Picture> {
+        warn_of([path])?;
         let picture = read_picture_file(path, self.pixels())?;
         picture.warnings.iter().for_each(|what| warning!("{}: {what}", path.display()));
         Ok(picture)
@@ -105,6 +107,7 @@ impl PictureArgs {
 
     /// Planes of linear light, white at 1 where the file has codes; colours are sRGB.
     fn read_linear(&self, path: &Path) -> Result<Planes> {
+        warn_of([path])?;
         let light = read_linear_picture(path, self.linear, self.pixels())?;
         light.warnings.iter().for_each(|what| warning!("{}: {what}", path.display()));
         Ok(light.planes)

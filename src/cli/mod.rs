@@ -31,6 +31,7 @@ mod merge_hdr;
 mod monitor;
 mod noise;
 mod noise_add;
+mod picture_warnings;
 mod print;
 mod project;
 mod rectify;

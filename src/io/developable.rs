@@ -7,7 +7,8 @@
 //! | EXR of a picture, Radiance HDR | a picture: [linear light](photosite_scene_io::linear) |
 //! | EXR of digital numbers, and all other files | raw, as [`read_raw`] has it |
 //!
-//! Pixels have the shape that PNG files say in pHYs, and EXR and HDR files in their headers.
+//! Pixels have the shape that PNG files say in pHYs, and EXR and HDR files in their headers. What else of a file is followed
+//! and what is left out, [`PictureNotes`] says.
 
 use std::io::BufReader;
 use std::path::Path;
@@ -15,9 +16,10 @@ use std::sync::Arc;
 
 use super::exr::read_exr_file;
 use super::linear_picture::read_linear_picture;
+use super::picture_notes::PictureNotes;
 use super::raw_file::read_raw;
 use crate::image::Planes;
-use crate::raw::{Cfa, Pixels, RawImage};
+use crate::raw::{Cfa, Orientation, Pixels, RawImage, RawMetadata};
 use crate::validation::MOSAIC;
 use crate::{Error, Invalid, Result};
 use photosite_core::input;
@@ -38,6 +40,8 @@ pub struct Light {
     pub planes: Planes,
     /// Width of a pixel over its height.
     pub pixel_aspect: f64,
+    /// How it is to be turned so that it stands upright.
+    pub orientation: Orientation,
     /// What of the file is left out, filled in or no number.
     pub warnings: Vec<String>,
 }
@@ -95,7 +99,9 @@ fn of_picture(path: &Path, pixel_aspect: f64) -> Result<Developable> {
         && mosaic.name == MOSAIC
     {
         let numbers = mosaic.data.iter().map(|&number| number as u16).collect();
-        let raw = RawImage::bare(size[0], size[1], numbers, Cfa::mono(), u16::MAX);
+        let PictureNotes { orientation, left_out } = PictureNotes::read(path)?;
+        let metadata = RawMetadata { orientation, left_out, ..RawMetadata::default() };
+        let raw = RawImage { metadata, ..RawImage::bare(size[0], size[1], numbers, Cfa::mono(), u16::MAX) };
         return Ok(Developable::Raw(Arc::new(raw)));
     }
     if light.components == 0 {
@@ -103,13 +109,14 @@ fn of_picture(path: &Path, pixel_aspect: f64) -> Result<Developable> {
         let help = "give a file with R, G and B, with X, Y and Z, or with Y, or with one layer of them";
         return Err(Invalid::new("", message).help(help).in_file(path));
     }
-    let said = light.left_out().into_iter().chain(light.warnings).map(|what| format!("{}: {what}", path.display()));
-    let warnings = said.collect();
+    let PictureNotes { orientation, left_out } = PictureNotes::read(path)?;
+    let of_light = light.left_out().into_iter().chain(light.warnings).map(|what| format!("{}: {what}", path.display()));
+    let warnings = left_out.into_iter().chain(of_light).collect();
     let pixel_aspect = pixel_aspect * light.pixel_aspect;
     let mut channels = light.planes.into_channels();
     channels.truncate(light.components);
     let planes = Planes::new(size[0], size[1], channels).map_err(|invalid| invalid.in_file(path))?;
-    Ok(Developable::Light(Light { planes, pixel_aspect, warnings }))
+    Ok(Developable::Light(Light { planes, pixel_aspect, orientation, warnings }))
 }
 
 /// By pHYs, whatever its unit: columns and rows along equal lengths.

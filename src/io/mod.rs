@@ -24,6 +24,7 @@ pub mod npy;
 pub mod number_picture;
 pub mod picture_file;
 mod picture_format;
+pub mod picture_notes;
 pub mod picture_rows;
 pub mod plain_png;
 pub mod pretty_json;

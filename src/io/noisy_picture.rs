@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::linear_picture::light_of_codes;
 use super::number_picture::{NumberFormat, NumberPicture};
 use super::picture_file::read_picture_file;
+use super::picture_notes::PictureNotes;
 use super::stated_colours::StatedColours;
 use crate::image::Planes;
 use crate::raw::Pixels;
@@ -45,6 +46,7 @@ pub fn make_noisy(
     let sigma_map = noise.sigma_map.file.as_deref().map(read_sigma_map).transpose()?;
     let mut warnings = noise.without_effect();
     warnings.extend(of_file.into_iter().map(|warning| format!("{}: {warning}", path.display())));
+    warnings.extend(PictureNotes::read(path)?.of_numbers(path));
     if planes.plane("A").is_some() {
         warnings.push("transparency (A) gets no noise".to_owned());
     }

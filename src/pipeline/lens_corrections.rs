@@ -130,10 +130,11 @@ impl<'a> LensSeen<'a> {
 
     /// Writes falloff and distortion into the metadata of a raw image of this window. `known` is of this lens.
     pub(super) fn write_to(&self, metadata: &mut RawMetadata, known: &KnownCorrections) {
-        metadata.gain_map = match self.lens.falloff {
+        let map = match self.lens.falloff {
             Falloff::None if self.lens.stops.is_empty() => None,
             Falloff::None | Falloff::Cos4 => known.gain_map(self),
         };
+        metadata.gain_maps = map.into_iter().collect();
         metadata.distortion = self.model().map(Distortion::Lens);
     }
 
@@ -458,7 +459,7 @@ mod tests {
         let (lens, camera) = camera(Projection::Perspective, 22.0, [6e-6; 2]);
         let mut metadata = RawMetadata::default();
         seen(&lens, &camera, RegionOfInterest::WHOLE, [6e-6; 2]).write_to(&mut metadata, &KnownCorrections::default());
-        let map = metadata.gain_map.expect("falloff");
+        let map = metadata.gain_maps.first().expect("falloff");
         for (x, y) in [(0.0, 0.0), (0.5, 0.5), (1.0, 0.25), (0.73, 0.4)] {
             let across = DVec2::new((x - 0.5) * 640.0, (y - 0.5) * 480.0) * 6e-6 / 0.004;
             let gain = (1.0 + across.length_squared()).powi(2);

@@ -67,13 +67,16 @@ impl RawDescription {
                 metadata.as_shot_neutral = None;
                 metadata.calibrations.clear();
                 raw.black_level_dn = BlackLevel::uniform(raw.black_level_dn.mean());
+                raw.channel_whites_dn = None;
             }
             raw.cfa = cfa;
         }
         if let Some(dn) = self.black_level_dn {
             raw.black_level_dn = BlackLevel::uniform(dn);
         }
-        raw.white_level_dn = self.white_level_dn.unwrap_or(raw.white_level_dn);
+        if let Some(dn) = self.white_level_dn {
+            (raw.white_level_dn, raw.channel_whites_dn) = (dn, None);
+        }
         let (black, white) = (raw.black_level_dn.mean(), raw.white_level_dn);
         if black >= white.into() {
             let message = format!("white level {white} and black level {black} leave no range");

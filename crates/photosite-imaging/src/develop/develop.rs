@@ -152,6 +152,10 @@ fn develop_signal(
     settings: &DevelopSettings,
 ) -> Result<(Planes, Development), Invalid> {
     let size = [raw.width, raw.height];
+    let orientation = settings.orientation(&raw.metadata);
+    // The size that is asked for is that of the turned picture.
+    let settings =
+        &DevelopSettings { resize_px: settings.resize_px.map(|size| orientation.turned(size)), ..settings.clone() };
     defects::correct(&mut signal, size, &raw.cfa, settings.defects);
     if settings.lens_falloff {
         lens_falloff::correct(&mut signal, raw);
@@ -163,6 +167,7 @@ fn develop_signal(
     highlights::recover(&mut picture, &neutral, settings.highlights);
     let picture = filtered(picture, &raw.metadata, &neutral, settings)?;
     let picture = shown(to_colour_space(picture, raw, &neutral, settings)?, settings);
+    let picture = orientation.apply(picture);
 
     let light = colour::temperature_of(&raw.metadata, &neutral);
     let development = Development {
@@ -170,7 +175,7 @@ fn develop_signal(
         demosaic: if raw.cfa.is_mosaic() { Some(demosaic::method_for(raw, settings.demosaic)?) } else { None },
         temperature_k: light.map(|(kelvin, _)| kelvin),
         tint: light.map(|(_, tint)| tint),
-        pixel_aspect: settings.pixel_aspect(&raw.metadata),
+        pixel_aspect: orientation.pixel_aspect(settings.pixel_aspect(&raw.metadata)),
         neutral,
     };
     Ok((picture, development))

@@ -77,7 +77,7 @@ pub fn with_layout(raw: &RawImage, layout: RawLayout) -> Result<Cow<'_, RawImage
         }
     });
     let black_level_dn = crate::raw::BlackLevel::uniform(black);
-    Ok(Cow::Owned(RawImage { data, cfa, black_level_dn, ..raw }))
+    Ok(Cow::Owned(RawImage { data, cfa, black_level_dn, channel_whites_dn: None, ..raw }))
 }
 
 /// The Bayer filter whose pixels an array's blocks are; `None` where there are no such blocks.

@@ -13,6 +13,8 @@ pub(super) fn apply(raw: &RawImage, linearise: bool) -> Cow<'_, RawImage> {
     let mut raw = raw.clone();
     raw.black_level_dn = BlackLevel::uniform(number(raw.black_level_dn.mean()).into());
     raw.white_level_dn = number(raw.white_level_dn.into());
+    raw.channel_whites_dn =
+        raw.channel_whites_dn.map(|whites| whites.into_iter().map(|dn| number(dn.into())).collect());
     raw.linearisation = None;
     Cow::Owned(raw)
 }

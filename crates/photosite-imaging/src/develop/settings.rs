@@ -8,7 +8,7 @@ use super::choices::{
 };
 use super::description::RawDescription;
 use super::encode::Encoding;
-use crate::raw::RawMetadata;
+use crate::raw::{Orientation, RawMetadata};
 use photosite_core::colour::{ColourSpace, Transfer};
 use photosite_core::schema_range::within;
 
@@ -78,6 +78,9 @@ pub struct DevelopSettings {
     /// p = min(p_x, p_y); false keeps the grid of the sensor, and PNG, TIFF, JPEG and EXR files state the shape of its
     /// pixels. Known of DNG files alone. Left out: true.
     pub square_pixels: bool,
+    /// Turns the picture upright, last of all, where a raw file, TIFF, PNG or JPEG says how it was held (Orientation);
+    /// false leaves it as the sensor lay. resize_px is the size of the upright picture. Left out: true.
+    pub orientation: bool,
     /// Enlarges the middle of the picture to all of its pixels: 2 shows the middle half of columns and rows. Left out:
     /// 1.
     #[schemars(transform = within(1.0..=1000.0))]
@@ -173,6 +176,7 @@ impl Default for DevelopSettings {
             kernel_normalised: None,
             distortion: true,
             square_pixels: true,
+            orientation: true,
             digital_zoom: 1.0,
             resize_px: None,
             resize_filter: None,
@@ -255,6 +259,11 @@ impl DevelopSettings {
     /// Standard deviation of the unsharp mask, pixels.
     pub(super) fn sharpening_radius_px(&self) -> f64 {
         self.sharpening_radius_px.unwrap_or(1.0)
+    }
+
+    /// How a picture of such a file is turned.
+    pub fn orientation(&self, metadata: &RawMetadata) -> Orientation {
+        if self.orientation { metadata.orientation } else { Orientation::default() }
     }
 
     /// Width over height of the pixels of a picture that is developed from such a raw file.

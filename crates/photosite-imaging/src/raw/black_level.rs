@@ -51,6 +51,17 @@ impl BlackLevel {
         Self { column_deltas, row_deltas, samples_per_pixel: cfa.samples_per_pixel(), ..self }
     }
 
+    /// The levels of numbers that are (DN − low)·scale.
+    pub fn on_scale(&self, low: f64, scale: f64) -> Self {
+        let delta = |dn: &f32| (f64::from(*dn) * scale) as f32;
+        Self {
+            tile: self.tile.iter().map(|dn| ((f64::from(*dn) - low) * scale) as f32).collect(),
+            column_deltas: self.column_deltas.iter().map(delta).collect(),
+            row_deltas: self.row_deltas.iter().map(delta).collect(),
+            ..*self
+        }
+    }
+
     /// The levels of a part of the picture that begins at the pixel in column x, row y.
     pub fn from(&self, cfa: &Cfa, x: usize, y: usize) -> Self {
         let height = self.tile.len() / self.width;

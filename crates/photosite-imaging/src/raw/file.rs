@@ -13,7 +13,11 @@ use photosite_core::{Error, Invalid, Result};
 /// taken for those of a monochrome sensor.
 pub fn read(path: &Path) -> Result<RawImage> {
     let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
-    read_any(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
+    let mut raw = read_any(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))?;
+    for what in &mut raw.metadata.left_out {
+        *what = format!("{}: {what}", path.display());
+    }
+    Ok(raw)
 }
 
 impl RawImage {
@@ -45,7 +49,7 @@ fn read_any<R: Read + Seek>(mut from: BufReader<R>) -> std::result::Result<RawIm
     from.by_ref().take(4).read_to_end(&mut magic).map_err(io)?;
     from.rewind().map_err(io)?;
     match &magic[..] {
-        b"II*\0" | b"MM\0*" => {
+        b"II*\0" | b"MM\0*" | b"II+\0" | b"MM\0+" => {
             let is_dng = is_dng(&mut from);
             from.rewind().map_err(io)?;
             if is_dng { read_dng(from) } else { read_tiff(from) }

@@ -3,23 +3,63 @@
 use photosite_core::Invalid;
 use serde::{Deserialize, Serialize};
 
+use super::PixelArea;
+
 /// Gains that make an evenly lit picture even: points on an even grid over the active area, the outermost on its edges,
 /// with straight lines in between.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct GainMap {
     columns: usize,
     gains: Vec<f32>,
+    /// Which pixels it is for, where it is not for all.
+    reach: Option<Reach>,
+}
+
+/// The pixels that a gain map is for, and where its points lie (DNG's opcode GainMap): maps of telephones differ between
+/// the places of a mosaic's tile, and so between its colours.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reach {
+    /// A part of the active area.
+    pub area: PixelArea,
+    /// From one of its pixels to the next, along rows and along columns.
+    pub pitch: [usize; 2],
+    /// The first of a pixel's numbers that it is for.
+    pub plane: usize,
+    /// How many of them it is for.
+    pub planes: usize,
+    /// From one point to the next, across and down, in sides of the active area.
+    pub spacing: [f64; 2],
+    /// The first point, in sides of the active area.
+    pub origin: [f64; 2],
+    /// Gains at each point: one for each of a pixel's numbers, the last for all beyond.
+    pub gains_per_point: usize,
 }
 
 impl GainMap {
-    /// Gains row by row from the top-left corner; they are finite and above 0.
+    /// Gains of all pixels, row by row from the top-left corner; they are finite and above 0.
     pub fn new(columns: usize, rows: usize, gains: Vec<f32>) -> Result<Self, Invalid> {
-        let complete = columns > 0 && rows > 0 && columns.checked_mul(rows) == Some(gains.len());
+        Self::check(columns, rows, 1, &gains)?;
+        Ok(Self { columns, gains, reach: None })
+    }
+
+    /// Gains of some pixels, point by point.
+    pub fn of_some(columns: usize, rows: usize, gains: Vec<f32>, reach: Reach) -> Result<Self, Invalid> {
+        Self::check(columns, rows, reach.gains_per_point, &gains)?;
+        let numbers = reach.spacing.iter().chain(&reach.origin);
+        if reach.pitch.contains(&0) || numbers.into_iter().any(|x| !x.is_finite()) || reach.spacing.contains(&0.0) {
+            return Err(Invalid::new("GainMap", "its points lie nowhere").help("the file is damaged"));
+        }
+        Ok(Self { columns, gains, reach: Some(reach) })
+    }
+
+    fn check(columns: usize, rows: usize, per_point: usize, gains: &[f32]) -> Result<(), Invalid> {
+        let count = columns.checked_mul(rows).and_then(|points| points.checked_mul(per_point));
+        let complete = columns > 0 && rows > 0 && per_point > 0 && count == Some(gains.len());
         if !complete || gains.iter().any(|gain| !(gain.is_finite() && *gain > 0.0)) {
             let message = format!("{} gains do not form a map of {columns} × {rows} points", gains.len());
             return Err(Invalid::new("GainMap", message).help("give finite numbers above 0"));
         }
-        Ok(Self { columns, gains })
+        Ok(())
     }
 
     /// Points in a row.
@@ -29,7 +69,7 @@ impl GainMap {
 
     /// Rows of points.
     pub fn rows(&self) -> usize {
-        self.gains.len() / self.columns
+        self.gains.len() / self.columns / self.gains_per_point()
     }
 
     /// The gains, row by row.
@@ -37,19 +77,64 @@ impl GainMap {
         &self.gains
     }
 
-    /// The gain at a place of the active area, from 0, 0 at its top-left corner to 1, 1 at the opposite one.
+    /// The pixels that it is for; `None` of a map for all.
+    pub fn reach(&self) -> Option<&Reach> {
+        self.reach.as_ref()
+    }
+
+    fn gains_per_point(&self) -> usize {
+        self.reach.as_ref().map_or(1, |reach| reach.gains_per_point)
+    }
+
+    /// Whether it has the same gains at the same points as another one, for whatever pixels.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let points = |map: &Self| map.reach.as_ref().map(|reach| (reach.spacing, reach.origin, reach.gains_per_point));
+        self.columns == other.columns && self.gains == other.gains && points(self) == points(other)
+    }
+
+    /// Whether it is for pixels of this row of the active area.
+    pub fn has_row(&self, y: usize) -> bool {
+        self.reach.as_ref().is_none_or(|Reach { area, pitch, .. }| is_step(y, area.y, area.height, pitch[1]))
+    }
+
+    /// Whether it is for a number of pixels of this column.
+    pub fn has_number(&self, x: usize, plane: usize) -> bool {
+        self.reach.as_ref().is_none_or(|Reach { area, pitch, plane: first, planes, .. }| {
+            is_step(x, area.x, area.width, pitch[0]) && is_step(plane, *first, *planes, 1)
+        })
+    }
+
+    /// The gain of the first of a pixel's numbers at a place of the active area, from 0, 0 at its top-left corner to 1, 1
+    /// at the opposite one.
     pub fn at(&self, x: f64, y: f64) -> f32 {
-        let split = |position: f64, points: usize| {
-            let position = position.clamp(0.0, 1.0) * (points - 1) as f64;
+        self.at_plane(x, y, 0)
+    }
+
+    /// The gain of any of a pixel's numbers there.
+    pub fn at_plane(&self, x: f64, y: f64, plane: usize) -> f32 {
+        let per_point = self.gains_per_point();
+        let plane = plane.min(per_point - 1);
+        let split = |axis: usize, position: f64, points: usize| {
+            let position = match &self.reach {
+                Some(reach) => (position - reach.origin[axis]) / reach.spacing[axis],
+                None => position.clamp(0.0, 1.0) * (points - 1) as f64,
+            };
+            let position = position.clamp(0.0, (points - 1) as f64);
             let first = (position as usize).min(points.saturating_sub(2));
             (first, (first + 1).min(points - 1), (position - first as f64) as f32)
         };
-        let (left, right, part_x) = split(x, self.columns());
-        let (top, bottom, part_y) = split(y, self.rows());
+        let (left, right, part_x) = split(0, x, self.columns());
+        let (top, bottom, part_y) = split(1, y, self.rows());
         let mix = |a: f32, b: f32, part: f32| a + (b - a) * part;
-        let row = |y: usize| mix(self.gains[y * self.columns + left], self.gains[y * self.columns + right], part_x);
+        let gain = |x: usize, y: usize| self.gains[(y * self.columns + x) * per_point + plane];
+        let row = |y: usize| mix(gain(left, y), gain(right, y), part_x);
         mix(row(top), row(bottom), part_y)
     }
+}
+
+/// Whether a place is one of those that begin at `first`, `pitch` apart, over `length`.
+fn is_step(place: usize, first: usize, length: usize, pitch: usize) -> bool {
+    place.checked_sub(first).is_some_and(|from| from < length && from.is_multiple_of(pitch))
 }
 
 #[cfg(test)]

@@ -9,13 +9,21 @@ mod calibration;
 mod cfa;
 mod distortion;
 mod dng;
+mod exif;
 mod file;
+#[cfg(test)]
+mod foreign_tests;
 mod gain_map;
 mod lens_model;
 mod lossless_jpeg;
 mod npy;
+mod openable;
+mod orientation;
 mod pnm;
 mod rational;
+mod rules;
+mod tag;
+mod tags;
 mod thumbnail;
 mod tiff;
 mod warp;
@@ -26,14 +34,16 @@ pub use calibration::{ColourCalibration, LightSource};
 pub use cfa::{Cfa, NAMED as NAMED_FILTER_ARRAYS};
 pub use distortion::Distortion;
 pub use dng::{DngCompression, dng_can_hold, read_dng, write_compressed_dng, write_dng};
+pub use exif::Exif;
 pub use file::read;
-pub use gain_map::GainMap;
+pub use gain_map::{GainMap, Reach};
 pub use lens_model::{LensModel, Undistortion};
 pub use npy::with_short_header;
 pub use npy::{NpyNumbers, NpyPicture, read_npy, read_npy_picture, write_npy};
+pub use orientation::Orientation;
 pub use pnm::{read_pnm, write_pgm};
+pub use tiff::{TiffNotes, read_tiff, tiff_notes, write_tiff};
 pub use tiff::{read_pixels, refuse_planar_tiles};
-pub use tiff::{read_tiff, write_tiff};
 pub use warp::{Warp, WarpKind};
 
 use std::borrow::Cow;
@@ -74,8 +84,10 @@ pub struct RawImage {
     pub linearisation: Option<Vec<u16>>,
     /// Linear number of no light, DN.
     pub black_level_dn: BlackLevel,
-    /// Smallest linear number at which a pixel counts as saturated, DN.
+    /// Smallest linear number at which a pixel counts as saturated, DN: that of all channels, or the smallest of theirs.
     pub white_level_dn: u16,
+    /// That of each channel, DN, where they differ.
+    pub channel_whites_dn: Option<Vec<u16>>,
     /// How it was taken.
     pub metadata: RawMetadata,
 }
@@ -93,6 +105,7 @@ impl Default for RawImage {
             linearisation: None,
             black_level_dn: BlackLevel::default(),
             white_level_dn: u16::MAX,
+            channel_whites_dn: None,
             metadata: RawMetadata::default(),
         }
     }
@@ -119,9 +132,23 @@ impl RawImage {
             cfa: self.cfa.clone(),
             linearisation: self.linearisation.clone(),
             black_level_dn: self.black_level_dn.clone(),
+            channel_whites_dn: self.channel_whites_dn.clone(),
             metadata: self.metadata.clone(),
             ..*self
         }
+    }
+
+    /// Smallest linear number at which a pixel counts as saturated in a channel, DN.
+    pub fn white_of(&self, channel: usize) -> u16 {
+        self.channel_whites_dn.as_ref().and_then(|whites| whites.get(channel)).copied().unwrap_or(self.white_level_dn)
+    }
+
+    /// Numbers of saturated pixels.
+    pub fn saturated(&self) -> usize {
+        let row_length = self.row_length().max(1);
+        let is_saturated =
+            |&(i, &dn): &(usize, &u16)| dn >= self.white_of(self.cfa.channel_at(i % row_length, i / row_length));
+        self.data.iter().enumerate().filter(is_saturated).count()
     }
 
     /// Numbers in a row of `data`.
@@ -176,6 +203,7 @@ impl RawImage {
             linearisation: self.linearisation.clone(),
             black_level_dn: self.black_level_dn.from(&self.cfa, x, y),
             white_level_dn: self.white_level_dn,
+            channel_whites_dn: self.channel_whites_dn.clone(),
             metadata: self.metadata.clone(),
         }
     }
@@ -226,10 +254,14 @@ pub struct RawMetadata {
     pub noise_profile: Vec<[f64; 2]>,
     /// By how much a developer brightens the picture unasked, so that it looks as it should, EV (DNG BaselineExposure).
     pub baseline_exposure_ev: f64,
-    /// Gains that undo the lens's falloff, where it is known.
-    pub gain_map: Option<GainMap>,
+    /// Gains that undo the lens's falloff, where it is known: one map for all pixels, or one for each of some.
+    pub gain_maps: Vec<GainMap>,
     /// The lens's distortion, where it is known.
     pub distortion: Option<Distortion>,
+    /// How the picture is to be turned so that it stands upright.
+    pub orientation: Orientation,
+    /// What its file says and nobody follows, each as a warning has it.
+    pub left_out: Vec<String>,
 }
 
 impl RawMetadata {
@@ -240,6 +272,11 @@ impl RawMetadata {
         let aspect = if (0.01..=100.0).contains(&aspect) { aspect } else { 1.0 };
         // No pixel is known as well as that, and a file that rounds a pitch must not make another picture.
         (aspect * 1e12).round() / 1e12
+    }
+
+    /// Whether a file says nothing that a developer could use.
+    pub fn is_silent(&self) -> bool {
+        Self { orientation: Orientation::default(), left_out: Vec::new(), ..self.clone() } == Self::default()
     }
 
     /// XYZ → camera for colours under D65, where it is known.
@@ -279,7 +316,7 @@ mod tests {
             metadata: RawMetadata {
                 camera_model: "a \"camera\"".to_owned(),
                 calibrations: vec![calibration],
-                gain_map: Some(GainMap::new(2, 1, vec![1.0, 1.1]).expect("a map")),
+                gain_maps: vec![GainMap::new(2, 1, vec![1.0, 1.1]).expect("a map")],
                 distortion: Some(Distortion::Lens(lens)),
                 ..RawMetadata::default()
             },

@@ -103,10 +103,11 @@ struct Colours {
 impl Colours {
     fn new(raw: &RawImage) -> Self {
         let channels = raw.cfa.channels();
-        let range = (f32::from(raw.white_level_dn) - raw.black_level_dn.mean()).max(1.0);
+        let range = |channel: usize| (f32::from(raw.white_of(channel)) - raw.black_level_dn.mean()).max(1.0);
         let neutral = raw.metadata.as_shot_neutral.as_deref().unwrap_or_default();
-        let full =
-            |channel: usize| range * neutral.get(channel).map_or(1.0, |component: &f64| component.max(1e-6)) as f32;
+        let full = |channel: usize| {
+            range(channel) * neutral.get(channel).map_or(1.0, |component: &f64| component.max(1e-6)) as f32
+        };
         let places = ["R", "G", "B"].map(|colour| channels.iter().position(|name| name == colour));
         let rgb = if let [Some(r), Some(g), Some(b)] = places {
             let matrix = if channels.len() == 3 { camera_to_srgb(&raw.metadata) } else { None };

@@ -11,8 +11,11 @@ use tiff::encoder::{
 use tiff::tags::{CompressionMethod, PhotometricInterpretation, PlanarConfiguration, Tag};
 use tiff::{ColorType, TiffError, TiffResult};
 
-use super::{Cfa, MAX_SIDE, RawImage, check_memory};
-use photosite_core::Invalid;
+use super::openable::open;
+use super::rules::{self, Kind};
+use super::tags::{self, Tags};
+use super::{Cfa, MAX_SIDE, Orientation, RawImage, RawMetadata, check_memory};
+use photosite_core::{Invalid, counted};
 
 /// Bytes of which zlib can make no more than this for each, nor any other compression of TIFF.
 const MOST_INFLATION: usize = 1032;
@@ -54,8 +57,24 @@ pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
     let unreadable = |error: TiffError| {
         let invalid = Invalid::new("", format!("cannot read it as TIFF: {error}"));
         let is_cut = matches!(&error, TiffError::IoError(error) if error.kind() == io::ErrorKind::UnexpectedEof);
-        if is_cut { invalid.help("the file is truncated or damaged") } else { invalid }
+        let is_unsupported = matches!(&error, TiffError::UnsupportedError(_));
+        if is_cut {
+            invalid.help("the file is truncated or damaged")
+        } else if is_unsupported {
+            invalid.help("write it as grey or RGB of 8 or 16 bits, without compression or with LZW or Deflate")
+        } else {
+            invalid
+        }
     };
+    let TiffNotes { mut left_out, orientation, has_profile } = tiff_notes(&mut from)?;
+    if has_profile {
+        left_out.push(
+            "ICCProfile is left out: its numbers are taken for those of a sensor, in proportion to light; write a PNG \
+             file of a picture that is developed already"
+                .to_owned(),
+        );
+    }
+    from.rewind().map_err(|error| unreadable(error.into()))?;
     let length = from.seek(SeekFrom::End(0)).and_then(|length| from.rewind().map(|()| length));
     let length = length.map_err(|error| unreadable(error.into()))?;
     let mut decoder = Decoder::new(from).map_err(unreadable)?;
@@ -109,7 +128,72 @@ pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
     if data.len() != width * height * samples {
         return Err(Invalid::new("StripByteCounts", "the file does not hold all pixels"));
     }
-    Ok(RawImage::bare(width, height, data, cfa, maximum))
+    let raw = RawImage::bare(width, height, data, cfa, maximum);
+    Ok(RawImage { metadata: RawMetadata { orientation, left_out, ..RawMetadata::default() }, ..raw })
+}
+
+/// What a TIFF file says beside the numbers of its first picture.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TiffNotes {
+    /// What nobody follows, each as a warning has it.
+    pub left_out: Vec<String>,
+    /// How the picture is to be turned so that it stands upright.
+    pub orientation: Orientation,
+    /// Whether an ICC profile says what its colours are.
+    pub has_profile: bool,
+}
+
+/// Reads them; an error where the pixels are stored as photosite does not read them.
+pub fn tiff_notes<R: Read + Seek>(from: R) -> Result<TiffNotes, Invalid> {
+    let (decoder, first) = open(from).map_err(tags::unreadable)?;
+    let mut file = Tags { decoder };
+    let pages = file.following(first);
+    let Some((page, others)) = pages.split_first() else { return Ok(TiffNotes::default()) };
+    let mut left_out = rules::left_out(&mut file, page, Kind::Tiff)?;
+    // Smaller pictures of the same and masks are no pages.
+    let mut more = 0;
+    for other in others {
+        let kind = file.number(other, Tag::NewSubfileType)?.unwrap_or(0.0) as u32;
+        more += usize::from(kind & (REDUCED | MASK) == 0);
+    }
+    if more > 0 {
+        left_out.push(format!("{} left out: the first alone is read", be_left(more, "more page", "more pages")));
+    }
+    // ImageJ writes one directory for all pictures where they lie one after the other.
+    let description = file.text_or_bytes(page, Tag::ImageDescription)?;
+    let stacked = description.lines().find_map(|line| line.strip_prefix("images=")?.trim().parse::<usize>().ok());
+    if let Some(images) = stacked.filter(|images| description.starts_with("ImageJ=") && *images > 1 && pages.len() == 1)
+    {
+        left_out.push(format!("{} left out: the first alone is read", be_left(images - 1, "more page", "more pages")));
+    }
+    let beneath = file.numbers(page, Tag::SubIfd)?.len();
+    if beneath > 0 {
+        left_out
+            .push(format!("{} left out", be_left(beneath, "picture beneath the first", "pictures beneath the first")));
+    }
+    let sides = [Tag::XResolution, Tag::YResolution].map(|tag| file.number(page, tag));
+    if let [Some(x), Some(y)] = [sides[0].clone()?, sides[1].clone()?]
+        && (x / y - 1.0).abs() > 1e-6
+        && x * y > 0.0
+    {
+        left_out.push(format!("XResolution {x} and YResolution {y} are left out: its pixels are taken for square"));
+    }
+    let orientation = match file.number(page, Tag::Orientation)? {
+        None => Orientation::default(),
+        Some(number) => Orientation::of_number(number).unwrap_or_else(|| {
+            left_out.push(format!("Orientation {number} is none: the picture is not turned"));
+            Orientation::default()
+        }),
+    };
+    Ok(TiffNotes { left_out, orientation, has_profile: page.contains(Tag::IccProfile) })
+}
+
+/// NewSubfileType of a picture of reduced resolution, and of a mask.
+const REDUCED: u32 = 1;
+const MASK: u32 = 4;
+
+fn be_left(count: usize, one: &str, several: &str) -> String {
+    format!("{} {}", counted(count, [one, several]), if count == 1 { "is" } else { "are" })
 }
 
 /// Refuses tiles of one plane after the other, which the decoder does not read.

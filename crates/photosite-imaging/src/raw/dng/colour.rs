@@ -11,9 +11,9 @@ use tiff::tags::Tag;
 use tiff::{Directory, TiffResult};
 
 use super::ifd::Ifd;
-use super::tag;
-use super::tags::Tags;
 use crate::raw::rational::{rational, srational};
+use crate::raw::tag;
+use crate::raw::tags::Tags;
 use crate::raw::{ColourCalibration, LightSource, RawMetadata};
 use photosite_core::Invalid;
 
@@ -82,6 +82,10 @@ pub(super) fn read<R: Read + Seek>(
     metadata: &mut RawMetadata,
 ) -> Result<(), Invalid> {
     let balance = file.numbers(main, tag::ANALOG_BALANCE)?;
+    // A calibration is one to the matrices of its own signature.
+    let [camera, profile] = [tag::CAMERA_CALIBRATION_SIGNATURE, tag::PROFILE_CALIBRATION_SIGNATURE]
+        .map(|signature| file.text_or_bytes(main, signature));
+    let is_calibrated = camera? == profile?;
     let mut lit = |places: &Places| -> Result<Option<ColourCalibration>, Invalid> {
         let entries = file.numbers(main, places.colour)?;
         let (rows, rest) = entries.as_chunks::<3>();
@@ -89,7 +93,7 @@ pub(super) fn read<R: Read + Seek>(
             return Ok(None);
         }
         let forward = file.numbers(main, places.forward)?;
-        let calibration = file.numbers(main, places.calibration)?;
+        let calibration = if is_calibrated { file.numbers(main, places.calibration)? } else { Vec::new() };
         let (colour_matrix, is_diagonal) = calibrated(rows, &balance, &calibration);
         // Forward matrices are for the balanced channels of the model, which those of the camera are unless they mix.
         let forward_matrix = (forward.len() == 3 * rows.len() && is_diagonal)

@@ -16,13 +16,11 @@ mod filters;
 mod ifd;
 mod numbers;
 mod opcodes;
-mod openable;
 mod read;
 mod read_numbers;
-mod tag;
-mod tags;
 #[cfg(test)]
 mod tests;
+mod whole;
 mod xmp;
 
 use std::io::{self, Seek, Write};
@@ -33,7 +31,7 @@ use tiff::tags::Tag;
 
 use super::rational::{rational, srational};
 use super::tiff::io_error;
-use super::{Cfa, Distortion, PixelArea, RawImage, Warp, thumbnail};
+use super::{Cfa, Distortion, PixelArea, RawImage, Warp, tag, thumbnail};
 use photosite_core::Invalid;
 
 use ifd::{Ifd, pad, write_text, write_undefined};
@@ -106,7 +104,7 @@ fn write_main<W: Write + Seek>(raw: &RawImage, compression: DngCompression, ifd:
     write_text(ifd, Tag::Make, "photosite")?;
     write_text(ifd, Tag::Model, &metadata.camera_model)?;
     write_text(ifd, Tag::Software, concat!("photosite ", env!("CARGO_PKG_VERSION")))?;
-    ifd.write_tag(Tag::Orientation, 1u16)?;
+    ifd.write_tag(Tag::Orientation, u16::from(metadata.orientation.number()))?;
     // What a reader must know at least: floating-point numbers came with 1.4.
     let needed = if compression == DngCompression::Deflate { 4 } else { 1 };
     ifd.write_tag(tag::DNG_VERSION, &[1u8, 7, 0, 0][..])?;
@@ -193,7 +191,8 @@ fn write_levels<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffRe
     if let Some(table) = &raw.linearisation {
         ifd.write_tag(tag::LINEARIZATION_TABLE, &table[..])?;
     }
-    ifd.write_tag(tag::WHITE_LEVEL, &vec![u32::from(raw.white_level_dn); samples][..])?;
+    let whites: Vec<u32> = (0..samples).map(|channel| raw.white_of(channel).into()).collect();
+    ifd.write_tag(tag::WHITE_LEVEL, &whites[..])?;
     let noise = &raw.metadata.noise_profile;
     if noise.is_empty() { Ok(()) } else { ifd.write_tag(tag::NOISE_PROFILE, noise.as_flattened()) }
 }
@@ -201,10 +200,11 @@ fn write_levels<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffRe
 /// What a developer can correct of the lens.
 fn write_lens<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
     let PixelArea { width, height, .. } = raw.active();
-    if let Some(map) = &raw.metadata.gain_map {
+    if !raw.metadata.gain_maps.is_empty() {
         // darktable takes a map for each place of a Bayer tile only.
         let tile = if raw.cfa.is_bayer() { [2, 2] } else { [1, 1] };
-        write_undefined(ifd, tag::OPCODE_LIST_2, &opcodes::gain_map(map, [width, height], tile))?;
+        let list = opcodes::gain_maps(&raw.metadata.gain_maps, [width, height], tile);
+        write_undefined(ifd, tag::OPCODE_LIST_2, &list)?;
     }
     let warp = match raw.metadata.distortion {
         Some(Distortion::Lens(lens)) => Warp::of_lens(&lens, [width, height], raw.metadata.pixel_aspect()),

@@ -14,7 +14,7 @@ use tiff::encoder::Rational;
 use tiff::tags::{PhotometricInterpretation, PlanarConfiguration, Tag};
 
 use super::ifd::{Ifd, align};
-use super::tag;
+use crate::raw::tag;
 use crate::raw::thumbnail::Thumbnail;
 use crate::raw::{RawImage, lossless_jpeg};
 

@@ -1,5 +1,5 @@
 //! Reading DNG files: those that [`write_dng`](super::write_dng) writes, and those of other programs as far as they are
-//! made alike: one plane or interleaved numbers of 8–16 bits or whole floating-point numbers, in strips or tiles,
+//! made alike: one plane or interleaved numbers of 8–16 bits or floating-point numbers, in strips or tiles,
 //! without compression, as lossless JPEG or zlib. Lossy files, JPEG XL and makers' own formats are left to programs
 //! made for them.
 
@@ -8,18 +8,25 @@ use std::io::{Read, Seek};
 use tiff::Directory;
 use tiff::tags::Tag;
 
-use super::openable::open;
-use super::tags::{Tags, unreadable};
-use super::{colour, filters, opcodes, read_numbers, tag, xmp};
-use crate::raw::{BlackLevel, Cfa, Distortion, MAX_SIDE, PixelArea, RawImage, RawMetadata, bits_for};
+use super::read_numbers::Coding;
+use super::whole::Whole;
+use super::{colour, filters, opcodes, xmp};
+use crate::raw::openable::open;
+use crate::raw::rules::{self, Kind};
+use crate::raw::tag;
+use crate::raw::tags::{Tags, unreadable};
+use crate::raw::{
+    BlackLevel, Cfa, Distortion, LensModel, MAX_SIDE, Orientation, PixelArea, RawImage, RawMetadata, bits_for,
+};
 use photosite_core::Invalid;
+use photosite_core::counted;
 
 /// Reads a DNG file.
 pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
     let (decoder, pointer) = open(from).map_err(unreadable)?;
     let mut file = Tags { decoder };
     let main = file.decoder.read_directory(pointer).map_err(unreadable)?;
-    let beneath = if file.is_picture(&main)? { None } else { Some(file.find_picture(&main)?) };
+    let (beneath, others) = file.find_picture(&main)?;
     let picture = beneath.as_ref().unwrap_or(&main);
     let [width, height] = [Tag::ImageWidth, Tag::ImageLength].map(|tag| file.number(picture, tag));
     let [width, height] = [width?.unwrap_or(0.0), height?.unwrap_or(0.0)];
@@ -31,17 +38,24 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
     let area = file.active_area(picture, width, height)?;
     let active = area.unwrap_or(PixelArea { x: 0, y: 0, width, height });
     let cfa = file.cfa(picture, active)?;
-    let data = read_numbers::read(&mut file, picture, [width, height], cfa.samples_per_pixel())?;
-    let table: Vec<u16> = file.numbers(picture, tag::LINEARIZATION_TABLE)?.into_iter().map(|n| n as u16).collect();
-    let black_level_dn = file.black_level(picture, &cfa, active)?;
-    let white = file.number(picture, tag::WHITE_LEVEL)?.unwrap_or(65_535.0);
-    if !(f64::from(black_level_dn.mean()) < white && white <= 65_535.0) {
-        let message = format!("white level {white} and black level {} leave no range", black_level_dn.mean());
-        return Err(Invalid::new("WhiteLevel", message));
+    let mut left_out = file.left_out(&main, beneath.as_ref(), active)?;
+    if others > 0 {
+        let which = counted(others, ["more raw picture", "more raw pictures"]);
+        left_out.push(format!("{which} in the file {} left out", if others == 1 { "is" } else { "are" }));
     }
+    let coding = Coding::read(&mut file, picture, cfa.samples_per_pixel())?;
+    let black_level_dn = file.black_level(picture, &cfa, active)?;
+    let whites = file.white_levels(picture, &cfa, coding.default_white())?;
+    let numbers = coding.numbers(&mut file, picture, [width, height])?;
+    let Whole { data, black_level_dn, whites, rounded } = Whole::of(numbers, black_level_dn, whites)?;
+    left_out.extend(rounded);
+    let table: Vec<u16> = file.numbers(picture, tag::LINEARIZATION_TABLE)?.into_iter().map(|n| n as u16).collect();
+    let white = whites.iter().copied().min().unwrap_or(u16::MAX);
     // The file does not keep the converter's bits; those that its table or the white level needs are what matters.
-    let bits = bits_for(if table.is_empty() { white as u16 } else { (table.len() - 1).min(0xffff) as u16 });
-    let metadata = file.metadata(&main, picture, [active.width, active.height])?;
+    let bits = bits_for(if table.is_empty() { white } else { (table.len() - 1).min(0xffff) as u16 });
+    let mut metadata = file.metadata(&main, picture, [active.width, active.height])?;
+    left_out.append(&mut metadata.left_out);
+    metadata.left_out = left_out;
     Ok(RawImage {
         width,
         height,
@@ -51,7 +65,8 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
         bits,
         linearisation: (!table.is_empty()).then_some(table),
         black_level_dn,
-        white_level_dn: white as u16,
+        white_level_dn: white,
+        channel_whites_dn: whites.iter().any(|other| *other != white).then_some(whites),
         metadata,
     })
 }
@@ -66,19 +81,28 @@ pub(in crate::raw) fn is_dng<R: Read + Seek>(from: R) -> bool {
 }
 
 impl<R: Read + Seek> Tags<R> {
-    /// The directory of the picture of full resolution beneath the main one.
-    fn find_picture(&mut self, main: &Directory) -> Result<Directory, Invalid> {
+    /// The directory of the picture of full resolution where it is beneath the main one, and how many more there are.
+    fn find_picture(&mut self, main: &Directory) -> Result<(Option<Directory>, usize), Invalid> {
         let pointers = match self.value(main, Tag::SubIfd)? {
             Some(value) => value.into_ifd_vec().map_err(unreadable)?,
             None => Vec::new(),
         };
+        let mut pictures = Vec::new();
         for pointer in pointers {
             let directory = self.decoder.read_directory(pointer).map_err(unreadable)?;
             if self.is_picture(&directory)? {
-                return Ok(directory);
+                pictures.push(directory);
             }
         }
-        Err(Invalid::new("SubIFDs", "the file holds no raw picture").help("give a raw.dng that photosite wrote"))
+        if self.is_picture(main)? {
+            return Ok((None, pictures.len()));
+        }
+        if pictures.is_empty() {
+            let invalid = Invalid::new("SubIFDs", "the file holds no raw picture");
+            return Err(invalid.help("give a raw.dng that photosite wrote"));
+        }
+        let others = pictures.len() - 1;
+        Ok((Some(pictures.swap_remove(0)), others))
     }
 
     fn is_picture(&mut self, directory: &Directory) -> Result<bool, Invalid> {
@@ -173,6 +197,53 @@ impl<R: Read + Seek> Tags<R> {
         Ok(level.with_deltas(cfa, column_deltas, row_deltas))
     }
 
+    /// The level of saturation of each channel, as the file has it.
+    fn white_levels(&mut self, picture: &Directory, cfa: &Cfa, default: f64) -> Result<Vec<f64>, Invalid> {
+        let samples = cfa.samples_per_pixel();
+        let stated = self.numbers(picture, tag::WHITE_LEVEL)?;
+        Ok(match stated[..] {
+            [] => vec![default; samples],
+            // One for each number of a pixel; a mosaic has one.
+            _ if stated.len() == samples => stated,
+            [first, ..] => vec![first; samples],
+        })
+    }
+
+    /// What the file says that is left out, of its opcodes apart.
+    fn left_out(
+        &mut self,
+        main: &Directory,
+        beneath: Option<&Directory>,
+        active: PixelArea,
+    ) -> Result<Vec<String>, Invalid> {
+        let picture = beneath.unwrap_or(main);
+        let mut left_out = rules::left_out(self, picture, Kind::Dng)?;
+        if beneath.is_some() {
+            left_out.extend(rules::left_out(self, main, Kind::DngMain)?);
+        }
+        let version = self.numbers(main, tag::DNG_BACKWARD_VERSION)?;
+        if version.first_chunk::<2>().is_some_and(|version| *version > [1.0, 7.0]) {
+            let version: Vec<String> = version.iter().map(f64::to_string).collect();
+            left_out.push(format!("DNGBackwardVersion {}: the file is made for newer readers", version.join(".")));
+        }
+        if self.value(picture, tag::BLACK_LEVEL)?.is_none() && self.value(picture, tag::MASKED_AREAS)?.is_some() {
+            left_out.push(
+                "MaskedAreas is left out: black is taken for 0; develop.raw.black_level_dn says otherwise".to_owned(),
+            );
+        }
+        let [x, y] = self.array(picture, tag::DEFAULT_CROP_ORIGIN)?.unwrap_or([0.0; 2]);
+        if let Some([width, height]) = self.array(picture, tag::DEFAULT_CROP_SIZE)?
+            && ([x, y] != [0.0; 2] || [width, height] != [active.width as f64, active.height as f64])
+        {
+            left_out.push(format!(
+                "DefaultCropSize, {width} × {height} pixels at {x}, {y}, is left out: the picture has all {} × {} that \
+                 see light",
+                active.width, active.height
+            ));
+        }
+        Ok(left_out)
+    }
+
     fn metadata(&mut self, main: &Directory, picture: &Directory, size: [usize; 2]) -> Result<RawMetadata, Invalid> {
         let exif = match self.value(main, Tag::ExifDirectory)? {
             Some(pointer) => {
@@ -186,20 +257,34 @@ impl<R: Read + Seek> Tags<R> {
             none if none.is_empty() => self.text(&exif, tag::BODY_SERIAL_NUMBER)?,
             serial => serial,
         };
+        // Telephones write into the first directory what belongs into that of EXIF.
+        let said = [&exif, main, picture];
         let noise = self.numbers(picture, tag::NOISE_PROFILE)?;
+        let [first, second, third] =
+            [tag::OPCODE_LIST_1, tag::OPCODE_LIST_2, tag::OPCODE_LIST_3].map(|list| self.bytes(picture, list));
+        let mut corrections = opcodes::read([&first?, &second?, &third?], size);
+        let orientation = match self.first_number(&[main, picture], Tag::Orientation)? {
+            None => Orientation::default(),
+            Some(number) => Orientation::of_number(number).unwrap_or_else(|| {
+                corrections.left_out.push(format!("Orientation {number} is none: the picture is not turned"));
+                Orientation::default()
+            }),
+        };
         let mut metadata = RawMetadata {
             camera_model,
             camera_serial,
-            pixel_pitch_m: self.pixel_pitch(&exif)?,
+            pixel_pitch_m: self.pixel_pitch(&said)?,
             is_staggered: self.number(picture, tag::CFA_LAYOUT)? == Some(tag::EVEN_ROWS_TO_THE_RIGHT.into()),
-            exposure_time_s: self.number(&exif, tag::EXPOSURE_TIME)?.unwrap_or(0.0),
-            iso: self.iso(&exif)?,
-            f_number: self.number(&exif, tag::F_NUMBER)?,
-            focal_length_m: self.number(&exif, tag::FOCAL_LENGTH)?.map(|mm| mm * 1e-3),
+            exposure_time_s: self.first_number(&said, tag::EXPOSURE_TIME)?.unwrap_or(0.0),
+            iso: self.iso(&said)?,
+            f_number: self.first_number(&said, tag::F_NUMBER)?,
+            focal_length_m: self.first_number(&said, tag::FOCAL_LENGTH)?.map(|mm| mm * 1e-3),
             noise_profile: noise.as_chunks::<2>().0.to_vec(),
             baseline_exposure_ev: self.number(main, tag::BASELINE_EXPOSURE)?.filter(|ev| ev.is_finite()).unwrap_or(0.0),
-            gain_map: opcodes::read_gain_map(&self.bytes(picture, tag::OPCODE_LIST_2)?, size),
-            distortion: self.distortion(main, picture, size)?,
+            gain_maps: corrections.gain_maps,
+            distortion: self.lens(main, size)?.map(Distortion::Lens).or(corrections.warp.map(Distortion::Warp)),
+            orientation,
+            left_out: corrections.left_out,
             ..RawMetadata::default()
         };
         let [across, down] = self.array(picture, tag::DEFAULT_SCALE)?.unwrap_or([1.0; 2]);
@@ -211,34 +296,35 @@ impl<R: Read + Seek> Tags<R> {
         Ok(metadata)
     }
 
-    /// The model of the lens where our own packet has it, else what the opcodes say.
-    fn distortion(
-        &mut self,
-        main: &Directory,
-        picture: &Directory,
-        size: [usize; 2],
-    ) -> Result<Option<Distortion>, Invalid> {
+    /// The model of the lens where our own packet has it.
+    fn lens(&mut self, main: &Directory, size: [usize; 2]) -> Result<Option<LensModel>, Invalid> {
         // A packet that is no list of bytes has nothing to say.
         let packet = self.bytes(main, tag::XMP).unwrap_or_default();
-        if let Some(lens) = xmp::read_lens(&packet, size) {
-            return Ok(Some(Distortion::Lens(lens)));
-        }
-        Ok(opcodes::read_warp(&self.bytes(picture, tag::OPCODE_LIST_3)?).map(Distortion::Warp))
+        Ok(xmp::read_lens(&packet, size))
     }
 
     /// The speed, which has a number of its own where 16 bits are too few.
-    fn iso(&mut self, exif: &Directory) -> Result<Option<u32>, Invalid> {
-        let iso = match self.number(exif, tag::ISO_SPEED)? {
-            Some(iso) => Some(iso),
-            None => self.number(exif, tag::PHOTOGRAPHIC_SENSITIVITY)?,
-        };
-        Ok(iso.filter(|iso| *iso > 0.0).map(|iso| iso as u32))
+    fn iso(&mut self, said: &[&Directory]) -> Result<Option<u32>, Invalid> {
+        for tag in [
+            tag::ISO_SPEED,
+            tag::PHOTOGRAPHIC_SENSITIVITY,
+            tag::RECOMMENDED_EXPOSURE_INDEX,
+            tag::STANDARD_OUTPUT_SENSITIVITY,
+        ] {
+            let iso = self.first_number(said, tag)?.filter(|iso| *iso > 0.0);
+            // 65 535 is what EXIF has for more than that, to be said by another tag.
+            let iso = iso.filter(|iso| !(tag == tag::PHOTOGRAPHIC_SENSITIVITY && *iso == 65_535.0));
+            if let Some(iso) = iso {
+                return Ok(Some(iso as u32));
+            }
+        }
+        Ok(None)
     }
 
-    fn pixel_pitch(&mut self, exif: &Directory) -> Result<Option<[f64; 2]>, Invalid> {
-        let x = self.number(exif, tag::FOCAL_PLANE_X_RESOLUTION)?;
-        let y = self.number(exif, tag::FOCAL_PLANE_Y_RESOLUTION)?;
-        let unit = self.number(exif, tag::FOCAL_PLANE_RESOLUTION_UNIT)?.unwrap_or(2.0);
+    fn pixel_pitch(&mut self, said: &[&Directory]) -> Result<Option<[f64; 2]>, Invalid> {
+        let x = self.first_number(said, tag::FOCAL_PLANE_X_RESOLUTION)?;
+        let y = self.first_number(said, tag::FOCAL_PLANE_Y_RESOLUTION)?;
+        let unit = self.first_number(said, tag::FOCAL_PLANE_RESOLUTION_UNIT)?.unwrap_or(2.0);
         let unit_m = if unit == f64::from(tag::PER_CENTIMETRE) { 0.01 } else { 0.0254 };
         let pitch = |resolution: f64| Some(unit_m / resolution).filter(|pitch| pitch.is_finite() && *pitch > 0.0);
         Ok(x.and_then(pitch).zip(y.and_then(pitch)).map(|(x, y)| [x, y]))

@@ -4,7 +4,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::raw::{
-    BlackLevel, ColourCalibration, Distortion, GainMap, LightSource, RawMetadata, Warp, WarpKind, write_tiff,
+    BlackLevel, ColourCalibration, Distortion, GainMap, LightSource, Orientation, RawMetadata, Warp, WarpKind,
+    write_tiff,
 };
 
 const COMPRESSIONS: [DngCompression; 4] =
@@ -45,7 +46,12 @@ fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
             as_shot_white_xy: None,
             noise_profile: vec![[1e-4, 2e-7]; channels],
             baseline_exposure_ev: 0.75,
-            gain_map: colour.then(|| GainMap::new(3, 2, vec![1.5, 1.25, 1.5, 1.75, 1.0, 1.5]).expect("6 gains")),
+            gain_maps: colour
+                .then(|| GainMap::new(3, 2, vec![1.5, 1.25, 1.5, 1.75, 1.0, 1.5]).expect("6 gains"))
+                .into_iter()
+                .collect(),
+            orientation: Orientation::of_number(if colour { 6.0 } else { 1.0 }).expect("one of eight"),
+            left_out: vec![],
             stated_pixel_aspect: (!colour).then_some(1.5),
             distortion: colour.then_some(Distortion::Warp(Warp {
                 kind: WarpKind::Rectilinear,

@@ -323,6 +323,7 @@ fn raw_image(
         bits: sensor.output_bits(),
         black_level_dn: linearisation.as_ref().map_or(sensor.converter.black_level_dn, |l| l.black_level_dn).into(),
         white_level_dn: sensor.white_level_dn(exposure),
+        channel_whites_dn: None,
         linearisation: linearisation.map(|linearisation| linearisation.table),
         metadata: RawMetadata {
             camera_model: sensor.name.clone(),

@@ -12,9 +12,12 @@ pub(super) const EXPOSURE_TIME: Tag = Tag::Unknown(33434);
 pub(super) const F_NUMBER: Tag = Tag::Unknown(33437);
 pub(super) const PHOTOGRAPHIC_SENSITIVITY: Tag = Tag::Unknown(34855);
 pub(super) const SENSITIVITY_TYPE: Tag = Tag::Unknown(34864);
+pub(super) const STANDARD_OUTPUT_SENSITIVITY: Tag = Tag::Unknown(34865);
+pub(super) const RECOMMENDED_EXPOSURE_INDEX: Tag = Tag::Unknown(34866);
 pub(super) const ISO_SPEED: Tag = Tag::Unknown(34867);
 pub(super) const EXIF_VERSION: Tag = Tag::ExifVersion;
 pub(super) const FOCAL_LENGTH: Tag = Tag::Unknown(37386);
+pub(super) const COLOR_SPACE: Tag = Tag::Unknown(40961);
 pub(super) const FOCAL_PLANE_X_RESOLUTION: Tag = Tag::Unknown(41486);
 pub(super) const FOCAL_PLANE_Y_RESOLUTION: Tag = Tag::Unknown(41487);
 pub(super) const FOCAL_PLANE_RESOLUTION_UNIT: Tag = Tag::Unknown(41488);
@@ -49,9 +52,12 @@ pub(super) const CALIBRATION_ILLUMINANT_1: Tag = Tag::Unknown(50778);
 pub(super) const CALIBRATION_ILLUMINANT_2: Tag = Tag::Unknown(50779);
 pub(super) const ACTIVE_AREA: Tag = Tag::Unknown(50829);
 pub(super) const MASKED_AREAS: Tag = Tag::Unknown(50830);
+pub(super) const CAMERA_CALIBRATION_SIGNATURE: Tag = Tag::Unknown(50931);
+pub(super) const PROFILE_CALIBRATION_SIGNATURE: Tag = Tag::Unknown(50932);
 pub(super) const FORWARD_MATRIX_1: Tag = Tag::Unknown(50964);
 pub(super) const FORWARD_MATRIX_2: Tag = Tag::Unknown(50965);
 pub(super) const PREVIEW_COLOR_SPACE: Tag = Tag::Unknown(50970);
+pub(super) const OPCODE_LIST_1: Tag = Tag::Unknown(51008);
 pub(super) const OPCODE_LIST_2: Tag = Tag::Unknown(51009);
 pub(super) const OPCODE_LIST_3: Tag = Tag::Unknown(51022);
 pub(super) const NOISE_PROFILE: Tag = Tag::Unknown(51041);
@@ -76,6 +82,9 @@ pub(super) const DEFLATE: u16 = 8;
 pub(super) const HORIZONTAL: u16 = 2;
 /// Predictor of floating-point numbers: differences between like bytes of neighbours.
 pub(super) const FLOATING_POINT: u16 = 3;
+/// The same between each number and the second or fourth of its kind before it, as DNG adds them.
+pub(super) const FLOATING_POINT_X2: u16 = 34894;
+pub(super) const FLOATING_POINT_X4: u16 = 34895;
 /// SampleFormat of floating-point numbers.
 pub(super) const FLOAT: u16 = 3;
 

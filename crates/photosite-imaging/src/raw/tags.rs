@@ -1,10 +1,11 @@
 //! Tags of a DNG file, as numbers, bytes and text.
 
+use std::collections::HashSet;
 use std::io::{Read, Seek};
 
 use tiff::decoder::Decoder;
 use tiff::decoder::ifd::Value;
-use tiff::tags::Tag;
+use tiff::tags::{IfdPointer, Tag};
 use tiff::{Directory, TiffError};
 
 use super::openable::Openable;
@@ -32,6 +33,16 @@ impl<R: Read + Seek> Tags<R> {
         Ok(self.numbers(directory, tag)?.first().copied())
     }
 
+    /// The first number of a tag in the first of these directories that has it.
+    pub(super) fn first_number(&mut self, directories: &[&Directory], tag: Tag) -> Result<Option<f64>, Invalid> {
+        for directory in directories {
+            if let Some(number) = self.number(directory, tag)? {
+                return Ok(Some(number));
+            }
+        }
+        Ok(None)
+    }
+
     /// The tag's numbers, if there are exactly so many.
     pub(super) fn array<const N: usize>(
         &mut self,
@@ -44,6 +55,27 @@ impl<R: Read + Seek> Tags<R> {
     /// The tag's numbers as bytes.
     pub(super) fn bytes(&mut self, directory: &Directory, tag: Tag) -> Result<Vec<u8>, Invalid> {
         Ok(self.numbers(directory, tag)?.into_iter().map(|byte| byte as u8).collect())
+    }
+
+    /// A text, of characters or bytes, without the zeros that end it; empty where there is none.
+    pub(super) fn text_or_bytes(&mut self, directory: &Directory, tag: Tag) -> Result<String, Invalid> {
+        if let Ok(text) = self.text(directory, tag) {
+            return Ok(text);
+        }
+        let bytes = self.bytes(directory, tag)?;
+        Ok(String::from_utf8_lossy(&bytes).trim_end_matches('\0').to_owned())
+    }
+
+    /// Directories from this one on, each of which names the next; those that damage leads back to are left out.
+    pub(super) fn following(&mut self, first: IfdPointer) -> Vec<Directory> {
+        const MOST: usize = 65_536;
+        let (mut found, mut seen, mut next) = (Vec::new(), HashSet::new(), Some(first));
+        while let Some(pointer) = next.filter(|pointer| pointer.0 != 0 && seen.len() < MOST && seen.insert(pointer.0)) {
+            let Ok(directory) = self.decoder.read_directory(pointer) else { break };
+            next = directory.next();
+            found.push(directory);
+        }
+        found
     }
 
     /// A text; empty where there is none.
