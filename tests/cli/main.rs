@@ -16,6 +16,7 @@ mod exit_status;
 mod export_mitsuba;
 mod expose;
 mod expose_pictures;
+mod expose_warnings;
 mod folder;
 mod frames;
 mod geometry_alone;
