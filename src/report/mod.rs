@@ -11,6 +11,7 @@ mod lens;
 mod listing;
 pub(crate) mod matrix;
 mod motion;
+pub(crate) mod noise_words;
 mod objects;
 mod part;
 mod schema;

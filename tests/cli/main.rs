@@ -8,6 +8,7 @@ mod bombs;
 mod bracket;
 mod cells;
 mod dataset;
+mod dataset_told;
 mod develop;
 mod documents;
 mod emva1288;
