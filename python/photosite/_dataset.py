@@ -20,6 +20,7 @@ from ._arguments import Path, assignments, invalid, path_of
 from ._camera import Camera
 from ._engines.run import EngineRun, Request, run
 from ._errors import InputError
+from ._manifest import Manifest
 from ._progress import Progress, listener
 from ._raw import Raw, read_raw
 from ._shot import TRUTH_UNITS, Layers, noise_unit
@@ -209,7 +210,9 @@ class Dataset(Sequence[Frame]):
         self._path: str = os.path.abspath(typed)
         self._overrides = assignments({} if set is None else set)
         self._threads = threads
-        self._compiled = _photosite.Dataset.read(typed, self._overrides)
+        self._read: "Optional[_photosite.Dataset]" = _photosite.Dataset.read(typed, self._overrides)
+        self._cameras = tuple(self._compiled.cameras())
+        self._fingerprint: str = self._compiled.fingerprint()
         self._owner: "Optional[_TemporaryFolder]" = None
         if output is None:
             self._owner = _TemporaryFolder()
@@ -217,12 +220,20 @@ class Dataset(Sequence[Frame]):
         else:
             self._folder = FilePath(os.path.abspath(output))
         self._keeps = output is not None
+        self._manifest = Manifest(os.fspath(self._folder))
         self._numbers: "Sequence[int]" = range(self._compiled.frame_count())
+
+    @property
+    def _compiled(self) -> "_photosite.Dataset":
+        # Another process reads the files only where it has to make a picture.
+        if self._read is None:
+            self._read = _photosite.Dataset.read(self._path, self._overrides)
+        return self._read
 
     @property
     def cameras(self) -> "tuple[str, ...]":
         """The names of the cameras."""
-        return tuple(self._compiled.cameras())
+        return self._cameras
 
     @property
     def folder(self) -> FilePath:
@@ -247,7 +258,8 @@ class Dataset(Sequence[Frame]):
         if isinstance(index, slice):
             return self._part(self._numbers[index])
         number = self._numbers[index]
-        self._compiled.render(os.fspath(self._folder), [number], self._threads, None)
+        if not self._manifest.lists(number, self._cameras, self._fingerprint):
+            self._compiled.render(os.fspath(self._folder), [number], self._threads, None)
         return Frame(self._folder, self.cameras, number, self._owner)
 
     def __iter__(self) -> Iterator[Frame]:
@@ -368,7 +380,7 @@ class Dataset(Sequence[Frame]):
         Returns:
             How many pictures exist.
         """
-        present, _ = self._compiled.write_index(os.fspath(self._folder))
+        present, _, _ = self._compiled.write_index(os.fspath(self._folder))
         return present
 
     def _part(self, numbers: "Sequence[int]") -> "Dataset":
@@ -378,8 +390,16 @@ class Dataset(Sequence[Frame]):
         return part
 
     def __reduce__(self) -> Any:
-        state = (self._path, self._overrides, self._threads, os.fspath(self._folder), self._keeps, tuple(self._numbers))
-        return _unpickle, state
+        return _unpickle, (
+            self._path,
+            self._overrides,
+            self._threads,
+            os.fspath(self._folder),
+            self._keeps,
+            tuple(self._numbers),
+            self._cameras,
+            self._fingerprint,
+        )
 
     def __repr__(self) -> str:
         return f"<Dataset {self._path}: {len(self)} frames of {', '.join(self.cameras)} in {self._folder}>"
@@ -392,15 +412,19 @@ def _unpickle(
     folder: str,
     keeps: bool,
     numbers: "tuple[int, ...]",
+    cameras: "tuple[str, ...]",
+    fingerprint: str,
 ) -> Dataset:
     """The same data set in another process, which leaves a temporary folder to the one that made it."""
     dataset = object.__new__(Dataset)
-    compiled = _photosite.Dataset.read(path, overrides)
     parts = {
         "_path": path,
         "_overrides": overrides,
         "_threads": threads,
-        "_compiled": compiled,
+        "_read": None,
+        "_cameras": cameras,
+        "_fingerprint": fingerprint,
+        "_manifest": Manifest(folder),
         "_keeps": keeps,
         "_owner": None,
         "_folder": FilePath(folder),

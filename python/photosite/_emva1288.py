@@ -49,6 +49,8 @@ class Figures:
         linearity_error_max_percent: largest linearity error, percent.
         dark_current_mean_e_per_s: dark current from the mean, e⁻/s.
         dark_current_variance_e_per_s: dark current from the variance, e⁻/s.
+        dark_current_mean_error_e_per_s: standard error of that from the mean, e⁻/s; None of expected figures.
+        dark_current_variance_error_e_per_s: standard error of that from the variance, e⁻/s; likewise.
     """
 
     system_gain_dn_per_e: float
@@ -68,6 +70,8 @@ class Figures:
     linearity_error_max_percent: Optional[float]
     dark_current_mean_e_per_s: Optional[float]
     dark_current_variance_e_per_s: Optional[float]
+    dark_current_mean_error_e_per_s: Optional[float] = None
+    dark_current_variance_error_e_per_s: Optional[float] = None
 
 
 @dataclass(frozen=True)

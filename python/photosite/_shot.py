@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import cached_property
 from typing import Any, Optional
 
@@ -13,7 +14,7 @@ import numpy.typing as npt
 from . import _photosite
 from ._arguments import Path, invalid, path_of
 from ._camera import Camera
-from ._errors import no_layer
+from ._errors import Error, no_layer
 from ._raw import Raw
 
 __all__ = ["Layers", "Shot"]
@@ -64,8 +65,21 @@ class Layers(Mapping[str, "npt.NDArray[np.float32]"]):
     def __len__(self) -> int:
         return len(self.units)
 
+    def __reduce__(self) -> Any:
+        # Another process gets the arrays: it has nothing to compute them of.
+        arrays: "dict[str, npt.NDArray[np.float32]]" = {}
+        for name in self:
+            # Such as disparity without a partner.
+            with suppress(Error):
+                arrays[name] = self[name]
+        return _known_layers, (arrays, {name: self.units[name] for name in arrays})
+
     def __repr__(self) -> str:
         return f"<photosite.Layers {', '.join(self.units)}>"
+
+
+def _known_layers(arrays: "dict[str, npt.NDArray[np.float32]]", units: "dict[str, str]") -> Layers:
+    return Layers(arrays.__getitem__, units)
 
 
 def truth_layers(compiled: "_photosite.Light | _photosite.Shot") -> Layers:

@@ -15,6 +15,9 @@ from ._dataset import Dataset, Frame
 
 __all__ = ["FrameDataset", "FrameIterableDataset", "tensors"]
 
+#: Layers of ground truth that number things.
+_NUMBERS = ("instance", "material")
+
 #: Makes a sample of a frame.
 Transform = Callable[[Frame], Any]
 
@@ -24,7 +27,9 @@ def tensors(frame: Frame) -> "dict[str, Any]":
 
     Returns:
         ``{"frame": 7, "left": {"raw": …, "image": …, "depth": …}}``: ``raw`` (H, W) int32, for which PyTorch has more
-        operators than for uint16; ``image`` (H, W, 3) uint8; the layers of ground truth by their names; ``K``, ``R``,
+        operators than for uint16; ``image`` (H, W, 3) uint8; ``electrons`` and ``variance`` (H, W, C) float32, in e⁻
+        and (e⁻)², where the data set has them; the layers of ground truth by their names, float32, ``instance`` and
+        ``material`` int32; ``K``, ``R``,
         ``t`` and ``distortion`` float64.
     """
     sample: "dict[str, Any]" = {"frame": frame.number}
@@ -32,7 +37,10 @@ def tensors(frame: Frame) -> "dict[str, Any]":
         arrays: "dict[str, Any]" = {"raw": np.array(picture.raw, np.int32)}
         if any(file.name == "image.png" for file in picture.files):
             arrays["image"] = picture.image
-        arrays.update(picture.truth)
+        if any(file.name == "electrons.exr" for file in picture.files):
+            arrays.update(electrons=picture.electrons, variance=picture.variance)
+        truth = picture.truth
+        arrays.update({name: truth[name].astype(np.int32) if name in _NUMBERS else truth[name] for name in truth})
         camera = picture.camera
         arrays.update(K=camera.K, R=camera.R, t=camera.t, distortion=camera.distortion)
         sample[name] = {key: from_dlpack(array) for key, array in arrays.items()}

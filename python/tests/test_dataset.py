@@ -241,3 +241,34 @@ def test_what_cannot_be_used(file: Path, tmp_path: Path) -> None:
     again = ps.Dataset(file, output=tmp_path / "out")
     with pytest.warns(ps.PhotositeWarning, match="made again"):
         assert again[0]["left"].electrons.shape == (30, 40, 3)
+
+
+def test_listed_frames_are_opened_without_the_file(file: Path, tmp_path: Path) -> None:
+    dataset = ps.Dataset(file, output=tmp_path / "out")
+    dataset.render(progress=False)
+    other = pickle.loads(pickle.dumps(dataset))
+    kept = file.read_text()
+    file.unlink()
+    for _ in range(2):
+        assert [frame.number for frame in other] == [0, 1, 2, 3, 4], "nothing is planned, nothing is read"
+    begun = time.process_time()
+    for _ in range(20):
+        assert other[3]["right"].raw.shape == (30, 40)
+    # The file of a raw image is read within a few ms.
+    assert (time.process_time() - begun) / 20 < 0.01
+    # What is damaged is made again, and so is what another data set has listed.
+    file.write_text(kept)
+    raw = tmp_path / "out/left/000002/raw.dng"
+    whole = raw.read_bytes()
+    raw.write_bytes(whole[:-1])
+    assert np.asarray(other[2]["left"].raw).shape == (30, 40) and raw.read_bytes() == whole
+    changed = ps.Dataset(file, output=tmp_path / "out", set={"render.seed": 99})
+    with pytest.raises(ps.InputError, match="another|other|differ"):
+        changed[0]
+
+
+def test_layers_go_to_another_process(file: Path) -> None:
+    truth = ps.Dataset(file)[0]["left"].truth
+    again = pickle.loads(pickle.dumps(truth))
+    assert dict(again.units) == dict(truth.units)
+    assert all(np.array_equal(again[name], truth[name], equal_nan=True) for name in truth)

@@ -168,8 +168,12 @@ pub struct Capture {
     pub(crate) develop: DevelopSettings,
     /// What is written.
     pub(crate) output: OutputSettings,
-    /// Things worth telling the user that are no errors, besides those of the scene, each once.
+    /// Things worth telling the user of camera and lens that are no errors, each once.
     pub(crate) warnings: Vec<String>,
+    /// Those of keys that the sensor was made of, and which its values no longer show.
+    pub(crate) sensor_warnings: Vec<String>,
+    /// Those of the values of sensor and exposure.
+    pub(crate) exposure_warnings: Vec<String>,
     /// Where all this stands: for errors that show up later.
     pub(crate) source: CaptureSource,
     /// What the scene was read from, and the scene itself as long as somebody holds it; `None` where no tables say it.
@@ -270,6 +274,11 @@ impl Capture {
 
     /// Things worth telling the user that are no errors, each once.
     pub fn warnings(&self) -> Vec<String> {
+        [&*self.light_warnings(), &*self.sensor_warnings, &*self.exposure_warnings].concat()
+    }
+
+    /// Warnings that hold for its light, whatever that falls on.
+    pub(crate) fn light_warnings(&self) -> Vec<String> {
         [&*self.scene.warnings, &*self.warnings].concat()
     }
 
@@ -407,7 +416,6 @@ impl Capture {
         let sensor = sensor_model(&file.sensor, source.sandbox()).map_err(|invalid| invalid.within("sensor"))?;
         let motion = motion::of_camera(&file.camera).map_err(|e| e.within("motion").within("camera"))?;
         let mut warnings = Warnings::default();
-        source.displaced().iter().for_each(|message| warnings.once(message));
         let (camera_to_world, lens) = place_camera(file, motion.as_ref(), &finder, &scene, &sensor, &mut warnings)?;
         let exposure = exposure::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
         let scene_mover = file.scene.mover();
@@ -458,10 +466,8 @@ impl Capture {
             let invalid = Invalid::new("light_paths", "cannot be combined with a sensor that scans line by line");
             return Err(invalid.help("remove it, or sensor.shutter").within("render"));
         }
-        let mut warnings = warnings.into_messages();
-        warnings.extend_from_slice(&file.sensor.warnings);
-        warnings.extend(sensor.warnings());
-        warnings.extend(exposure.warning());
+        let of_values = sensor.warnings().into_iter().chain(exposure.warning());
+        let exposure_warnings = source.displaced().iter().cloned().chain(of_values).collect();
         Ok(Self {
             recording,
             scene_moves,
@@ -474,7 +480,9 @@ impl Capture {
             camera_to_world,
             lens,
             sensor,
-            warnings,
+            warnings: warnings.into_messages(),
+            sensor_warnings: file.sensor.warnings.clone(),
+            exposure_warnings,
             source: source.clone(),
             known_scene: None,
             models: KnownModels::default(),

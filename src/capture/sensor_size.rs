@@ -58,6 +58,7 @@ pub(super) fn scale_to(source: &CaptureSource, sensor: &mut Node, wanted: &Node)
     put("pixel_pitch_um", pitch.map(|pitch| float(pitch * growth)).to_vec());
     let area = growth * growth;
     let mut warnings = Vec::new();
+    let full_well_e = sensor.at(&["charge", "full_well_e"]).and_then(Node::as_number);
     if sensor.at(&["kind"]).and_then(Node::as_str) == Some("spad") {
         warnings.push(format!(
             "{KEY}: each pixel counts {area:.3} times as many photons of the same light, up to as many as before"
@@ -65,10 +66,27 @@ pub(super) fn scale_to(source: &CaptureSource, sensor: &mut Node, wanted: &Node)
     } else {
         WITH_AREA.iter().for_each(|key| multiply(sensor, key, area));
         AGAINST_AREA.iter().for_each(|key| multiply(sensor, key, 1.0 / area));
+        warnings.extend(full_well_e.and_then(|before| noise_lost([before, before * area], growth)));
     }
     // All rows together take as long as before.
     multiply(sensor, &["shutter", "row_time_us"], down);
     Ok(warnings)
+}
+
+/// Charge of a full pixel, e⁻, above which no 8-bit image shows its noise. At mid-grey, a reflectance g of 0.18, n full
+/// electrons make a shot noise of √(g/n) of white; there sRGB has 255·(1.055/2.4)·g^(1/2.4 − 1) = 305 codes for white,
+/// and rounding to a code has a standard deviation of 1/√12: n = 12·305²·g.
+const NOISELESS_E: f64 = 12.0 * 305.0 * 305.0 * 0.18;
+
+/// A warning where pixels have become so much larger that an image shows none of the noise which the sensor's own have.
+fn noise_lost([before_e, after_e]: [f64; 2], growth: f64) -> Option<String> {
+    (before_e < NOISELESS_E && after_e >= NOISELESS_E).then(|| {
+        format!(
+            "{KEY}: pixels {growth:.1} times as wide as the sensor's own hold {after_e:.0} e⁻ instead of {before_e:.0} e⁻: \
+             their noise is {growth:.1} times less beside the light, and less than an 8-bit image rounds; for the noise of \
+             the sensor's own pixels, write sensor.resolution_px, which takes part of them, or bin or resize its pictures"
+        )
+    })
 }
 
 fn number(sensor: &Node, key: &str, index: usize) -> Option<f64> {

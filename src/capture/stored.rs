@@ -46,7 +46,9 @@ pub struct StoredCapture {
     pub seed: u64,
     /// The lens that the stored light has passed. What a glTF camera or autofocus decided of it is not known here.
     pub lens: LensDescription,
-    /// Warnings about it.
+    /// Warnings about keys that its sensor was made of, and which its values no longer show.
+    pub sensor_warnings: Vec<String>,
+    /// Warnings about the values of sensor and exposure.
     pub warnings: Vec<String>,
     /// Where all this stands: for errors that show up later.
     pub source: CaptureSource,
@@ -112,7 +114,7 @@ impl StoredCapture {
         let lens = lens.map_err(at("lens"))?;
         let exposure = exposure::exposure(&exposure, &sensor).map_err(at("exposure"))?;
         let of_settings = sensor.warnings().into_iter().chain(exposure.warning());
-        let warnings = source.displaced().iter().chain(&merged.warnings).cloned().chain(of_settings).collect();
+        let warnings = source.displaced().iter().cloned().chain(of_settings).collect();
         Ok(Self {
             exposure,
             output: output::output(&output, &sensor).map_err(at("output"))?,
@@ -120,6 +122,7 @@ impl StoredCapture {
             seed: render.map_err(at("render"))?.seed,
             sensor,
             lens,
+            sensor_warnings: merged.warnings,
             warnings,
             source: source.clone(),
         })
@@ -155,15 +158,20 @@ impl Capture {
     ///
     /// A key that light transport has used; a value that cannot be used.
     pub fn for_traced_light(&self, changes: &[String]) -> Result<Self> {
-        let StoredCapture { sensor, exposure, output, develop, seed, warnings, source, lens: _ } =
-            StoredCapture::changed(&self.source, &self.sensor.name, changes)?;
+        let changed = StoredCapture::changed(&self.source, &self.sensor.name, changes)?;
+        let StoredCapture { sensor, exposure, output, develop, seed, sensor_warnings, warnings, source, lens: _ } =
+            changed;
+        // A sensor that stays was made of the same keys.
+        let before = if sensor == self.sensor { &*self.sensor_warnings } else { &[] };
         let origin = self.origin.clone().map(|mut origin| {
             origin.overrides.extend_from_slice(changes);
             origin
         });
         Ok(Self {
             scene: Arc::new(SceneDescription { files: self.scene.files.clone(), ..SceneDescription::default() }),
-            warnings,
+            warnings: self.light_warnings(),
+            sensor_warnings: [before, &*sensor_warnings].concat(),
+            exposure_warnings: warnings,
             known_scene: None,
             models: self.models.clone(),
             targets: self.targets.clone(),

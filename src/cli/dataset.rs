@@ -15,7 +15,9 @@ use super::print::{print_json, println_out};
 use super::scene_args::SceneArgs;
 use super::shards::LayoutsArgs;
 use crate::capture::DatasetFile;
-use crate::dataset::{DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, MakeOptions, Shard, picture_name};
+use crate::dataset::{
+    DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, MakeOptions, SetNoise, Shard, picture_name,
+};
 use crate::pipeline::{Event, FilmMemory, LightSource, Monitor, PictureOfFrame};
 use crate::{Result, Sandbox};
 use photosite_core::sandbox::trust;
@@ -108,7 +110,7 @@ pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
     let default = PathBuf::from(&*args.input.file_stem().unwrap_or_default().to_string_lossy());
     let path = args.output.as_deref().unwrap_or(&default);
     trust(path);
-    let options = MakeOptions { keeps_going: args.keep_going, jobs: args.jobs };
+    let options = MakeOptions { keeps_going: args.keep_going, jobs: args.jobs, ..MakeOptions::default() };
     if args.dry_run {
         let forecast = set.forecast(&frames, path, options, &monitor)?;
         return report.forecast(&forecast);
@@ -136,7 +138,7 @@ pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
     }
     // Parts have no summary: they are no images.
     let present = set.present(&folder);
-    report.print(&set, &folder, [made.pictures, present], ["part of a picture", "parts of pictures"])?;
+    report.print(&set, &folder, [made.pictures, present], ["part of a picture", "parts of pictures"], None)?;
     made.check(&folder)
 }
 
@@ -163,14 +165,14 @@ impl SetReport {
         if !self.quiet {
             index.left_out.iter().for_each(|why| warning!("calibration/ lacks {}", why.replace('`', "")));
         }
-        self.print(set, folder, [made.pictures, index.present], ["picture", "pictures"])?;
+        self.print(set, folder, [made.pictures, index.present], ["picture", "pictures"], Some(&index.noise))?;
         made.check(folder)
     }
 
     /// Writes the summary of what is there, and holds it against what was asked for.
     fn index(self, set: &DataSet, frames: &Frames, folder: &DatasetFolder, damaged: usize) -> Result<()> {
         let index = set.write_index(folder)?;
-        self.print(set, folder, [0, index.present - damaged], ["picture", "pictures"])?;
+        self.print(set, folder, [0, index.present - damaged], ["picture", "pictures"], Some(&index.noise))?;
         index.check(frames, damaged, folder)
     }
 
@@ -183,7 +185,14 @@ impl SetReport {
         forecast.check()
     }
 
-    fn print(self, set: &DataSet, folder: &DatasetFolder, [made, present]: [usize; 2], what: [&str; 2]) -> Result<()> {
+    fn print(
+        self,
+        set: &DataSet,
+        folder: &DatasetFolder,
+        [made, present]: [usize; 2],
+        what: [&str; 2],
+        noise: Option<&SetNoise>,
+    ) -> Result<()> {
         let (frames, cameras) = (set.frame_count(), set.cameras().count());
         let all = frames as usize * cameras;
         if self.json {
@@ -196,12 +205,16 @@ impl SetReport {
                     "made": made,
                     "present": present,
                     "complete": present == all,
+                    "noise_ratio": noise,
                 })
                 .to_string(),
             );
         }
         if !self.quiet {
             say!("made {}; {present} of {all} are in {}", counted(made, what), folder.path().display());
+            if let Some(words) = noise.and_then(SetNoise::in_words) {
+                say!("{words}");
+            }
         }
         Ok(())
     }

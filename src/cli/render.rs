@@ -15,6 +15,7 @@ use super::shorthands::Shorthands;
 use super::tev::{TevAddress, TevMonitor};
 use crate::capture::{Capture, relative_path};
 use crate::pipeline::{FilmMemory, LightSource, Monitor, Place, Rendered, Request, render_into};
+use crate::report::noise_words::{UNSEEN, times, together};
 use crate::report::{REPORT, RenderReport, Report, Timings};
 use crate::{Result, Sandbox};
 use photosite_core::sandbox::trust;
@@ -144,25 +145,19 @@ fn summarise(report: &Report, timings: &Timings, folder: &Path) {
 
 /// How the noise that rendering leaves compares with the sensor's own, and what would lessen it.
 fn noise_in_words(render: &RenderReport) -> Option<String> {
-    /// Rendering adds less than a hundredth to the noise of the sensor.
-    const LITTLE: f64 = 0.14;
-    let ratio = render.noise_ratio?;
-    // Of independent errors, squares add.
-    let more = 100.0 * (ratio.hypot(1.0) - 1.0);
-    let times = if ratio < 1.0 { "" } else { " times" };
-    let said = format!("Monte Carlo noise is {}{times} that of the sensor", rounded(ratio, 2));
-    if ratio <= LITTLE {
+    let Some(ratio) = render.noise_ratio else {
+        let is_single = render.samples_per_pixel == 1;
+        let words = "Monte Carlo noise is not known: a single sample of each pixel does not tell it; --spp 2 does";
+        return is_single.then(|| words.to_owned());
+    };
+    let said = format!("Monte Carlo noise is {} that of the sensor", times(ratio));
+    if ratio <= UNSEEN {
         return Some(format!("{said}: it is not seen"));
     }
-    let total = if more < 100.0 {
-        format!("both together are {} % more than the sensor's alone", rounded(more, 2))
-    } else {
-        format!("both together are {} times the sensor's alone", rounded(1.0 + more / 100.0, 2))
-    };
     let remedy = match &render.noise {
         // As many as its target asks for, or as its limits allow.
         Some(_) => String::new(),
         None => format!("; --spp {} would halve it", render.samples_per_pixel.saturating_mul(4)),
     };
-    Some(format!("{said}: {total}{remedy}"))
+    Some(format!("{said}: {}{remedy}", together(ratio)))
 }

@@ -241,7 +241,7 @@ impl CommonArgs {
             return Err(Error::Usage { message, help: Some("choose a file elsewhere for --write".into()) });
         }
         let frames = set.frames(0..set.frame_count(), self.keep_going, &monitor)?;
-        let options = MakeOptions { keeps_going: self.keep_going, jobs: self.jobs };
+        let options = MakeOptions { keeps_going: self.keep_going, jobs: self.jobs, ..MakeOptions::default() };
         let forecast = set.forecast(&frames, output, options, &monitor)?;
         if forecast.missing.is_empty() {
             if self.json {

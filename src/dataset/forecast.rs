@@ -6,6 +6,7 @@ use std::fs;
 use std::iter::Sum;
 use std::ops::Add;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use rayon::ThreadPoolBuilder;
@@ -14,7 +15,9 @@ use serde::Serialize;
 use super::DataSet;
 use super::frames::Frames;
 use super::make::MakeOptions;
+use super::picture::OfOnePicture;
 use super::presence::{damage, picture};
+use super::said::SaidOfPictures;
 use super::selection::{FrameList, in_order};
 use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, Rendered, Request, Silent};
 use crate::report::{Look, Timings};
@@ -103,18 +106,22 @@ impl DataSet {
         let before_bytes = memory_bytes("VmRSS:");
         let mut costs = Cost::default();
         let mut frame_s = 0.0;
+        let said = Mutex::default();
         for (camera, missing) in &missing {
             // The scene is built for the first, and kept.
-            of_one.install(|| self.trial(camera, &missing[0], 1))?;
+            of_one.install(|| self.trial(camera, &missing[0], 1, &said))?;
             // From the middle of equal shares of the set.
             let count = missing.len().min(SPECIMENS);
             let specimens = (0..count).map(|i| &missing[(2 * i + 1) * missing.len() / (2 * count)]);
-            let of_some = specimens.map(|one| of_one.install(|| self.cost(camera, one))).sum::<Result<Cost>>()?;
+            let of_some =
+                specimens.map(|one| of_one.install(|| self.cost(camera, one, &said))).sum::<Result<Cost>>()?;
             let share = missing.len() as f64 / count as f64;
             let time_s = of_some.time_s / jobs as f64;
             frame_s += time_s / count as f64;
             costs = costs + Cost { time_s: time_s * share, disk_bytes: of_some.disk_bytes * share };
         }
+        let said = said.into_inner().unwrap_or_else(PoisonError::into_inner);
+        said.in_words().iter().for_each(|words| monitor.report(Event::Warning(words)));
         // Each job takes what one has taken.
         let most_bytes = memory_bytes("VmHWM:");
         let numbers = missing.values().flatten().map(|one| one.number).collect();
@@ -137,11 +144,11 @@ impl DataSet {
     }
 
     /// What a picture of so many samples a pixel takes.
-    fn cost(&self, camera: &str, picture: &Missing<'_>) -> Result<Cost> {
+    fn cost(&self, camera: &str, picture: &Missing<'_>, said: &Mutex<SaidOfPictures>) -> Result<Cost> {
         let all = picture.samples;
         let mut few = 1;
         loop {
-            let Trial { whole_s, trace_s, disk_bytes } = self.trial(camera, picture, few)?;
+            let Trial { whole_s, trace_s, disk_bytes } = self.trial(camera, picture, few, said)?;
             if trace_s >= ENOUGH_S || few == all {
                 let time_s = whole_s - trace_s + trace_s / f64::from(few) * f64::from(all);
                 return Ok(Cost { time_s, disk_bytes });
@@ -152,7 +159,15 @@ impl DataSet {
     }
 
     /// Makes a picture of so few samples a pixel, and lets it go.
-    fn trial(&self, camera: &str, &Missing { number, changes, .. }: &Missing<'_>, few: u32) -> Result<Trial> {
+    fn trial(
+        &self,
+        camera: &str,
+        &Missing { number, changes, .. }: &Missing<'_>,
+        few: u32,
+        said: &Mutex<SaidOfPictures>,
+    ) -> Result<Trial> {
+        said.lock().unwrap_or_else(PoisonError::into_inner).frame(number);
+        let monitor = OfOnePicture { monitor: &Silent, of: (camera, number), said, is_over: &|| false };
         let folder = tempfile::tempdir().map_err(|reason| Error::io(&std::env::temp_dir(), "write into", reason))?;
         trust(folder.path());
         let start = Instant::now();
@@ -161,7 +176,7 @@ impl DataSet {
             named: self.file.description.capture.clone(),
             light: LightSource::Traced,
             film_memory: self.film_memory,
-            monitor: &Silent,
+            monitor: &monitor,
             is_timed: true,
         };
         let mut capture = self.capture(camera, number, changes)?;

@@ -11,7 +11,9 @@ use super::calibration::write_calibration;
 use super::finished::{Line, MANIFEST, read_present};
 use super::folder::DatasetFolder;
 use super::frames::Frames;
+use super::noise::SetNoise;
 use super::presence::name;
+use super::said::SaidOfPictures;
 use super::selection::FrameList;
 use crate::calibration::dataset::Plan;
 use crate::capture::DatasetFile;
@@ -32,6 +34,10 @@ pub struct Index {
     pub missing: Vec<u32>,
     /// Files of the cameras that are left out, with the reasons.
     pub left_out: Vec<String>,
+    /// Monte Carlo noise of the pictures.
+    pub noise: SetNoise,
+    /// What their reports warn of, each kind once.
+    pub warnings: Vec<String>,
 }
 
 impl Index {
@@ -62,10 +68,16 @@ pub(super) fn write_index(folder: &DatasetFolder, file: &DatasetFile, identity: 
     let path = folder.path().join(MANIFEST);
     let earlier = report_sums(&path);
     let (mut lines, mut missing) = (Vec::new(), Vec::new());
+    let (mut renders, mut said) = (Vec::new(), SaidOfPictures::default());
     for number in 0..plan.frames() {
         for camera in plan.cameras().iter().map(|camera| &*camera.place.name) {
             if folder.is_done(camera, number) {
-                lines.push(line(folder, camera, number, plan, &earlier).map_err(Error::since_begun)?.to_string());
+                let path = folder.picture(camera, number).join(REPORT);
+                let report = Report::read(&path).map_err(Error::since_begun)?;
+                said.frame(number);
+                report.warnings.iter().for_each(|words| said.warning(camera, number, words));
+                renders.push((name(camera, number), report.traced.render.clone()));
+                lines.push(line(&path, report, (camera, number), plan, &earlier)?.to_string());
             } else if missing.last() != Some(&number) {
                 missing.push(number);
             }
@@ -78,9 +90,11 @@ pub(super) fn write_index(folder: &DatasetFolder, file: &DatasetFile, identity: 
     } else {
         write_calibration(&read_present(folder.path()).map_err(Error::since_begun)?)?
     };
-    let card = card(file, identity, plan, present, &left_out);
+    let noise = SetNoise::of(renders.iter().map(|(picture, render)| (picture.clone(), render.as_ref())));
+    let index = Index { present, missing, left_out, noise, warnings: said.in_words() };
+    let card = card(file, identity, plan, &index);
     write_whole(&folder.path().join(CARD), |to| to.write_all(card.as_bytes()))?;
-    Ok(Index { present, missing, left_out })
+    Ok(index)
 }
 
 /// The sums of the pictures' reports in a manifest, by the pictures' folders; those of lines that can be read. Nothing
@@ -93,18 +107,17 @@ pub(super) fn report_sums(manifest: &Path) -> BTreeMap<String, FileSum> {
 
 /// What the manifest says of a picture.
 fn line(
-    folder: &DatasetFolder,
-    camera: &str,
-    number: u32,
+    path: &Path,
+    report: Report,
+    (camera, number): (&str, u32),
     plan: &Plan,
     earlier: &BTreeMap<String, FileSum>,
 ) -> Result<Value> {
-    let path = folder.picture(camera, number).join(REPORT);
-    let Report { files, mut sums, seed, overrides, traced, exposure, .. } = Report::read(&path)?;
+    let Report { files, mut sums, seed, overrides, traced, exposure, .. } = report;
     let name = name(camera, number);
     // A picture has the same bytes whenever it is made: another sum than before is that of a damaged report.
-    let report = earlier.get(&name).cloned().map_or_else(|| FileSum::of(&path), Ok);
-    sums.insert(REPORT.to_owned(), report.map_err(|reason| Error::io(&path, "read", reason))?);
+    let report = earlier.get(&name).cloned().map_or_else(|| FileSum::of(path), Ok);
+    sums.insert(REPORT.to_owned(), report.map_err(|reason| Error::io(path, "read", reason))?);
     let pose = traced.camera.as_ref();
     Ok(json!({
         "frame": number,
@@ -123,6 +136,7 @@ fn line(
         },
         "camera_matrix": pose.map(|camera| camera.camera_matrix),
         "exposure": exposure,
+        "noise_ratio": traced.render.as_ref().and_then(|render| render.noise_ratio),
     }))
 }
 
@@ -139,7 +153,8 @@ fn varied(plan: &Plan, overrides: &[String]) -> Value {
 }
 
 /// What a reader who finds the folder has to know.
-fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize, left_out: &[String]) -> String {
+fn card(file: &DatasetFile, identity: &Value, plan: &Plan, index: &Index) -> String {
+    let Index { present, left_out, noise, warnings, .. } = index;
     let cameras: Vec<String> = plan
         .cameras()
         .iter()
@@ -151,20 +166,24 @@ fn card(file: &DatasetFile, identity: &Value, plan: &Plan, present: usize, left_
     let keys = file.description.vary.iter().flat_map(|variation| variation.keys());
     let varied: Vec<String> = keys.map(|key| format!("- `{key}`")).collect();
     let left_out: String = left_out.iter().map(|why| format!("  - not there, {why}\n")).collect();
+    let noise = noise.in_words().map(|words| format!("## Noise\n\n{words}.\n\n"));
+    let warnings: String = warnings.iter().map(|words| format!("- {words}\n")).collect();
+    let warnings = (!warnings.is_empty()).then(|| format!("## Warnings\n\n{warnings}\n"));
+    let told: String = noise.into_iter().chain(warnings).collect();
     let varied = if varied.is_empty() { "Nothing but poses and noise.".to_owned() } else { varied.join("\n") };
     format!(
         "# Synthetic pictures\n\n\
          Made by photosite {version} from `{capture}`; everything in them is computed, nothing was photographed.\n\n\
          {frames} frames by {count} cameras; {present} of {all} pictures are here.\n\n\
          ## Cameras\n\n{cameras}\n\n\
-         ## What differs from frame to frame\n\n{varied}\n\n\
+         ## What differs from frame to frame\n\n{varied}\n\n{told}\
          ## Files\n\n\
          - `CAMERA/NUMBER/`: one picture. `raw.*` are digital numbers of the sensor, `image.png` is developed from them, \
          `electrons.exr` holds the mean photo-electrons without noise, `truth.*` what is really there at each pixel, \
          `capture.json` everything that is needed to use and to repeat the picture.\n\
          - `manifest.jsonl`: a line for each picture: pose (world → camera, OpenCV's axes: x right, y down, z forward), \
-         camera matrix (integer coordinates at pixel centres), exposure, changes to the capture and among them what was \
-         drawn (`varied`), sizes and SHA-256 of the files. `photosite render` makes the picture alone, from its \
+         camera matrix (integer coordinates at pixel centres), exposure, Monte Carlo noise beside the sensor's \
+         (`noise_ratio`), changes to the capture and among them what was drawn (`varied`), sizes and SHA-256 of the files. `photosite render` makes the picture alone, from its \
          `capture.json` or from the capture with each of the changes after `--set`.\n\
          - `calibration/`: the cameras for OpenCV, ROS and Kalibr, as far as these know such lenses. The first camera is the \
          reference: poses of `opencv/CAMERA.yaml` lead from it; `opencv/stereo/FIRST-CAMERA.yaml` holds a pair (R, T, E, F, \

@@ -6,8 +6,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Mutex, PoisonError};
-use std::thread;
-use std::time::Instant;
+use std::thread::{self, sleep};
+use std::time::{Duration, Instant};
 
 use rayon::ThreadPool;
 
@@ -15,11 +15,15 @@ use super::DataSet;
 use super::folder::{DatasetFolder, NewPicture, Turn};
 use super::made::Made;
 use super::picture::{OfOnePicture, Picture};
-use super::presence::name;
+use super::said::SaidOfPictures;
 use crate::locked::locked;
 use crate::pipeline::{Event, LightSource, MadeIn, Monitor, PictureOfFrame, go_on};
 use crate::report::Timings;
 use crate::{Error, Result};
+
+/// Between two looks at what other processes make, at first and after a while.
+const SHORTEST_PAUSE: Duration = Duration::from_millis(100);
+const LONGEST_PAUSE: Duration = Duration::from_secs(2);
 
 /// What all jobs have in common.
 pub(super) struct Jobs<'a> {
@@ -29,8 +33,8 @@ pub(super) struct Jobs<'a> {
     pub(super) keeps_going: bool,
     pub(super) light: &'a (dyn Fn(&str, u32) -> Result<LightSource<'static>> + Sync),
     pub(super) made: Mutex<Made>,
-    /// Whether warnings about the scene were given.
-    pub(super) has_warned: AtomicBool,
+    /// Warnings about pictures, which are given in the end.
+    pub(super) said: Mutex<SaidOfPictures>,
     /// Whether an error has ended the work.
     pub(super) is_over: AtomicBool,
 }
@@ -44,9 +48,26 @@ struct Rendered<'a> {
 }
 
 impl Jobs<'_> {
+    /// Makes pictures until all are there. What other processes make is looked at again in the end: they may die.
+    pub(super) fn go_on(&self, mut todo: Vec<Picture<'_>>, pools: &[ThreadPool]) -> Result<()> {
+        let mut pause = SHORTEST_PAUSE;
+        while !todo.is_empty() {
+            todo = self.go_through(todo, pools)?;
+            if !todo.is_empty() {
+                if pause == SHORTEST_PAUSE {
+                    self.monitor.report(Event::Waiting { pictures: todo.len() });
+                }
+                go_on(self.monitor)?;
+                sleep(pause);
+                pause = LONGEST_PAUSE.min(pause * 2);
+            }
+        }
+        Ok(())
+    }
+
     /// Makes pictures, one job for each pool, or one on the threads of the caller; returns those that other processes
     /// are making.
-    pub(super) fn go_through<'a>(&self, todo: Vec<Picture<'a>>, pools: &[ThreadPool]) -> Result<Vec<Picture<'a>>> {
+    fn go_through<'a>(&self, todo: Vec<Picture<'a>>, pools: &[ThreadPool]) -> Result<Vec<Picture<'a>>> {
         let queue = Mutex::new(todo.into_iter());
         let theirs = Mutex::new(Vec::new());
         let job = || self.job(&queue, &theirs);
@@ -104,11 +125,11 @@ impl Jobs<'_> {
                 }
                 Turn::Ours(picture) => picture,
             };
-            // Warnings about the scene are given once.
-            let warns = !self.has_warned.swap(true, Ordering::Relaxed);
-            let monitor = OfOnePicture { monitor: self.monitor, warns, is_over: &is_over };
-            if let Some(lost) = picture.lost().filter(|_| warns) {
-                self.monitor.report(Event::Warning(&format!("{} is made again: {lost}", name(camera, number))));
+            locked(&self.said).frame(number);
+            let monitor =
+                OfOnePicture { monitor: self.monitor, of: (camera, number), said: &self.said, is_over: &is_over };
+            if let Some(lost) = picture.lost() {
+                monitor.report(Event::Warning(&format!("a picture is made again: {lost}")));
             }
             let light = (self.light)(camera, number);
             match light.and_then(|light| self.set.picture(of, light, &picture, &monitor)) {

@@ -4,8 +4,6 @@ use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
-use std::thread::sleep;
-use std::time::Duration;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
@@ -17,12 +15,8 @@ use super::made::Made;
 use super::picture::Picture;
 use super::selection::in_order;
 use crate::capture::Capture;
-use crate::pipeline::{Event, LightSource, Monitor, go_on, pixels};
+use crate::pipeline::{Event, LightSource, Monitor, pixels};
 use crate::{Error, Result};
-
-/// Between two looks at what other processes make, at first and after a while.
-const SHORTEST_PAUSE: Duration = Duration::from_millis(100);
-const LONGEST_PAUSE: Duration = Duration::from_secs(2);
 
 /// How pictures are made, besides which.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,6 +26,9 @@ pub struct MakeOptions {
     /// How many pictures are made at once, which share the threads. Without, small ones one for each thread, and others
     /// one by one.
     pub jobs: Option<u16>,
+    /// Whether warnings about pictures are left to whoever reads their reports: they hold for some pictures of a run
+    /// alone.
+    pub leaves_warnings: bool,
 }
 
 /// Whether threads have little to share in a picture: less than some seconds of work for one.
@@ -69,22 +66,15 @@ impl DataSet {
             keeps_going: options.keeps_going,
             light: &light,
             made: Mutex::new(Made { failed: frames.failed.clone(), ..Made::default() }),
-            has_warned: AtomicBool::new(false),
+            said: Mutex::default(),
             is_over: AtomicBool::new(false),
         };
-        let mut pause = SHORTEST_PAUSE;
-        while !todo.is_empty() {
-            // What other processes make is looked at again in the end: they may die.
-            todo = jobs.go_through(todo, &pools)?;
-            if !todo.is_empty() {
-                if pause == SHORTEST_PAUSE {
-                    monitor.report(Event::Waiting { pictures: todo.len() });
-                }
-                go_on(monitor)?;
-                sleep(pause);
-                pause = LONGEST_PAUSE.min(pause * 2);
-            }
+        let end = jobs.go_on(todo, &pools);
+        if !options.leaves_warnings {
+            let said = jobs.said.into_inner().unwrap_or_else(PoisonError::into_inner);
+            said.in_words().iter().for_each(|words| monitor.report(Event::Warning(words)));
         }
+        end?;
         let mut made = jobs.made.into_inner().unwrap_or_else(PoisonError::into_inner);
         made.failed = in_order(made.failed);
         Ok(made)

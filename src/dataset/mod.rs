@@ -18,6 +18,7 @@ mod layout_folder;
 mod made;
 mod make;
 mod merge;
+mod noise;
 mod overlays;
 mod parts;
 mod picture;
@@ -26,6 +27,7 @@ mod presence;
 mod rectified_truth;
 mod rectify;
 mod rig;
+mod said;
 mod selection;
 mod shapes;
 mod shards;
@@ -53,6 +55,7 @@ pub use index::Index;
 pub use layout_folder::LayoutFolder;
 pub use made::Made;
 pub use make::MakeOptions;
+pub use noise::SetNoise;
 pub use overlays::{Corner, Epipolar, Overlays, SeenObject};
 pub use parts::PartFolder;
 pub use presence::name as picture_name;
@@ -195,6 +198,11 @@ impl DataSet {
     pub fn present(&self, folder: &DatasetFolder) -> usize {
         let done = |number| self.cameras().filter(|camera| folder.is_done(camera, number)).count();
         (0..self.plan.frames()).map(done).sum()
+    }
+
+    /// The fingerprint of all that decides what is in its pictures.
+    pub fn fingerprint(&self) -> &str {
+        self.identity["fingerprint"].as_str().unwrap_or_default()
     }
 
     /// The frames that the file asks for.

@@ -1,9 +1,11 @@
 //! One picture of a data set: its capture, rendered into a folder of its own, with what it has in common with the last.
 
+use std::sync::Mutex;
 use std::time::Instant;
 
 use super::DataSet;
 use super::folder::NewPicture;
+use super::said::SaidOfPictures;
 use crate::capture::Capture;
 use crate::locked::locked;
 use crate::pipeline::{Event, LightSource, Monitor, OutputFolder, ReadyRender, Rendered, Request};
@@ -70,10 +72,12 @@ impl DataSet {
     }
 }
 
-/// What is heard of one picture of a set: that it was cancelled, and warnings of the first alone.
+/// What is heard of one picture of a set: that it was cancelled. Warnings are kept, to be said of all pictures at once.
 pub(super) struct OfOnePicture<'a> {
     pub(super) monitor: &'a dyn Monitor,
-    pub(super) warns: bool,
+    /// The camera and the number of the frame.
+    pub(super) of: (&'a str, u32),
+    pub(super) said: &'a Mutex<SaidOfPictures>,
     /// Whether the set is given up, for an error of another picture.
     pub(super) is_over: &'a (dyn Fn() -> bool + Sync),
 }
@@ -81,11 +85,10 @@ pub(super) struct OfOnePicture<'a> {
 impl Monitor for OfOnePicture<'_> {
     fn report(&self, event: Event<'_>) {
         match event {
-            Event::Warning(_) if self.warns => self.monitor.report(event),
+            Event::Warning(words) => locked(self.said).warning(self.of.0, self.of.1, words),
             // While a picture is traced it stops by itself and keeps a checkpoint.
             Event::TraceBegins { .. } | Event::TraceEnds => self.monitor.report(event),
-            Event::Warning(_)
-            | Event::Traced(_)
+            Event::Traced(_)
             | Event::PassEnds { .. }
             | Event::PictureGrows(_)
             | Event::SetBegins { .. }

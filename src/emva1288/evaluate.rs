@@ -97,13 +97,14 @@ fn of_channel(folder: &Path, sets: &ChannelSets, monitor: &dyn Monitor) -> Resul
         });
     }
     for set in &sets.temperatures {
-        let evaluation = evaluate(read(&set.descriptor)?.points, None).map_err(unfit(&set.descriptor))?;
+        let MeasuredSet { points, more_dark, .. } = read(&set.descriptor)?;
+        let evaluation = evaluate(points, &more_dark, None).map_err(unfit(&set.descriptor))?;
         let Some(fit) = evaluation.dark_current else { continue };
         report.thermal.push(ThermalPoint {
             temperature_c: set.temperature_c,
             expected: set.dark_current_e_per_s,
             from_mean: fit.mean.slope / gain,
-            from_variance: fit.variance.slope / (gain * gain),
+            from_variance: fit.variance.map(|line| line.slope / (gain * gain)),
         });
     }
     let currents = report.thermal.iter().map(|p| (p.temperature_c, p.from_mean));
@@ -119,7 +120,7 @@ fn channel_report(title: String, set: MeasuredSet, expected: Option<Figures>) ->
     Ok(ChannelReport {
         title,
         expected,
-        evaluation: evaluate(set.points, variances)?,
+        evaluation: evaluate(set.points, &set.more_dark, variances)?,
         stacks: set.stacks,
         spectral: Vec::new(),
         thermal: Vec::new(),

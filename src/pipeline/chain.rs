@@ -388,7 +388,8 @@ impl<'a> Chain<'a> {
         }
     }
 
-    pub(super) fn sensor_report(&self, exposure: &Exposure, raw: &RawImage) -> SensorReport {
+    /// What a report says of the sensor, of whose keys there are these warnings.
+    pub(super) fn sensor_report(&self, exposure: &Exposure, raw: &RawImage, warnings: &[String]) -> SensorReport {
         let sensor = self.settings.sensor;
         SensorReport {
             name: sensor.name.clone(),
@@ -406,6 +407,7 @@ impl<'a> Chain<'a> {
             as_shot_neutral: raw.metadata.as_shot_neutral.clone(),
             colour_matrix_d65: raw.metadata.colour_matrix_d65().cloned(),
             calibration: self.colours.calibration.clone(),
+            warnings: warnings.to_vec(),
         }
     }
 }

@@ -30,6 +30,7 @@ use crate::sensor::{Exposure, NoiseMap, SensorModel, electron_rates};
 use crate::spectrum::{Spectrum, illuminant};
 use crate::units::{Decibels, Seconds};
 use photosite_core::memory;
+use photosite_core::warnings::Warnings;
 
 /// A sensor that stored light has fallen on.
 #[derive(Clone)]
@@ -54,6 +55,10 @@ struct ReadySensor {
     corrections: Arc<KnownCorrections>,
     /// What automatic exposure found when this was exposed before.
     known_gains: Option<[Decibels; 2]>,
+    /// About keys that its sensor was made of.
+    sensor_warnings: Vec<String>,
+    /// Those and all others but about its exposure.
+    warnings: Vec<String>,
 }
 
 impl ExposedRender {
@@ -65,14 +70,16 @@ impl ExposedRender {
         load_s: f64,
     ) -> Result<Self> {
         let start = Instant::now();
-        let (sensor, mut warnings) = ReadySensor::new(stored)?;
+        let sensor = ReadySensor::new(stored)?;
         if let Some(left) = memory::left() {
             let needs = Needs::new(Settings::from(&sensor.stored.capture));
             needs.check(left, needs.exposing())?;
         }
         let (exposed, more) = sensor.expose(light)?;
-        warnings.extend(more);
-        warnings.extend_from_slice(&exposed.warnings);
+        let mut warnings = Warnings::default();
+        let said = sensor.warnings.iter().chain(&more).chain(&exposed.warnings);
+        said.for_each(|warning| warnings.once(warning));
+        let warnings = warnings.into_messages();
         let timings = Timings { load_s, expose_s: start.elapsed().as_secs_f64(), ..Timings::default() };
         Ok(Self { sensor, exposed, warnings, input, overrides, timings })
     }
@@ -167,10 +174,13 @@ impl ExposedRender {
 }
 
 impl ReadySensor {
-    /// With warnings about it.
-    fn new(stored: Stored) -> Result<(Self, Vec<String>)> {
+    fn new(stored: Stored) -> Result<Self> {
         let Stored { capture, recorded, gains, calibration, traced, .. } = &stored;
-        let mut warnings = capture.warnings.clone();
+        // A sensor that stays was made of the same keys.
+        let stays = recorded.as_ref().filter(|recorded| recorded.sensor == capture.sensor);
+        let before = stays.map_or(&[][..], |recorded| &recorded.sensor_warnings);
+        let sensor_warnings = [before, &*capture.sensor_warnings].concat();
+        let mut warnings = [&*traced.light_warnings, &*sensor_warnings, &*capture.warnings].concat();
         let white = match traced.scene_light.as_ref().and_then(LightReport::spectrum) {
             Some(light) => light,
             None => {
@@ -194,9 +204,20 @@ impl ReadySensor {
             specimen == capture.sensor && r.exposure.is_like(&capture.exposure)
         });
         let known_gains = gains.filter(|_| same);
-        let ready = Self { stored, white, optics, colours, placed, corrections: Arc::default(), known_gains };
-        warnings.extend(ready.chain().picture_warnings(false));
+        let corrections = Arc::default();
+        let mut ready = Self {
+            stored,
+            white,
+            optics,
+            colours,
+            placed,
+            corrections,
+            known_gains,
+            sensor_warnings,
+            warnings: Vec::new(),
+        };
         let has_targets = ready.stored.traced.targets.as_ref().is_some_and(|targets| !targets.is_empty());
+        warnings.extend(ready.chain().picture_warnings(has_targets));
         if has_targets && ready.stored.grid.is_some_and(|before| before != ready.chain().image_grid()) {
             warnings.push(
                 "the points of targets are brought to the pixels of this image; points_visible is false of all that the \
@@ -215,7 +236,8 @@ impl ReadySensor {
                     .to_owned(),
             );
         }
-        Ok((ready, warnings))
+        ready.warnings = warnings;
+        Ok(ready)
     }
 
     fn chain(&self) -> Chain<'_> {
@@ -247,7 +269,7 @@ impl ReadySensor {
             fingerprint: None,
             seed: capture.seed,
             traced,
-            sensor: chain.sensor_report(exposure, raw),
+            sensor: chain.sensor_report(exposure, raw, &self.sensor_warnings),
             image: chain.image_report(),
             pixel_grid: chain.grid_report(),
             exposure: exposure_report,

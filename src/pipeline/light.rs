@@ -224,21 +224,10 @@ impl Prepared {
         }
         let capture = self.capture.for_traced_light(changes)?;
         light.check(&capture, self.capture.recording.is_some()).map_err(|invalid| capture.source.error(invalid))?;
-        let mut warnings = capture.warnings();
         let colours = SensorColours::find(Settings::from(&capture), &self.optics, &self.light, None)?;
-        warnings.extend(colours.warning.clone());
         // What was said of the sensor and the exposure before holds no more.
-        let before = [self.capture.sensor.warnings(), self.capture.exposure.warning().into_iter().collect()].concat();
-        let earlier = [before, self.picture_warnings()].concat();
-        let kept = self.warnings.iter().filter(|warning| !earlier.contains(warning)).cloned();
-        let mut changed = Self { capture, colours: Arc::new(colours), warnings: kept.collect(), ..self.clone() };
-        warnings.extend(changed.picture_warnings());
-        for warning in warnings {
-            if !changed.warnings.contains(&warning) {
-                changed.warnings.push(warning);
-            }
-        }
-        Ok(changed)
+        let changed = Self { capture, colours: Arc::new(colours), ..self.clone() };
+        Ok(Self { warnings: changed.all_warnings(), ..changed })
     }
 
     /// Whether light need not be traced anew for another f-number: the opening of a pinhole without a point spread changes

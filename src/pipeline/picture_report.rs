@@ -50,6 +50,7 @@ pub(super) fn picture_report(prepared: &Prepared, made: Made<'_>) -> Result<Repo
         scene_light: Some(LightReport::new(&prepared.light)),
         targets: Some(prepared.target_reports(not_found)),
         truth: truth.clone(),
+        light_warnings: prepared.light_warnings.clone(),
         paths: Some(paths),
         paths_per_s: timings.map(|timings| paths as f64 / timings.trace_s),
     };
@@ -66,7 +67,7 @@ pub(super) fn picture_report(prepared: &Prepared, made: Made<'_>) -> Result<Repo
         fingerprint: fingerprint.filter(|_| is_first).map(str::to_owned),
         seed: capture.render.seed,
         traced,
-        sensor: chain.sensor_report(&exposure, &first),
+        sensor: chain.sensor_report(&exposure, &first, &capture.sensor_warnings),
         image: chain.image_report(),
         pixel_grid: chain.grid_report(),
         exposure: exposure_report,

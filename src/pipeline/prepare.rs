@@ -17,6 +17,7 @@ use crate::scene::description::SceneDescription;
 use crate::scene::{self, Scene, spectral_coverage};
 use crate::spectrum::Spectrum;
 use crate::{Error, Result};
+use photosite_core::warnings::Warnings;
 
 /// A capture that is ready to be traced.
 #[derive(Clone)]
@@ -47,6 +48,9 @@ pub struct Prepared {
     /// Those of the first picture's scene.
     pub(super) objects: Arc<Vec<TruthObject>>,
     pub(super) truth: Option<TruthReport>,
+    /// Warnings that hold for its light, whatever that falls on.
+    pub(super) light_warnings: Vec<String>,
+    /// Those and all others, each once.
     pub(super) warnings: Vec<String>,
     /// The number of its picture in its series.
     pub(super) frame: u32,
@@ -70,14 +74,14 @@ impl Prepared {
     ///
     /// As [`new`](Self::new).
     pub fn after(earlier: Option<Self>, mut capture: Capture) -> Result<Self> {
-        let mut warnings = capture.warnings();
+        let mut light_warnings = capture.light_warnings();
         let description = capture.take_scene();
         let responses = responses(&capture);
         let importance = importance(&responses);
         let filters = filters(&capture);
-        warnings.extend(spectral_coverage::warning(&description, &seen_through_lens(&capture)));
+        light_warnings.extend(spectral_coverage::warning(&description, &seen_through_lens(&capture)));
         if capture.lens.kind == LensKind::Bare && !description.lights.is_empty() {
-            warnings.push(
+            light_warnings.push(
                 "lights of [[lights]] and of glTF files have no surface, and a bare sensor sees what they shine on but not \
                  the lamps themselves; give lamps that shall shine on the sensor a surface with emission"
                     .to_owned(),
@@ -112,10 +116,10 @@ impl Prepared {
         };
         let FocusedCamera { camera, steps: focus_steps, is_nearest } =
             focus_camera(&capture, capture.camera_to_world, || &scene)?;
-        warnings.extend(autofocus_warning(&capture, &camera, is_nearest));
-        warnings.extend(image_circle_warning(&capture, &camera));
-        warnings.extend(folded_blur_warning(&camera));
-        warnings.extend(ineffective_settings(&capture, &scene));
+        light_warnings.extend(autofocus_warning(&capture, &camera, is_nearest));
+        light_warnings.extend(image_circle_warning(&capture, &camera));
+        light_warnings.extend(folded_blur_warning(&camera));
+        light_warnings.extend(ineffective_settings(&capture, &scene));
         let optics = Optics {
             f_number: camera.makes_picture().then_some(capture.lens.f_number),
             focal_length_m: Some(capture.lens.focal_length_m).filter(|f| camera.makes_picture() && *f > 0.0),
@@ -128,7 +132,6 @@ impl Prepared {
             Some(earlier) => Arc::clone(&earlier.colours),
             None => Arc::new(SensorColours::find(Settings::from(&capture), &optics, &light, None)?),
         };
-        warnings.extend(colours.warning.clone());
         let kept = |output: &OutputSettings| (output.irradiance, output.ideal);
         let same_responses =
             same_sensor.as_ref().filter(|earlier| kept(&earlier.capture.output) == kept(&capture.output));
@@ -155,11 +158,22 @@ impl Prepared {
             surfaces,
             objects,
             truth,
-            warnings,
+            light_warnings,
+            warnings: Vec::new(),
             frame: 0,
         };
-        prepared.warnings.extend(prepared.picture_warnings());
+        prepared.warnings = prepared.all_warnings();
         Ok(prepared)
+    }
+
+    /// Warnings about light, sensor, exposure and pictures, each once.
+    pub(super) fn all_warnings(&self) -> Vec<String> {
+        let Self { capture, light_warnings, colours, .. } = self;
+        let of_light = light_warnings.iter().chain(&capture.sensor_warnings).chain(&capture.exposure_warnings);
+        let mut all = Warnings::default();
+        of_light.chain(&colours.warning).for_each(|warning| all.once(warning));
+        self.picture_warnings().into_iter().for_each(|warning| all.once(warning));
+        all.into_messages()
     }
 
     /// The picture of that number of its series, in which camera or scene have moved on; this is the first. Its light has

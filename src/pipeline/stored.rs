@@ -93,6 +93,8 @@ impl Stored {
         let grid = report.pixel_grid.as_ref().map(PixelGridReport::grid);
         let grid = grid.unwrap_or_else(|| in_u32(recorded.sensor.resolution).into());
         let gains = [report.exposure.gain_db, report.exposure.digital_gain_db].map(Decibels);
+        let recorded_warnings = report.sensor.warnings;
+        let recorded = StoredCapture { sensor_warnings: recorded_warnings, ..recorded };
         let stored = Self {
             capture,
             later,

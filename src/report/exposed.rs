@@ -41,6 +41,10 @@ pub struct SensorReport {
     /// What the channels mean in A, D65 and D50, so that another exposure need not find it again; `null` without
     /// colours.
     pub calibration: Option<SensorCalibration>,
+    /// What the user was warned of about keys that the sensor was made of, and which its values no longer show; none in
+    /// reports of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
 }
 
 /// The exposure, of an automatic one as it was found.

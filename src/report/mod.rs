@@ -11,6 +11,7 @@ mod lens;
 mod listing;
 pub(crate) mod matrix;
 mod motion;
+pub(crate) mod noise_words;
 mod objects;
 mod part;
 mod schema;
@@ -117,6 +118,9 @@ pub struct TracedReport {
     /// Ground truth; `null` where none is written.
     #[serde(default)]
     pub truth: Option<TruthReport>,
+    /// What the user was warned of that holds for the light, whatever it falls on; none in reports of earlier versions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub light_warnings: Vec<String>,
     /// Camera paths traced.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paths: Option<u64>,

@@ -43,7 +43,7 @@ fn measure(sensor: &SensorModel, point: &OperatingPoint, plan: &Plan) -> Evaluat
             }),
         }
     }
-    evaluate(points, <[_; 2]>::try_from(stacks).ok()).expect("a set")
+    evaluate(points, &[], <[_; 2]>::try_from(stacks).ok()).expect("a set")
 }
 
 /// Relative deviation in standard errors.

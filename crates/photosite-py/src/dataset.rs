@@ -54,7 +54,12 @@ impl Dataset {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<usize> {
         work(py, How { threads, progress }, |monitor| {
-            let frames = self.0.frames(frames, false, monitor)?;
+            self.0.check_folder(&folder)?;
+            let missing = self.0.missing(frames, &folder);
+            if missing.is_empty() {
+                return Ok(0);
+            }
+            let frames = self.0.frames(missing, false, monitor)?;
             self.0.check_first(&frames)?;
             let folder = self.0.claim(&folder)?;
             let made =
@@ -72,6 +77,11 @@ impl Dataset {
     /// Which of these frames lack a picture, or a part of one, in the folder.
     fn missing(&self, py: Python<'_>, folder: PathBuf, frames: Vec<u32>) -> PyResult<Vec<u32>> {
         work(py, How::default(), |_| Ok(self.0.missing(frames, &folder)))
+    }
+
+    /// The fingerprint of all that decides what is in its pictures.
+    fn fingerprint(&self) -> &str {
+        self.0.fingerprint()
     }
 
     /// Samples of each pixel that all pictures have.
@@ -155,17 +165,21 @@ impl Dataset {
     }
 
     /// Writes the summary of pictures of which the folder holds the reports alone, and counts them.
-    fn write_index_of_reports(&self, py: Python<'_>, folder: PathBuf) -> PyResult<(usize, Vec<String>)> {
+    fn write_index_of_reports(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Summary> {
         let index = work(py, How::default(), |_| self.0.write_index(&self.0.open(&folder)?.of_reports()))?;
-        Ok((index.present, index.left_out))
+        Ok((index.present, index.left_out, index.warnings))
     }
 
-    /// Writes the summary of the pictures in the folder, and counts them; with why calibration files are left out.
-    fn write_index(&self, py: Python<'_>, folder: PathBuf) -> PyResult<(usize, Vec<String>)> {
+    /// Writes the summary of the pictures in the folder, and counts them; with why calibration files are left out, and what
+    /// reports warn of.
+    fn write_index(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Summary> {
         let index = work(py, How::default(), |_| self.0.write_index(&self.0.open(&folder)?))?;
-        Ok((index.present, index.left_out))
+        Ok((index.present, index.left_out, index.warnings))
     }
 }
+
+/// How many pictures are there, why calibration files are left out, and what the pictures' reports warn of.
+type Summary = (usize, Vec<String>, Vec<String>);
 
 fn unknown_format(name: &str) -> Error {
     let known: Vec<&str> = ShardFormat::ALL.into_iter().map(ShardFormat::name).collect();
@@ -174,7 +188,8 @@ fn unknown_format(name: &str) -> Error {
 }
 
 /// Past frames that cannot be made. A worker that dies loses no more than the picture that it is at.
-const ONE_BY_ONE: MakeOptions = MakeOptions { keeps_going: true, jobs: Some(1) };
+/// The driver of the run reads the reports of all.
+const ONE_BY_ONE: MakeOptions = MakeOptions { keeps_going: true, jobs: Some(1), leaves_warnings: true };
 
 /// A frame that could not be made: its number, why, and whether another try may succeed.
 type Failure = (u32, String, bool);

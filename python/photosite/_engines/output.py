@@ -11,7 +11,7 @@ from typing import Optional, Protocol
 from .. import _photosite
 from .task import Failure, Job, Task
 
-__all__ = ["Folder", "Output", "failures_of", "fingerprint_in", "open_output", "part_folder"]
+__all__ = ["Folder", "Output", "failures_of", "fingerprint_in", "open_output", "part_folder", "told"]
 
 
 #: The folder for folders of samples, which goes when pictures are made of them. It is not part of a data set's folder.
@@ -34,7 +34,7 @@ class Output(Protocol):
         ...
 
     def finish(self, dataset: "_photosite.Dataset") -> "list[str]":
-        """Writes the summary of what is there, and tells what had to be left out of it."""
+        """Writes the summary of what is there, and tells what users should know of it."""
         ...
 
 
@@ -84,13 +84,13 @@ class Folder:
         return dataset.lay_out(self.path, frames or [], [(name, to) for name, to in layouts], frames is None)
 
     def finish(self, dataset: "_photosite.Dataset") -> "list[str]":
-        _, left_out = dataset.write_index(self.path)
+        _, left_out, warnings = dataset.write_index(self.path)
         parts = Path(self.path, _PARTS)
         frames = {int(picture.name) for picture in parts.glob("*/*/[0-9]*")}
         if parts.exists() and not dataset.missing(self.path, sorted(frames)):
             # Nothing depends on them any more.
             shutil.rmtree(parts, ignore_errors=True)
-        return left_out
+        return told(left_out, warnings)
 
     def _remove_parts(self, dataset: "_photosite.Dataset", folders: "list[str]", frames: "list[int]") -> None:
         """Removes the parts of pictures that are whole now: they take much disk."""
@@ -122,6 +122,11 @@ def part_folder(output: str, first: int, end: int) -> str:
 def failures_of(told: "list[tuple[int, str, bool]]") -> "list[Failure]":
     """Failures as the library tells them."""
     return [Failure(*failure) for failure in told]
+
+
+def told(left_out: "list[str]", warnings: "list[str]") -> "list[str]":
+    """What users should know of the whole: files that are left out, and what is said of its pictures."""
+    return [f"calibration/ is without {why.replace('`', '')}" for why in left_out] + warnings
 
 
 def fingerprint_in(folder: str) -> str:

@@ -87,8 +87,7 @@ def run(
         lost = engine.lost_workers
     if request.layouts and isinstance(output, Folder):
         warn_all(output.lay_out(dataset, request.layouts))
-    left_out = output.finish(dataset)
-    warn_all([f"calibration/ is without {why.replace('`', '')}" for why in left_out])
+    warn_all(output.finish(dataset))
     made = len(missing) - len(plan.failed)
     result = EngineRun(made, len(request.frames) - len(missing), plan.failed, lost, time.monotonic() - begun)
     if plan.failed and not request.keep_going:

@@ -18,7 +18,7 @@ from typing import Any, Callable, TypeVar
 from .. import _photosite
 from .._errors import Error, InputError, make
 from .installed import needed
-from .output import failures_of, fingerprint_in
+from .output import failures_of, fingerprint_in, told
 from .task import Failure, Job, Task
 
 __all__ = ["Store"]
@@ -100,7 +100,7 @@ class Store:
             for path in {os.path.dirname(path) for path in local}:
                 os.makedirs(path, exist_ok=True)
             self._tried("read", lambda: self._files.get([self._at(name) for name in names], local))
-            present, left_out = dataset.write_index_of_reports(folder)
+            present, left_out, warnings = dataset.write_index_of_reports(folder)
             if present < len(reports):
                 self._drop_damaged(folder, reports)
             known = {_IDENTITY, *reports}
@@ -108,7 +108,7 @@ class Store:
                 name = file.relative_to(folder).as_posix()
                 if file.is_file() and name not in known and not file.name.startswith("."):
                     self._upload(str(file), name)
-            return left_out
+            return told(left_out, warnings)
 
     def _claim_scratch(self, dataset: "_photosite.Dataset", folder: str) -> None:
         """Holds the identity in a folder against the data set's; messages name the store."""

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use crate::characterisation::{Descriptor, Light, PairStatistics, Series, SpatialStack, TemporalPoint};
+use crate::characterisation::{DarkPoint, Descriptor, Light, PairStatistics, Series, SpatialStack, TemporalPoint};
 use crate::io::picture_file::read_picture_file;
 use crate::raw::Pixels;
+use crate::units::Seconds;
 use crate::{Error, Invalid, Result};
 use photosite_core::{input, memory, text};
 
@@ -18,6 +19,8 @@ pub struct MeasuredSet {
     pub descriptor: Descriptor,
     /// Bright pairs with the dark pairs of their exposure times.
     pub points: Vec<TemporalPoint>,
+    /// The dark pairs of exposure times that no bright pair has.
+    pub more_dark: Vec<DarkPoint>,
     /// The dark and the bright stack, where there are both.
     pub stacks: Option<[SpatialStack; 2]>,
 }
@@ -71,7 +74,18 @@ pub fn read_set(path: &Path, taken: &dyn Fn() -> Result<()>) -> Result<MeasuredS
             dark_variance: of_darks(|pair| pair.variance),
         })
     };
-    let points = bright_pairs.iter().map(point).collect::<Result<_>>()?;
+    let points: Vec<TemporalPoint> = bright_pairs.iter().map(point).collect::<Result<_>>()?;
+    let mut alone = dark_pairs.clone();
+    alone.retain(|(time, _)| bright_pairs.iter().all(|(series, _)| series.exposure_ns != *time));
+    alone.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let of_time = |pairs: &[(f64, PairStatistics)]| {
+        let mean = |value: fn(&PairStatistics) -> f64| {
+            pairs.iter().map(|(_, pair)| value(pair)).sum::<f64>() / pairs.len() as f64
+        };
+        let time = Seconds(pairs.first().map_or(0.0, |(time, _)| time * 1e-9));
+        DarkPoint { time, mean: mean(|pair| pair.mean), variance: mean(|pair| pair.variance) }
+    };
+    let more_dark = alone.chunk_by(|a, b| a.0 == b.0).map(of_time).collect();
     let stacks = match stacks {
         [Some((dark_time, dark)), Some((bright_time, bright))] if dark_time == bright_time => Some([dark, bright]),
         [None, None] => None,
@@ -79,7 +93,7 @@ pub fn read_set(path: &Path, taken: &dyn Fn() -> Result<()>) -> Result<MeasuredS
             return Err(unfit("the stacks are not a dark and a bright one with the same exposure time".to_owned()));
         }
     };
-    Ok(MeasuredSet { points, stacks, descriptor })
+    Ok(MeasuredSet { points, more_dark, stacks, descriptor })
 }
 
 struct ImageReader<'a> {

@@ -6,7 +6,7 @@ use photosite_core::Invalid;
 use photosite_core::units::Seconds;
 
 use super::figures::{Figures, SpatialFigures, sensitivity_threshold_e};
-use super::fit::{Line, line, through_origin};
+use super::fit::{Line, line, slope_error, through_origin};
 use super::spatial::SpatialVariances;
 
 /// A bright pair and the dark pair of the same exposure time.
@@ -24,6 +24,17 @@ pub struct TemporalPoint {
     pub dark_mean: f64,
     /// σ_y.dark², DN².
     pub dark_variance: f64,
+}
+
+/// What dark images of one exposure time tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DarkPoint {
+    /// Exposure time; 0 where it is not known.
+    pub time: Seconds,
+    /// μ_y.dark, DN.
+    pub mean: f64,
+    /// σ_y.dark², DN².
+    pub variance: f64,
 }
 
 impl TemporalPoint {
@@ -45,6 +56,8 @@ pub struct Evaluation {
     pub figures: Figures,
     /// The points, from dark to bright.
     pub points: Vec<TemporalPoint>,
+    /// The dark images of all exposure times, from the shortest to the longest, whether or not a bright pair has them.
+    pub darks: Vec<DarkPoint>,
     /// Number of the point at which the sensor saturates.
     pub saturation: usize,
     /// Number of the last point of the fits for K and R.
@@ -76,10 +89,21 @@ impl Evaluation {
             let reason = if is_unknown {
                 "the exposure times are not known: the descriptor states 0"
             } else {
-                "the images have fewer than three exposure times"
+                "the dark images have fewer than three exposure times"
             };
             tell("dark current", reason);
             tell("dark noise at no exposure time (that of the shortest stands for it)", reason);
+        }
+        if self.dark_current.is_some_and(|fit| fit.variance.is_none()) {
+            tell("dark current from the variance", "quantisation hides it: all dark variances are below 0.24 DN²");
+        }
+        let Figures { dark_current_mean_e_per_s: mean, dark_current_variance_e_per_s: variance, .. } = self.figures;
+        let errors = [self.figures.dark_current_mean_error_e_per_s, self.figures.dark_current_variance_error_e_per_s];
+        let currents = [("dark current from the mean", mean), ("dark current from the variance", variance)];
+        for ((name, current), error) in currents.into_iter().zip(errors) {
+            if current.zip(error).is_some_and(|(current, error)| current <= TOLD_APART * error) {
+                tell(name, "not told apart from 0: it is less than three of its standard errors above");
+            }
         }
         if self.linearity.is_none() {
             tell("linearity error", "fewer than two pairs lie between 5 and 95 % of saturation");
@@ -114,26 +138,39 @@ pub struct Linearity {
 pub struct DarkCurrentFit {
     /// μ_y.dark in DN over s.
     pub mean: Line,
-    /// σ_y.dark² in DN² over s.
-    pub variance: Line,
+    /// σ_y.dark² in DN² over s; `None` where all of it is below 0.24 DN², where quantisation hides it.
+    pub variance: Option<Line>,
+    /// Standard error of the slope of the mean, DN/s.
+    pub mean_error: f64,
+    /// Standard error of the slope of the variance, DN²/s.
+    pub variance_error: f64,
 }
 
+/// Standard errors by which a figure is told apart from 0.
+const TOLD_APART: f64 = 3.0;
 /// Least σ_y.dark² that can be distinguished from quantisation, DN².
 const LEAST_DARK_VARIANCE: f64 = 0.24;
 
 /// Evaluates an image set ([Emva1288](photosite_core::references#emva1288) release 4.0 linear).
 ///
-/// - The sensor saturates where σ_y² is largest.
+/// - The sensor saturates where σ_y² has its maximum: from the brightest pair, at the first with a larger variance than
+///   both next darker ones. Noise thus moves it less than the largest of many alike would. Pairs with less than half the
+///   largest variance are beyond saturation.
 /// - K is the slope through the origin of σ_y² − σ_y.dark² over μ_y − μ_y.dark, R that of μ_y − μ_y.dark over μ_p, both
 ///   up to 70 % of saturation; η = R/K.
-/// - σ_y.dark² is the offset of the line through the dark variances over exposure time; with fewer than three exposure
-///   times it is that of the shortest. Below 0.24 DN² quantisation hides the noise, and 0.24 stands for it.
+/// - σ_y.dark² is the offset of the line through the dark variances over exposure time, those of dark images without
+///   bright ones (`more_dark`) among them; with fewer than three exposure times it is that of the shortest. Below 0.24 DN² quantisation hides the noise, and 0.24 stands for it.
 ///   σ_d² = (σ_y.dark² − 1/12)/K².
 /// - DSNU = s_y.dark/K, PRNU = √(s_y² − s_y.dark²)/(μ_y − μ_y.dark), from the stacks (dark, bright).
 /// - Linearity errors are the deviations, in percent of the fit, from the line that fits the points between 5 and 95 %
 ///   of saturation with weights 1/(μ_y − μ_y.dark)².
-/// - Dark current: slopes of μ_y.dark/K and σ_y.dark²/K² over exposure time.
-pub fn evaluate(mut points: Vec<TemporalPoint>, stacks: Option<[SpatialVariances; 2]>) -> Result<Evaluation, Invalid> {
+/// - Dark current: slopes of μ_y.dark/K and σ_y.dark²/K² over exposure time, with the standard errors that deviations
+///   from the lines leave.
+pub fn evaluate(
+    mut points: Vec<TemporalPoint>,
+    more_dark: &[DarkPoint],
+    stacks: Option<[SpatialVariances; 2]>,
+) -> Result<Evaluation, Invalid> {
     points
         .sort_by(|a, b| (a.time.0, a.photons).partial_cmp(&(b.time.0, b.photons)).unwrap_or(std::cmp::Ordering::Equal));
     let saturation = saturation_point(&points)?;
@@ -146,9 +183,11 @@ pub fn evaluate(mut points: Vec<TemporalPoint>, stacks: Option<[SpatialVariances
     }
     let efficiency = responsivity / gain;
 
-    let dark_current = dark_current_fit(&points);
-    let dark_variance =
-        dark_current.map_or(points[0].dark_variance, |fit| fit.variance.offset).max(LEAST_DARK_VARIANCE);
+    let darks = darks(&points, more_dark);
+    let dark_current = dark_current_fit(&darks);
+    let shortest = darks.first().map_or(0.0, |dark| dark.variance);
+    let at_no_time = dark_current.and_then(|fit| fit.variance).map_or(shortest, |fit| fit.offset);
+    let dark_variance = at_no_time.max(LEAST_DARK_VARIANCE);
     let threshold = sensitivity_threshold_e(dark_variance.sqrt() / gain);
     let saturation_p = points[saturation].photons;
     let linearity = linearity(&points, saturation);
@@ -177,9 +216,12 @@ pub fn evaluate(mut points: Vec<TemporalPoint>, stacks: Option<[SpatialVariances
         linearity_error_min_percent: errors.clone().reduce(f64::min),
         linearity_error_max_percent: errors.reduce(f64::max),
         dark_current_mean_e_per_s: dark_current.map(|fit| fit.mean.slope / gain),
-        dark_current_variance_e_per_s: dark_current.map(|fit| fit.variance.slope / (gain * gain)),
+        dark_current_variance_e_per_s: dark_current.and_then(|fit| fit.variance).map(|line| line.slope / (gain * gain)),
+        dark_current_mean_error_e_per_s: dark_current.map(|fit| fit.mean_error / gain),
+        dark_current_variance_error_e_per_s: dark_current
+            .and_then(|fit| fit.variance.map(|_| fit.variance_error / (gain * gain))),
     };
-    Ok(Evaluation { figures, saturation, last_fitted, linearity, dark_current, spatial: stacks, points })
+    Ok(Evaluation { figures, darks, saturation, last_fitted, linearity, dark_current, spatial: stacks, points })
 }
 
 /// R in DN per photon of a set of few points, such as that of one wavelength of a sweep: the slope through the origin
@@ -198,15 +240,21 @@ pub fn doubling_temperature(currents: impl Iterator<Item = (f64, f64)> + Clone) 
     line(points).map(|fit| 1.0 / fit.slope)
 }
 
-/// The point of the largest variance. Those beyond it, where hardly a pixel is below saturation, have tiny variances in
-/// any order, among which a search from the bright end for the first maximum can stop.
+/// The number of the pair at which the sensor saturates.
 fn saturation_point(points: &[TemporalPoint]) -> Result<usize, Invalid> {
     if points.len() < 3 {
         let message = format!("{} pairs of bright images are too few for a photon transfer curve", points.len());
         return Err(Invalid::new("", message).help("take at least 3, better 50, up to saturation"));
     }
     let by_variance = |&a: &usize, &b: &usize| points[a].variance.total_cmp(&points[b].variance);
-    Ok((0..points.len()).max_by(by_variance).unwrap_or(0))
+    let largest = (0..points.len()).max_by(by_variance).unwrap_or(0);
+    // Beyond saturation hardly a pixel is below it, and tiny variances come in any order.
+    let is_before = |point: &TemporalPoint| point.variance >= 0.5 * points[largest].variance;
+    let is_top = |&at: &usize| {
+        let darker = points[at.saturating_sub(2)..at].iter();
+        is_before(&points[at]) && darker.clone().all(|point| point.variance < points[at].variance)
+    };
+    Ok((largest..points.len()).rev().find(is_top).unwrap_or(largest))
 }
 
 /// The last point whose signal is at most 70 % of that of the saturated one.
@@ -226,15 +274,27 @@ fn linearity(points: &[TemporalPoint], saturation: usize) -> Option<Linearity> {
     Some(Linearity { fit, deviations_percent: within.iter().map(deviation).collect() })
 }
 
-fn dark_current_fit(points: &[TemporalPoint]) -> Option<DarkCurrentFit> {
-    // Points of the same time share their dark images.
-    let mut times: Vec<&TemporalPoint> = points.iter().collect();
-    times.dedup_by_key(|p| p.time.0);
-    let through = |value: fn(&TemporalPoint) -> f64| line(times.iter().map(|p| (p.time.0, value(p), 1.0)));
-    if times.len() < 3 {
+/// Dark images of all exposure times. Points of the same time share theirs.
+fn darks(points: &[TemporalPoint], more_dark: &[DarkPoint]) -> Vec<DarkPoint> {
+    let of_point = |p: &TemporalPoint| DarkPoint { time: p.time, mean: p.dark_mean, variance: p.dark_variance };
+    let mut darks: Vec<DarkPoint> = points.iter().map(of_point).chain(more_dark.iter().copied()).collect();
+    darks.sort_by(|a, b| a.time.0.total_cmp(&b.time.0));
+    darks.dedup_by_key(|dark| dark.time.0);
+    darks
+}
+
+fn dark_current_fit(darks: &[DarkPoint]) -> Option<DarkCurrentFit> {
+    if darks.len() < 3 {
         return None;
     }
-    Some(DarkCurrentFit { mean: through(|p| p.dark_mean)?, variance: through(|p| p.dark_variance)? })
+    let through = |value: fn(&DarkPoint) -> f64| {
+        let points = darks.iter().map(|dark| (dark.time.0, value(dark)));
+        let fit = line(points.clone().map(|(x, y)| (x, y, 1.0)))?;
+        Some((fit, slope_error(fit, points)))
+    };
+    let ((mean, mean_error), (variance, variance_error)) = (through(|d| d.mean)?, through(|d| d.variance)?);
+    let is_seen = darks.iter().any(|dark| dark.variance >= LEAST_DARK_VARIANCE);
+    Some(DarkCurrentFit { mean, variance: is_seen.then_some(variance), mean_error, variance_error })
 }
 
 /// √variance/scale for all parts; `None` where the variance is negative, as temporal noise hides the pattern.
@@ -297,7 +357,7 @@ mod tests {
         // DSNU of 2 e⁻ in rows and columns of 1 and √2 and pixels of 1 e⁻; PRNU of 1 % of 4000 e⁻.
         let [dark, bright] = [[1.0, 2.0, 1.0], [1.0, 2.0, 1601.0]].map(|parts| parts.map(|v| v * GAIN * GAIN));
         let stacks = [variances(66.0, dark), variances(66.0 + GAIN * 4000.0, bright)];
-        let found = evaluate(exact_points(), Some(stacks)).expect("a set");
+        let found = evaluate(exact_points(), &[], Some(stacks)).expect("a set");
         let f = found.figures;
         let saturation = 440.0 * 45.0 * EFFICIENCY;
         let threshold = (READ * READ + 1.0 / (12.0 * GAIN * GAIN) + 0.25f64).sqrt() + 0.5;
@@ -327,7 +387,7 @@ mod tests {
 
     #[test]
     fn without_exposure_times_the_dark_current_alone_is_missing() {
-        let known = evaluate(exact_points(), None).expect("a set");
+        let known = evaluate(exact_points(), &[], None).expect("a set");
         assert_eq!(known.not_measured().iter().map(|n| n.figure).collect::<Vec<_>>(), ["DSNU and PRNU"]);
         // One exposure time, that of the first point, and light that varies.
         let at = |time: f64| {
@@ -343,7 +403,7 @@ mod tests {
                     ..p
                 }
             });
-            evaluate(points.collect(), None).expect("a set")
+            evaluate(points.collect(), &[], None).expect("a set")
         };
         let (unknown, one) = (at(0.0), at(0.01));
         assert_eq!(unknown.figures, one.figures, "no figure takes 0 for a time");
@@ -360,7 +420,7 @@ mod tests {
         assert_eq!((f.dark_current_mean_e_per_s, f.dark_current_variance_e_per_s), (None, None));
         let reason = |e: &Evaluation| e.not_measured()[..2].iter().map(|n| n.reason).collect::<Vec<_>>();
         assert_eq!(reason(&unknown), ["the exposure times are not known: the descriptor states 0"; 2]);
-        assert_eq!(reason(&one), ["the images have fewer than three exposure times"; 2]);
+        assert_eq!(reason(&one), ["the dark images have fewer than three exposure times"; 2]);
     }
 
     #[test]
@@ -370,7 +430,7 @@ mod tests {
         let nonlinear = |p: &TemporalPoint| 1.0 - 0.02 * p.signal() / points[44].signal();
         let nonlinear: Vec<TemporalPoint> =
             points.iter().map(|p| TemporalPoint { mean: p.dark_mean + nonlinear(p) * p.signal(), ..*p }).collect();
-        let found = evaluate(nonlinear, None).expect("a set");
+        let found = evaluate(nonlinear, &[], None).expect("a set");
         let linearity = found.linearity.expect("points");
         // The same fit by brute force: no line has a smaller sum of squared relative deviations.
         let squares = |line: Line| -> f64 {
@@ -392,15 +452,73 @@ mod tests {
         points.sort_by(|a, b| a.time.0.total_cmp(&b.time.0));
         points[49].variance = 0.02;
         points[48].variance = 5.0;
-        assert_eq!(evaluate(points, None).expect("a set").saturation, 44);
+        assert_eq!(evaluate(points, &[], None).expect("a set").saturation, 44);
+    }
+
+    /// Of a public set of an 8-bit CMOS camera (EMVA1288/datasets, 002), signal and variance about the maximum: from the
+    /// brightest, the first that both next darker ones are below is the one that the standard's tool takes.
+    #[test]
+    fn saturation_is_the_first_maximum_from_the_bright_end() {
+        let variances = [3.8915, 3.9345, 3.9185, 3.9147, 3.9312, 3.9044, 3.8928, 3.8895, 3.8657, 3.8159, 3.829, 1.1];
+        let mut points = exact_points();
+        points.sort_by(|a, b| a.time.0.total_cmp(&b.time.0));
+        points.truncate(variances.len());
+        points.iter_mut().zip(variances).for_each(|(point, variance)| point.variance = variance);
+        assert_eq!(saturation_point(&points), Ok(4));
+    }
+
+    /// Dark images of times that no bright pair has count, whatever their order.
+    #[test]
+    fn dark_images_without_bright_ones_tell_the_dark_current() {
+        let light = exact_points().into_iter().map(|p| {
+            let dark_variance = GAIN * GAIN * (READ * READ + CURRENT * 0.01) + 1.0 / 12.0;
+            let dark_mean = 64.0 + GAIN * CURRENT * 0.01;
+            let (mean, variance) = (dark_mean + p.signal(), dark_variance + p.photon_noise());
+            TemporalPoint { time: Seconds(0.01), mean, variance, dark_mean, dark_variance, ..p }
+        });
+        let dark = |time: f64| DarkPoint {
+            time: Seconds(time),
+            mean: 64.0 + GAIN * CURRENT * time,
+            variance: GAIN * GAIN * (READ * READ + CURRENT * time) + 1.0 / 12.0,
+        };
+        let found = evaluate(light.collect(), &[1.0, 0.3, 0.1].map(dark), None).expect("a set");
+        assert_eq!(found.darks.iter().map(|dark| dark.time.0).collect::<Vec<_>>(), [0.01, 0.1, 0.3, 1.0]);
+        let f = found.figures;
+        for current in [f.dark_current_mean_e_per_s, f.dark_current_variance_e_per_s] {
+            assert_relative_eq!(current.expect("four times"), CURRENT, max_relative = 1e-9);
+        }
+        assert_relative_eq!(f.dark_noise_e, READ, max_relative = 1e-9);
+        assert!(!found.not_measured().iter().any(|missing| missing.figure.contains("dark current")));
+    }
+
+    /// Means of 64 DN that scatter by d at four times 0, 1, 2, 3 as d·(1, −1, −1, 1) have a slope of 0 with a standard
+    /// error of √(4d²/2/5) DN/s.
+    #[test]
+    fn a_dark_current_that_is_not_told_apart_from_none_is_named() {
+        let dark = |(time, sign): (f64, f64)| DarkPoint { time: Seconds(time), mean: 64.0 + 0.5 * sign, variance: 0.1 };
+        let darks = [(0.0, 1.0), (1.0, -1.0), (2.0, -1.0), (3.0, 1.0)].map(dark);
+        let fit = dark_current_fit(&darks).expect("four times");
+        assert_relative_eq!(fit.mean.slope, 0.0, epsilon = 1e-12);
+        assert_relative_eq!(fit.mean_error, (4.0 * 0.25 / 2.0 / 5.0f64).sqrt(), max_relative = 1e-12);
+        assert_eq!(fit.variance, None, "quantisation hides variances below 0.24 DN²");
+        let mut points = exact_points();
+        points.retain(|p| p.time.0 > 0.005);
+        for (p, sign) in points.iter_mut().zip([1.0, -1.0, -1.0, 1.0].into_iter().cycle()) {
+            (p.mean, p.dark_mean) = (p.mean - p.dark_mean + 64.0 + 0.5 * sign, 64.0 + 0.5 * sign);
+        }
+        let found = evaluate(points, &[], None).expect("a set");
+        let named: Vec<_> =
+            found.not_measured().into_iter().filter(|n| n.figure == "dark current from the mean").collect();
+        assert_eq!(named.len(), 1);
+        assert!(named[0].reason.starts_with("not told apart from 0"), "{named:?}");
     }
 
     #[test]
     fn what_tells_nothing_is_refused() {
-        assert!(evaluate(Vec::new(), None).is_err());
-        assert!(evaluate(exact_points()[..2].to_vec(), None).is_err());
+        assert!(evaluate(Vec::new(), &[], None).is_err());
+        assert!(evaluate(exact_points()[..2].to_vec(), &[], None).is_err());
         let flat = exact_points().into_iter().map(|p| TemporalPoint { mean: 64.0, dark_mean: 64.0, ..p });
-        assert!(evaluate(flat.collect(), None).is_err());
+        assert!(evaluate(flat.collect(), &[], None).is_err());
         assert!(responsivity(&[]).is_err());
     }
 

@@ -22,7 +22,7 @@ pub fn expected_figures(sensor: &SensorModel, point: &OperatingPoint, plan: &Pla
     if !sensor.is_nonlinear() {
         return linear;
     }
-    let Ok(found) = evaluate(exact_points(sensor, point, &plan.shots), None) else { return linear };
+    let Ok(found) = evaluate(exact_points(sensor, point, &plan.shots), &[], None) else { return linear };
     let found = found.figures;
     let scale = linear.system_gain_dn_per_e / found.system_gain_dn_per_e;
     let scaled = |figure: Option<f64>| figure.map(|e| e * scale);
@@ -147,5 +147,7 @@ fn linear_figures(sensor: &SensorModel, point: &OperatingPoint, spatial_time: Se
         linearity_error_max_percent: Some(0.0),
         dark_current_mean_e_per_s: Some(dark_current),
         dark_current_variance_e_per_s: Some(dark_current),
+        dark_current_mean_error_e_per_s: None,
+        dark_current_variance_error_e_per_s: None,
     }
 }

@@ -40,6 +40,12 @@ pub struct Figures {
     pub dark_current_mean_e_per_s: Option<f64>,
     /// Dark current from the variance, e⁻/s.
     pub dark_current_variance_e_per_s: Option<f64>,
+    /// Standard error of the dark current from the mean, e⁻/s.
+    #[serde(default)]
+    pub dark_current_mean_error_e_per_s: Option<f64>,
+    /// Standard error of the dark current from the variance, e⁻/s.
+    #[serde(default)]
+    pub dark_current_variance_error_e_per_s: Option<f64>,
 }
 
 /// A spatial non-uniformity: total² = row² + column² + pixel². A part that the stack's temporal noise hides is `None`.
@@ -99,7 +105,9 @@ impl Figures {
             row("Smallest linearity error", "LE_min", "%", self.linearity_error_min_percent),
             row("Largest linearity error", "LE_max", "%", self.linearity_error_max_percent),
             row("Dark current from the mean", "μ_I.mean", "e⁻/s", self.dark_current_mean_e_per_s),
+            row("its standard error", "", "e⁻/s", self.dark_current_mean_error_e_per_s),
             row("Dark current from the variance", "μ_I.var", "e⁻/s", self.dark_current_variance_e_per_s),
+            row("its standard error", "", "e⁻/s", self.dark_current_variance_error_e_per_s),
         ]
     }
 }

@@ -42,6 +42,16 @@ pub fn line(points: impl Iterator<Item = (f64, f64, f64)> + Clone) -> Option<Lin
     (xx > 0.0 && slope.is_finite()).then_some(Line { slope, offset: y_mean - slope * x_mean })
 }
 
+/// Standard error of the slope of a line through points (x, y) of equal weight, from their deviations:
+/// √(Σ(y − line)²/(n − 2)/Σ(x − x̄)²). NaN for fewer than three points.
+pub fn slope_error(fit: Line, points: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
+    let count = points.clone().count() as f64;
+    let x_mean = points.clone().map(|(x, _)| x).sum::<f64>() / count;
+    let squares = points.clone().map(|(x, y)| (y - fit.at(x)).powi(2)).sum::<f64>();
+    let xx = points.map(|(x, _)| (x - x_mean).powi(2)).sum::<f64>();
+    if count > 2.0 { (squares / (count - 2.0) / xx).sqrt() } else { f64::NAN }
+}
+
 #[cfg(test)]
 mod tests {
     use approx::assert_relative_eq;

@@ -34,11 +34,12 @@ mod spectrogram;
 pub use descriptor::{Descriptor, Light, Series};
 pub use efficiency::quantum_efficiency;
 pub use evaluation::{
-    DarkCurrentFit, Evaluation, Linearity, NotMeasured, TemporalPoint, doubling_temperature, evaluate, responsivity,
+    DarkCurrentFit, DarkPoint, Evaluation, Linearity, NotMeasured, TemporalPoint, doubling_temperature, evaluate,
+    responsivity,
 };
 pub use expected::{effects_left_out, expected_figures};
 pub use figures::{Decibel, Figures, Row, SpatialFigures};
-pub use fit::{Line, line, through_origin};
+pub use fit::{Line, line, slope_error, through_origin};
 pub use flat_field::FlatField;
 pub use histogram::Histogram;
 pub use pair::PairStatistics;

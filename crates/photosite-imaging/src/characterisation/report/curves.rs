@@ -4,7 +4,8 @@ use super::chart::{Axis, BLUE, Chart, Curve, GREEN, GREY, Mark, ORANGE};
 use super::plot::{Plot, digits};
 use super::points::{SpectralPoint, ThermalPoint};
 use crate::characterisation::{
-    Direction, Evaluation, Figures, Histogram, Line, SpatialStack, SpatialVariances, Spectrogram, TemporalPoint,
+    DarkPoint, Direction, Evaluation, Figures, Histogram, Line, SpatialStack, SpatialVariances, Spectrogram,
+    TemporalPoint,
 };
 
 /// Bins of a histogram.
@@ -123,8 +124,8 @@ pub(super) fn linearity(e: &Evaluation) -> Option<Plot> {
 /// Dark mean and variance over exposure time.
 pub(super) fn dark_signal(e: &Evaluation) -> Vec<Plot> {
     let Some(fits) = e.dark_current else { return Vec::new() };
-    let plot = |title, y: &str, value: fn(&TemporalPoint) -> f64, fit: Line| {
-        let points: Vec<_> = e.points.iter().map(|p| (p.time.0, value(p))).collect();
+    let plot = |title, y: &str, value: fn(&DarkPoint) -> f64, fit: Line| {
+        let points: Vec<_> = e.darks.iter().map(|p| (p.time.0, value(p))).collect();
         let end = points.last().map_or(1.0, |p| p.0);
         Plot {
             title,
@@ -139,10 +140,9 @@ pub(super) fn dark_signal(e: &Evaluation) -> Vec<Plot> {
             },
         }
     };
-    vec![
-        plot("Dark signal", "mean dark signal in DN", |p| p.dark_mean, fits.mean),
-        plot("Dark noise", "temporal dark variance in DN²", |p| p.dark_variance, fits.variance),
-    ]
+    let mean = plot("Dark signal", "mean dark signal in DN", |p| p.mean, fits.mean);
+    let noise = |fit| plot("Dark noise", "temporal dark variance in DN²", |p| p.variance, fit);
+    std::iter::once(mean).chain(fits.variance.map(noise)).collect()
 }
 
 /// Histograms and spectrograms of the stacks.
@@ -252,7 +252,9 @@ pub(super) fn temperature(points: &[ThermalPoint]) -> Option<Plot> {
     if points.len() < 2 {
         return None;
     }
-    let curve = |value: fn(&ThermalPoint) -> f64| points.iter().map(|p| (p.temperature_c, value(p))).collect();
+    let curve = |value: fn(&ThermalPoint) -> Option<f64>| {
+        points.iter().filter_map(|p| Some((p.temperature_c, value(p)?))).collect()
+    };
     Some(Plot {
         title: "Dark current",
         caption: "Over temperature, from the mean and from the variance of the dark signal.".to_owned(),
@@ -260,9 +262,9 @@ pub(super) fn temperature(points: &[ThermalPoint]) -> Option<Plot> {
             x: Axis::linear("temperature in °C"),
             y: Axis::logarithmic("dark current in e⁻/s"),
             curves: vec![
-                Curve::new("expected", Mark::Line, ORANGE, curve(|p| p.expected)),
+                Curve::new("expected", Mark::Line, ORANGE, curve(|p| Some(p.expected))),
                 Curve::new("from the variance", Mark::Points, GREEN, curve(|p| p.from_variance)),
-                Curve::new("from the mean", Mark::Points, BLUE, curve(|p| p.from_mean)),
+                Curve::new("from the mean", Mark::Points, BLUE, curve(|p| Some(p.from_mean))),
             ],
         },
     })

@@ -23,5 +23,5 @@ pub struct ThermalPoint {
     /// From the mean of the dark signal.
     pub from_mean: f64,
     /// From its variance.
-    pub from_variance: f64,
+    pub from_variance: Option<f64>,
 }
