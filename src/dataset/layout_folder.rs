@@ -19,7 +19,6 @@ use crate::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
 use crate::report::{ObjectsReport, REPORT, Report};
 use crate::scene::description::SceneDescription;
 use crate::{Error, Invalid, Result, Sandbox};
-use photosite_core::input;
 use serde_json::Value;
 
 /// The developed picture in the folder of a picture.
