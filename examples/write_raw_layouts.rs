@@ -97,7 +97,7 @@ fn masked(raw: RawImage) -> Result<RawImage, photosite::Invalid> {
         Projection::BrownConrady(BrownConrady { k, p: [1e-3, 0.0], ..BrownConrady::default() })
     };
     let metadata = RawMetadata {
-        gain_map: Some(GainMap::new(3, 3, vec![1.5, 1.25, 1.5, 1.25, 1.0, 1.25, 1.5, 1.25, 1.5])?),
+        gain_maps: vec![GainMap::new(3, 3, vec![1.5, 1.25, 1.5, 1.25, 1.0, 1.25, 1.5, 1.25, 1.5])?],
         distortion: Some(Distortion::Lens(LensModel { intrinsics, projection, max_angle_rad: None })),
         ..raw.metadata
     };
