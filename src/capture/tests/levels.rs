@@ -38,6 +38,7 @@ fn luminous(spectrum: &Spectrum) -> f64 {
 fn spectra(text: &str) -> Vec<Spectrum> {
     let files = Files::new(text);
     files.add("lamp.ies", IES.as_bytes());
+    files.add("led.csv", b"840, 0\n850, 1\n860, 0\n");
     image::RgbImage::from_pixel(2, 2, image::Rgb([255; 3])).save(files.0.path().join("slide.png")).expect("written");
     let scene = files.read(&[]).unwrap_or_else(|error| panic!("{text}: {error}")).scene;
     let lamps = scene.lights.iter().map(|light| &light.emission);
@@ -91,7 +92,7 @@ fn watts_are_watts_whatever_the_colour() {
     };
     let beam = lamp("type = 'gaussian-beam'\ndirection = [0, -1, 0]\nwaist_radius_mm = [1, 1]");
     let projector = lamp("type = 'projector'\nimage = 'slide.png'\nlook_at_m = [0, 0, 0.1]\nhorizontal_fov_deg = 40");
-    let infrared = "spectrum = { wavelength_nm = [840, 850, 860], value = [0, 1, 0] }";
+    let infrared = "spectrum = { file = 'led.csv' }";
     let cases = COLOURS.iter().chain([&infrared]).flat_map(|colour| [(&beam, *colour), (&projector, *colour)]);
     for (light, colour) in cases {
         let [spectrum] = &spectra(&format!("{light}{colour}"))[..] else { panic!("{colour}: not one light") };
