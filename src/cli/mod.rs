@@ -78,7 +78,8 @@ struct Cli {
     /// Maximum memory to use, GiB; what needs more is refused [default: what is free, and what cgroups allow].
     #[arg(long, global = true, value_name = "GIB", help_heading = EVERYWHERE, allow_negative_numbers = true)]
     memory: Option<f64>,
-    /// Refuse captures and scenes that name files outside this folder: for files that you do not trust.
+    /// Refuse files outside this folder, whether captures name them or links lead there: for files that you do not
+    /// trust. What the command line names is trusted.
     #[arg(long, global = true, value_name = "DIR", help_heading = EVERYWHERE)]
     sandbox: Option<PathBuf>,
     /// Write messages on standard error as JSON, one object per line: `time_s`, `event` (warning, progress, message,

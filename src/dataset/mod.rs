@@ -202,7 +202,7 @@ impl DataSet {
 
     /// The fingerprint of all that decides what is in its pictures.
     pub fn fingerprint(&self) -> &str {
-        self.identity["fingerprint"].as_str().unwrap_or_default()
+        self.identity.get("fingerprint").and_then(Value::as_str).unwrap_or_default()
     }
 
     /// The frames that the file asks for.

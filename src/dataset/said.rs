@@ -46,7 +46,7 @@ impl SaidOfPictures {
     pub(super) fn in_words(&self) -> Vec<String> {
         let all = self.frames.len();
         let told = |Kind { words, first: (number, camera), frames }: &Kind| {
-            format!("{words} (in {} of {all} frames, and so in {})", frames.len(), name(camera, *number))
+            format!("{words} (in {} of {all} frames, such as {})", frames.len(), name(camera, *number))
         };
         self.kinds.values().map(told).collect()
     }
@@ -83,8 +83,8 @@ mod tests {
         assert_eq!(
             said.in_words(),
             [
-                "9 % of 10 is black (in 2 of 5 frames, and so in left/000001)",
-                "dark (in 1 of 5 frames, and so in left/000004)"
+                "9 % of 10 is black (in 2 of 5 frames, such as left/000001)",
+                "dark (in 1 of 5 frames, such as left/000004)"
             ]
         );
     }

@@ -124,7 +124,7 @@ fn pictures_show_things_where_ground_truth_has_them() {
     let file = |name: &str| std::fs::read(folder.path(name)).expect("a file");
     assert!(file("as-taken.png") == file("out/left/000001/image.png"));
     let folder = made(SET, &format!("{distortion} --set develop.distortion=true"));
-    let wanted = ["capture.develop", "was developed without the distortion", "000000/capture.json"];
+    let wanted = ["capture.develop", "was developed in another size, or without the distortion", "000000/capture.json"];
     folder.fail("layout out --format colmap -o laid", 1, &wanted);
     // Of a lens for which DNG has no words as well.
     let folder = made(SET, "--set lens.distortion={model='division',k=[-0.1]} --set develop.distortion=true");
@@ -353,7 +353,10 @@ fn a_shard_that_cannot_be_written_ends_the_work() {
     let distortion = "--set lens.distortion={model='brown-conrady',k=[-0.1,0,0],p=[0,0]} --set develop.distortion=true";
     let command = format!("dataset set.toml -o out --layout webdataset=laid --shard-frames 1 {distortion}");
     let said = folder.run(&command);
-    assert!(said.status == Some(1) && said.stderr.contains("was developed without the distortion"), "{said:?}");
+    assert!(
+        said.status == Some(1) && said.stderr.contains("was developed in another size, or without the distortion"),
+        "{said:?}"
+    );
     assert!(names(&folder, "laid").is_empty() && !folder.path("out/manifest.jsonl").exists());
 }
 

@@ -45,14 +45,12 @@ fn a_lens_that_ships_is_shown_as_its_reference_has_it() {
         line.split_whitespace().map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(words("cooke-triplet")[1..3], ["50.0", "5.00"], "{list}");
-    let [first, last] = ["0", "last"].map(|end| {
-        let all = folder.succeed("lens zoom-laikin --json").stdout;
-        let all: Value = serde_json::from_str(&all).expect("JSON");
-        let positions = all["positions"].as_array().expect("positions").clone();
-        let one = if end == "0" { positions.first() } else { positions.last() };
-        one.expect("one")["first_order"]["efl_mm"].as_f64().expect("a number")
-    });
-    assert_eq!(words("zoom-laikin")[1], format!("{:.1}–{:.1}", first.min(last), first.max(last)), "{list}");
+    let all: Value = serde_json::from_str(&folder.succeed("lens zoom-laikin --json").stdout).expect("JSON");
+    // At d.
+    let of = |position: &Value| position["first_order"][1]["efl_mm"].as_f64().expect("a number");
+    let lengths: Vec<f64> = all["positions"].as_array().expect("positions").iter().map(of).collect();
+    let [shortest, longest] = [f64::min, f64::max].map(|end| lengths.iter().copied().reduce(end).expect("positions"));
+    assert_eq!(words("zoom-laikin")[1], format!("{shortest:.1}–{longest:.1}"), "{list}");
 }
 
 #[test]

@@ -100,7 +100,7 @@ fn every_key_is_felt() {
     let folder = folder();
     let mut wrong = Vec::new();
     for (base, changed) in [
-        (MATT, vec!["Kd 0.3 0.4 0.5", "Ke 100 50 20", "d 0.5", "Tr 0.5", "map_Kd colours.png", "map_d grey.png"]),
+        (MATT, vec!["Kd 0.3 0.4 0.5", "Ke 100 50 20", "d 0.5", "map_Kd colours.png", "map_d grey.png"]),
         (MATT, vec!["map_Ke colours.png\nKe 100 100 100", "Ni 1.5\nillum 7", "norm normals.png"]),
         (MATT, vec!["bump -bm 2 grey.png", "map_Bump normals.png", "Ks 0.9\nillum 3", "Kd 0 0 0\nKs 0.9\nillum 5"]),
         ("Kd 0.02", vec!["Ks 0.5 0.5 0.5\nNs 40"]),

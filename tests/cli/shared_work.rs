@@ -87,7 +87,8 @@ fn a_picture_that_lost_a_file_is_made_again(#[values("raw.dng", "capture.json")]
     fs::remove_file(folder.path("out/camera/000004").join(lost)).expect("removed");
     let outcome = folder.succeed("dataset set.toml -o out");
     let text = outcome.text();
-    assert!(text.contains(&format!("warning: camera/000004 is made again: {lost} is missing")), "{text}");
+    let said = format!("warning: a picture is made again: {lost} is missing (in 1 of 6 frames, such as camera/000004)");
+    assert!(text.contains(&said), "{text}");
     assert!(text.contains("made 1 picture; 6 of 6 are in"), "{text}");
     assert!(whole == files(&folder, "out"));
 }
@@ -100,7 +101,9 @@ fn a_file_that_was_cut_short_is_noticed_by_its_size() {
     let raw = fs::OpenOptions::new().write(true).open(folder.path("out/camera/000002/raw.dng")).expect("opened");
     raw.set_len(100).expect("cut");
     let outcome = folder.succeed("dataset set.toml -o out");
-    assert!(outcome.text().contains("camera/000002 is made again: raw.dng has 100 bytes instead of"));
+    let text = outcome.text();
+    assert!(text.contains("a picture is made again: raw.dng has 100 bytes instead of"), "{text}");
+    assert!(text.contains("(in 1 of 6 frames, such as camera/000002)"), "{text}");
     assert!(whole == files(&folder, "out"));
 }
 

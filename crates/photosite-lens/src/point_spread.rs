@@ -177,7 +177,8 @@ impl PointSpread {
         0.5 * self.size as f64 * self.spacing_mm
     }
 
-    /// The modulation transfer at a frequency ν in cycles per mm along `axis`, a unit vector: |Σ E·exp(−2πi·ν·x)|.
+    /// The modulation transfer at a frequency ν in cycles per mm along `axis`, a unit vector: |Σ E·exp(−2πi·ν·x)|/Σ E, where
+    /// single precision leaves Σ E a little beside 1.
     pub fn mtf(&self, axis: DVec2, frequency_per_mm: f64) -> f64 {
         // The phase is that of the column times that of the row.
         let phases = |along: f64| -> Vec<Complex64> {
@@ -188,7 +189,9 @@ impl PointSpread {
         let row = |energy: &[f32]| -> Complex64 {
             energy.iter().zip(&columns).map(|(energy, phase)| phase * f64::from(*energy)).sum()
         };
-        self.energy.chunks(self.size).zip(&rows).map(|(energy, phase)| row(energy) * phase).sum::<Complex64>().norm()
+        let sum: Complex64 = self.energy.chunks(self.size).zip(&rows).map(|(energy, phase)| row(energy) * phase).sum();
+        let even = |energy: &[f32]| energy.iter().copied().map(f64::from).sum::<f64>();
+        sum.norm() / self.energy.chunks(self.size).map(even).sum::<f64>()
     }
 }
 

@@ -4,7 +4,7 @@ use rstest::rstest;
 
 use super::*;
 
-const SENSOR: &str = "# größe\n[sensor]\npitch_um = 4\nresolution_px = [8, 8]\n";
+const SENSOR: &str = include_str!("../../../crates/photosite-imaging/assets/sensors/sony-imx249-mono.toml");
 const SPECTRUM: &str = "# µ\nwavelength_nm,value\n400,0.25\n700,0.25\n";
 
 /// A text in UTF-8 or UTF-16, with an end of lines.
@@ -26,10 +26,11 @@ fn captures_and_what_they_name_are_read_in_every_encoding(
     #[values("\n", "\r\n", "\r")] end: &str,
 ) {
     let text = room(
-        "[sensor]\npreset = \"small.toml\"\n[materials.wall]\ntype = \"diffuse\"\nreflectance = { file = \"a.csv\" }\n",
+        "[sensor]\npreset = \"small.toml\"\nresolution_px = [8, 8]\n[materials.wall]\ntype = \"diffuse\"\nreflectance = { file = \"a.csv\" }\n",
     );
+    let sensor = format!("# größe\n{SENSOR}");
     let files = Files::new("");
-    for (name, text) in [("capture.toml", &*text), ("small.toml", SENSOR), ("a.csv", SPECTRUM), ("room.obj", OBJ)] {
+    for (name, text) in [("capture.toml", &*text), ("small.toml", &*sensor), ("a.csv", SPECTRUM), ("room.obj", OBJ)] {
         files.add(name, &encoded(text, encoding, end));
     }
     let capture = files.read(&[]).unwrap_or_else(|error| panic!("{error}"));

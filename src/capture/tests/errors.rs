@@ -400,8 +400,16 @@ fn later_errors_find_their_line_through_the_source() {
 #[test]
 fn neither_text_nor_binary_panics() {
     let files = Files::new("");
-    files.add("capture.toml", &[0xff, 0xfe, 0x00]);
-    assert!(files.read(&[]).expect_err("binary").to_string().contains("neither TOML nor a scene"));
+    for (bytes, expected) in [
+        (&[0xff, 0xfd, 0x00][..], "is neither TOML nor a scene"),
+        (b"a = 1\nb = \xff", "line 2 is not valid UTF-8 text"),
+        (&[0xff, 0xfe, 0x00], "begins as UTF-16, but is not valid UTF-16"),
+        (&[0xff, 0xfe, 0x00, 0x00], "is text in UTF-32"),
+    ] {
+        files.add("capture.toml", bytes);
+        let error = files.read(&[]).expect_err("binary").to_string();
+        assert!(error.contains(expected), "{error}");
+    }
     assert!(
         Capture::load_with(Path::new("/nowhere/capture.toml"), &[])
             .expect_err("absent")

@@ -62,7 +62,6 @@ fn what_is_wholly_transparent_is_named() {
         ("type = \"dielectric\"\nindex = 1.001", 0),
         ("type = \"thin-dielectric\"\nindex = 1.0", 1),
         ("type = \"thin-dielectric\"\nindex = 1.0\ntransmittance = 0.9", 0),
-        ("type = \"dielectric\"\nindex = 1.0\nemission = { luminance_nit = 3 }", 0),
         (
             "type = \"mix\"\nweight = 1\nfirst = { type = \"diffuse\", reflectance = 0.5 }\n\
              second = { type = \"thin-dielectric\", index = 1.0 }",

@@ -96,8 +96,11 @@ impl Document {
 
 /// The version of a document before 2.0, of which lists were tables by name.
 fn first_version(document: &Value) -> Option<String> {
-    let version = &document["asset"]["version"];
-    let version = version.as_str().map_or_else(|| version.as_f64().map(|v| format!("{v:.1}")), |v| Some(v.to_owned()));
+    let version = document.pointer("/asset/version");
+    let version = version.and_then(|version| match version {
+        Value::String(text) => Some(text.clone()),
+        other => other.as_f64().map(|number| format!("{number:.1}")),
+    });
     match version {
         Some(version) => Some(version).filter(|version| version.starts_with("1.") || version.starts_with("0.")),
         // Version 1.0 let the asset be left out.
@@ -117,7 +120,10 @@ fn complete(document: &mut Value) -> (Vec<StillChannel>, bool) {
     for (a, animation) in elements(document, "animations").enumerate() {
         for (c, channel) in elements(animation, "channels").enumerate() {
             let Some(target) = channel.get_mut("target").and_then(Value::as_object_mut) else { continue };
-            let pointer = target.get("extensions").and_then(|e| e[POINTER]["pointer"].as_str()).map(str::to_owned);
+            let pointer = target
+                .get("extensions")
+                .and_then(|extensions| extensions.get(POINTER)?.get("pointer")?.as_str())
+                .map(str::to_owned);
             if let Some((node, property)) = pointer.as_deref().and_then(moved_node) {
                 target.insert("node".to_owned(), node.into());
                 target.insert("path".to_owned(), property.into());
