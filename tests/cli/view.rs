@@ -267,7 +267,7 @@ fn strangers_get_nothing() {
 #[case::truth("set/camera/000000", "truth.exr", "picture?plane=truth:depth")]
 #[case::ideal("set/camera/000000", "ideal.exr", "picture?plane=ideal")]
 fn links_out_of_the_sandbox_are_not_served(#[case] input: &str, #[case] linked: &str, #[case] query: &str) {
-    let more = "[output]\ntruth = ['depth', 'instance']\nobjects = true\nideal = true\n";
+    let more = "[output]\ntruth = ['depth', 'instance']\nobjects = true\nideal = true\nelectrons = true\n";
     let folder = room(&format!("[render]\nsamples_per_pixel = 1\n{more}"));
     folder.add("set.toml", "capture = 'capture.toml'\nframes = 1\n");
     folder.succeed("dataset set.toml -o set -q");
