@@ -97,9 +97,9 @@ impl Document {
 /// The version of a document before 2.0, of which lists were tables by name.
 fn first_version(document: &Value) -> Option<String> {
     let version = document.pointer("/asset/version");
-    let version = version.and_then(|version| match version {
-        Value::String(text) => Some(text.clone()),
-        other => other.as_f64().map(|number| format!("{number:.1}")),
+    let version = version.and_then(|version| {
+        let text = version.as_str().map(str::to_owned);
+        text.or_else(|| version.as_f64().map(|number| format!("{number:.1}")))
     });
     match version {
         Some(version) => Some(version).filter(|version| version.starts_with("1.") || version.starts_with("0.")),
