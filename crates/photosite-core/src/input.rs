@@ -1,5 +1,5 @@
 //! Reading files and folders, those that users name and those that folders hold: regular ones, in the sandbox if there is
-//! one ([`sandbox`](crate::sandbox)), and texts of a bounded size. Nothing else opens files to read them.
+//! one ([`sandbox`]), and texts of a bounded size. Nothing else opens files to read them.
 //!
 //! Devices, pipes and sockets may have no end, or keep a reader waiting for ever.
 
