@@ -28,7 +28,10 @@ fn captures_and_what_they_name_are_read_in_every_encoding(
     let text = room(
         "[sensor]\npreset = \"small.toml\"\nresolution_px = [8, 8]\n[materials.wall]\ntype = \"diffuse\"\nreflectance = { file = \"a.csv\" }\n",
     );
-    let sensor = format!("# größe\n{SENSOR}");
+    let sensor = format!(
+        "# größe\n{}",
+        SENSOR.replace("../../../photosite-core/assets/spectra/quantum-efficiency/sony-imx249-mono.csv", "a.csv")
+    );
     let files = Files::new("");
     for (name, text) in [("capture.toml", &*text), ("small.toml", &*sensor), ("a.csv", SPECTRUM), ("room.obj", OBJ)] {
         files.add(name, &encoded(text, encoding, end));
