@@ -4,8 +4,8 @@
     linear_pictures.py PHOTOSITE
 
 - Primaries: those of each identifier that OpenEXR knows, as chromaticities and as colorInteropID, and those of XYZ. The
-  colours are compared with a matrix of NumPy's by Bradford's method; both round to 32-bit floats, of which chromaticities
-  have 24 bits: 1e-5.
+  colours are compared with a matrix of NumPy's by Bradford's method. Whites have four or five digits, 1e-4 of themselves, which
+  a matrix to sRGB multiplies by up to ten: 1e-3.
 - Compression without loss, either order of lines, halves and floats: the same numbers, bit by bit.
 - Windows: each pixel where OpenEXR's own places it, 0 elsewhere.
 
@@ -25,7 +25,7 @@ import OpenEXR
 D65 = (0.31271, 0.32902)
 BRADFORD = numpy.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
 IDENTIFIERS = ["rec709", "ap0", "ap1", "p3d65", "rec2020", "adobergb"]
-XYZ = (1, 0, 0, 1, 0, 0, 1 / 3, 1 / 3)
+XYZ = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1 / 3, 1 / 3)
 
 
 def to_xyz(points):
