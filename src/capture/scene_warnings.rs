@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::scene::description::{AlphaMode, MaterialDescription, MaterialModel, MeshDescription, SceneDescription};
-use crate::spectrum::Dispersion;
 use crate::spectrum::dispersion::lines;
 
 /// Warnings of a scene with all its materials and lights.
@@ -85,10 +84,9 @@ fn is_invisible(scene: &SceneDescription, mesh: &MeshDescription) -> bool {
 
 /// Whether light passes a surface as if it were not there.
 fn is_nothing(model: &MaterialModel) -> bool {
-    let is_air = |index: &Dispersion| [lines::F, lines::D, lines::C].iter().all(|line| index.index(*line) == 1.0);
     match model {
-        MaterialModel::Dielectric(glass) => is_air(&glass.index),
-        MaterialModel::ThinDielectric(pane) => is_air(&pane.index) && pane.transmittance.min() >= 1.0,
+        MaterialModel::Dielectric(glass) => glass.index.is_one(),
+        MaterialModel::ThinDielectric(pane) => pane.index.is_one() && pane.transmittance.min() >= 1.0,
         MaterialModel::Mix(mix) => {
             let [first, second] = &mix.models;
             (mix.weight >= 1.0 || is_nothing(first)) && (mix.weight <= 0.0 || is_nothing(second))
@@ -122,10 +120,7 @@ fn caustics(scene: &SceneDescription, materials: &[&MaterialDescription]) -> Opt
 /// Whether light is refracted into a body, all of it in one direction.
 fn is_solid_glass(model: &MaterialModel) -> bool {
     match model {
-        MaterialModel::Dielectric(glass) => {
-            let is_one = glass.index.is_constant() && glass.index.index(lines::D) == 1.0;
-            glass.distribution.distribution().is_smooth() && !is_one
-        }
+        MaterialModel::Dielectric(glass) => glass.distribution.distribution().is_smooth() && !glass.index.is_one(),
         MaterialModel::Layered(layers) => {
             let is_polished = layers.roughness.value == 0.0 || layers.roughness.texture.is_some();
             let refracts = layers.absorption_per_m.is_some() && layers.transmission.value > 0.0;

@@ -12,11 +12,11 @@ const TARGET: f64 = 0.2;
 /// Monte Carlo noise over the sensor's, of the pictures of a data set.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SetNoise {
-    /// Of the picture in the middle, or between the two that are; `None` where no picture tells it.
+    /// The ratio of the picture in the middle, or between the two that are; `None` where no picture tells it.
     pub median: Option<f64>,
-    /// Of the noisiest picture.
+    /// The ratio of the noisiest picture.
     pub worst: Option<f64>,
-    /// Which that is.
+    /// The name of the noisiest picture.
     pub worst_picture: Option<String>,
     /// How many pictures do not tell it: those of a single sample a pixel, and those without light.
     pub unknown: usize,
@@ -35,7 +35,7 @@ struct Known {
 }
 
 impl SetNoise {
-    /// Of pictures by their names.
+    /// The noise of pictures by their names.
     pub(super) fn of<'a>(pictures: impl IntoIterator<Item = (String, Option<&'a RenderReport>)>) -> Self {
         let (mut known, mut unknown, mut has_target) = (Vec::new(), 0, false);
         for (picture, render) in pictures {

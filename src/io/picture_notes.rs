@@ -12,7 +12,7 @@ use crate::raw::{Exif, Orientation, TiffNotes, tiff_notes};
 use crate::{Error, Invalid, Result};
 use photosite_core::input;
 
-/// What a picture's file says beside its numbers and colours.
+/// Statements of a picture's file beside its numbers and colours.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PictureNotes {
     /// How the picture is to be turned so that it stands upright.
@@ -22,7 +22,7 @@ pub struct PictureNotes {
 }
 
 impl PictureNotes {
-    /// Of a file by the kind that its name says; nothing of kinds that say nothing.
+    /// Notes of a file by the kind that its name says; none of kinds that say nothing.
     pub fn read(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         let of: fn(&[u8]) -> Result<Self, Invalid> = match extension.as_str() {

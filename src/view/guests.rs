@@ -14,12 +14,12 @@ pub(super) struct Guest {
 }
 
 impl Guest {
-    /// It has shown the token, and gives way to nobody.
+    /// Marks a guest that has shown the token, and gives way to nobody.
     pub(super) fn is_known(&self) {
         self.is_known.store(true, Ordering::Relaxed);
     }
 
-    /// Until it has to give way.
+    /// Waits until the guest has to give way.
     pub(super) async fn gives_way(&self) {
         self.gives_way.notified().await;
     }
@@ -33,7 +33,7 @@ pub(super) struct Guests {
 }
 
 impl Guests {
-    /// So many at the same time.
+    /// Places for so many connections at the same time.
     pub(super) fn new(places: usize) -> Self {
         Self { places: Arc::new(Semaphore::new(places)), strangers: VecDeque::new() }
     }

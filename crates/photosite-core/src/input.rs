@@ -20,7 +20,7 @@ pub const TABLE_BYTES: u64 = 256 << 20;
 ///
 /// # Errors
 ///
-/// That it cannot be opened, is outside of the sandbox, or is a folder, a device, a pipe or a socket.
+/// A file that cannot be opened, is outside of the sandbox, or is a folder, a device, a pipe or a socket.
 pub fn open(path: &Path) -> io::Result<File> {
     let path = sandbox::opened(path)?;
     // Before it is opened: that of a pipe waits for somebody who writes.
@@ -35,26 +35,26 @@ pub fn open(path: &Path) -> io::Result<File> {
 ///
 /// # Errors
 ///
-/// That it cannot be opened, or is outside of the sandbox.
+/// A file that cannot be opened, or is outside of the sandbox.
 pub fn open_to_change(path: &Path, is_new: bool) -> io::Result<File> {
     let path = sandbox::opened(path)?;
     File::options().read(true).write(true).create(is_new).truncate(is_new).open(path)
 }
 
-/// What is known of a file without reading it.
+/// Metadata of a file or folder: its size, kind and times.
 ///
 /// # Errors
 ///
-/// That it is not there, or outside of the sandbox.
+/// A path that is not there, or outside of the sandbox.
 pub fn metadata(path: &Path) -> io::Result<Metadata> {
     fs::metadata(sandbox::opened(path)?)
 }
 
-/// What a folder holds.
+/// Entries of a folder.
 ///
 /// # Errors
 ///
-/// That it cannot be read, or is outside of the sandbox.
+/// A folder that cannot be read, or is outside of the sandbox.
 pub fn entries(folder: &Path) -> io::Result<ReadDir> {
     fs::read_dir(sandbox::opened(folder)?)
 }
@@ -99,7 +99,7 @@ pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 ///
 /// # Errors
 ///
-/// As [`read_at_most`] and [`text::decode`].
+/// Those of [`read_at_most`] and [`text::decode`].
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     text::decode(read_at_most(path, most)?)
 }

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::{Error, Invalid, Result};
 
-/// What holds for all files of this process, once it is confined.
+/// The sandbox of this process, once it is confined.
 static WALLS: OnceLock<Walls> = OnceLock::new();
 
 /// A sandbox for all that a process opens.
@@ -83,7 +83,7 @@ pub fn trust(path: &Path) {
 ///
 /// # Errors
 ///
-/// That it lies outside of the sandbox, if there is one.
+/// A path outside of the sandbox, if there is one.
 pub fn opened(path: &Path) -> io::Result<PathBuf> {
     WALLS.get().map_or_else(|| Ok(path.to_owned()), |walls| walls.opened(path))
 }
@@ -92,7 +92,7 @@ pub fn opened(path: &Path) -> io::Result<PathBuf> {
 ///
 /// # Errors
 ///
-/// That there is one.
+/// The refusal, if there was one.
 pub fn check_refused() -> Result<()> {
     let refused = WALLS.get().and_then(|walls| walls.refused.lock().unwrap_or_else(PoisonError::into_inner).clone());
     let error =

@@ -26,7 +26,7 @@ pub fn decode(bytes: Vec<u8>) -> io::Result<String> {
 ///
 /// # Errors
 ///
-/// As [`decode`], but for bytes that are no UTF-8 and do not begin as such.
+/// Those of [`decode`], but for bytes that are no UTF-8 and do not begin as such.
 pub fn decode_any(bytes: Vec<u8>) -> io::Result<String> {
     let (text, start) = unmarked(bytes)?;
     match String::from_utf8(text) {
@@ -70,11 +70,11 @@ const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 /// How a text is encoded, by its first bytes.
 #[derive(Clone, Copy, Debug)]
 enum Start {
-    /// Without a mark.
+    /// A text without a mark.
     Plain,
-    /// With the mark of UTF-8.
+    /// A text with the mark of UTF-8.
     Utf8,
-    /// Behind a mark of so many bytes.
+    /// A text of UTF-16 behind a mark of so many bytes, which may be none.
     Utf16 { mark: usize, unit: fn([u8; 2]) -> u16 },
 }
 

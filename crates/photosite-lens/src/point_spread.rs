@@ -197,7 +197,7 @@ impl PointSpread {
 
 /// Whether a lens is its own mirror image across the plane of its field, the blades of its stop included.
 fn is_mirrored(lens: &Lens) -> bool {
-    /// Of the normals of blades, as they are turned.
+    /// Rounding of the normals of blades, as they are turned.
     const ROUNDING: f64 = 1e-9;
     lens.stop_edges().is_none_or(|(normals, _)| {
         let has_mirrored =
@@ -206,7 +206,7 @@ fn is_mirrored(lens: &Lens) -> bool {
     })
 }
 
-/// What a cell adds to the field, by how much of it is covered and its path in waves.
+/// The field of a cell, by how much of it is covered and its path in waves.
 fn phasor(covered: f64, waves: f64) -> Complex32 {
     Complex32::from_polar(covered as f32, (TAU * (waves - waves.round())) as f32)
 }

@@ -94,7 +94,7 @@ pub struct WaveSpread {
     across_blade_rad: f64,
     /// By wavelength.
     chiefs: Vec<OnceLock<Option<ChiefMap>>>,
-    /// By wavelength and height, of each azimuth that is tabled, of one without blades; none where no light passes.
+    /// Tables by wavelength and height, of each azimuth that is tabled, of one without blades; none where no light passes.
     spreads: Vec<OnceLock<Vec<SpreadTable>>>,
     shelf: Option<Arc<dyn Shelf>>,
 }
@@ -217,7 +217,7 @@ impl WaveSpread {
         if self.blades == 0 { 1 } else { TABLED }
     }
 
-    /// From one azimuth of the tables to the next, rad.
+    /// Step from one azimuth of the tables to the next, rad.
     fn azimuth_step_rad(&self) -> f64 {
         TAU / (self.blades.max(1) * AZIMUTHS) as f64
     }

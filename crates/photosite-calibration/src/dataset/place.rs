@@ -93,7 +93,7 @@ pub enum PlaceRotation {
 pub enum CountDescription {
     /// So many.
     Exact(u32),
-    /// From the least to the largest.
+    /// The least and the largest number.
     Range([u32; 2]),
 }
 
@@ -101,9 +101,9 @@ pub enum CountDescription {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected a length in metres, or the least and the largest such as [0.1, 0.2]")]
 pub enum SizeDescription {
-    /// So long.
+    /// One length.
     Exact(#[schemars(transform = above(0.0..))] f64),
-    /// From the least to the largest.
+    /// The least and the largest length.
     Range(#[schemars(transform = above(0.0..))] [f64; 2]),
 }
 

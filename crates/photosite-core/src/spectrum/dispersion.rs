@@ -112,6 +112,11 @@ impl Dispersion {
         if difference == 0.0 { f64::INFINITY } else { (self.index(lines::D) - 1.0) / difference }
     }
 
+    /// Whether it is 1 at all wavelengths, as that of a vacuum: light goes straight on.
+    pub fn is_one(&self) -> bool {
+        self.is_constant() && self.index(lines::D) == 1.0
+    }
+
     /// Whether the index is the same at every wavelength, so that a refracted path may keep all its wavelengths.
     pub fn is_constant(&self) -> bool {
         match self {
@@ -219,6 +224,7 @@ mod tests {
         assert!(Dispersion::constant(1.5).is_constant());
         assert!(Dispersion::Table(Spectrum::constant(1.5)).is_constant());
         assert!(!bk7().is_constant());
+        assert!(Dispersion::constant(1.0).is_one() && !Dispersion::constant(1.5).is_one() && !bk7().is_one());
         assert_eq!(Dispersion::constant(1.5).abbe_number(), f64::INFINITY);
     }
 

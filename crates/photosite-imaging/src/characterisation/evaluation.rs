@@ -26,7 +26,7 @@ pub struct TemporalPoint {
     pub dark_variance: f64,
 }
 
-/// What dark images of one exposure time tell.
+/// Mean and variance of the dark images of one exposure time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DarkPoint {
     /// Exposure time; 0 where it is not known.

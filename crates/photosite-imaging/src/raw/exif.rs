@@ -9,7 +9,7 @@ use super::openable::open;
 use super::tag;
 use super::tags::Tags;
 
-/// What an EXIF block says of pixels.
+/// Statements of an EXIF block about pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Exif {
     /// How the picture is to be turned so that it stands upright.

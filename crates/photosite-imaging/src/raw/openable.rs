@@ -64,7 +64,7 @@ impl Layout {
 /// The file with another first directory far behind its end.
 pub(super) struct Openable<R> {
     from: R,
-    /// Where `from` stands.
+    /// The place of `from`.
     from_position: u64,
     length: u64,
     position: u64,

@@ -20,7 +20,7 @@ impl Orientation {
         (1..=8u8).find(|n| f64::from(*n) == number).map(Self)
     }
 
-    /// Its number, 1–8.
+    /// The number of the orientation in TIFF and EXIF, 1–8.
     pub fn number(self) -> u8 {
         self.0
     }

@@ -12,7 +12,7 @@ use tiff::tags::Tag;
 use super::tags::Tags;
 use photosite_core::Invalid;
 
-/// What becomes of a tag.
+/// Treatment of a tag.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Treatment {
     /// The reader follows it, or refuses the file where it cannot.

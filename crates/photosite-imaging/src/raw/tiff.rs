@@ -132,7 +132,7 @@ pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
     Ok(RawImage { metadata: RawMetadata { orientation, left_out, ..RawMetadata::default() }, ..raw })
 }
 
-/// What a TIFF file says beside the numbers of its first picture.
+/// Statements of a TIFF file beside the numbers of its first picture.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TiffNotes {
     /// What nobody follows, each as a warning has it.

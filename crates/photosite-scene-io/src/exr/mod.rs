@@ -37,7 +37,7 @@ const MOST_INFLATION: usize = 1 << 14;
 /// Most pixels of a display window that is not stored as a whole.
 const MAX_DISPLAYED: usize = 1 << 27;
 
-/// What an EXR file holds.
+/// Contents of an EXR file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExrPicture {
     /// The planes of the display window, sorted by name as EXR wants it.

@@ -113,7 +113,7 @@ fn kind_and_layer(channels: &[Channel]) -> Option<(Kind, String)> {
     of_colours.next().is_none().then_some(first)
 }
 
-/// What the header says of the colours.
+/// Colours as the header states them.
 struct Colours {
     /// Of R, G and B; `None` for sRGB.
     chromaticities: Option<Chromaticities>,

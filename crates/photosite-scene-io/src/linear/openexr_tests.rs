@@ -23,7 +23,7 @@ fn texel(light: &LinearPicture, i: usize) -> [f32; 3] {
     ["R", "G", "B"].map(|name| light.planes.plane(name).expect("a colour")[i])
 }
 
-/// What becomes of an attribute.
+/// Treatment of an attribute.
 enum Outcome {
     /// The first pixel is that, to three decimals, and grey stays grey.
     Colour([f32; 3]),

@@ -86,9 +86,9 @@ impl Iterator for Lines<'_> {
     }
 }
 
-/// What a header says of the numbers.
+/// Statements of a header about the numbers.
 struct Header {
-    /// What they were multiplied by.
+    /// Factors that the numbers were multiplied by.
     factors: DVec3,
     primaries: Option<[[f64; 2]; 4]>,
     is_xyz: bool,

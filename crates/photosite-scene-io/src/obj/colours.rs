@@ -23,7 +23,7 @@ use photosite_transport::scene::description::{
 /// A colour of a vertex that the file gives none: no colour of a reflectance is below 0.
 const NONE: Vec3 = Vec3::NEG_ONE;
 
-/// What a file says of the colours of its vertices.
+/// Colours of the vertices of a file.
 #[derive(Debug, Default)]
 pub(super) struct VertexColours {
     /// Behind the positions, as they are written; shorter than the list of positions where the last have none.

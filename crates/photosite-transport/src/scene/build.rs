@@ -322,7 +322,7 @@ impl Map<Described, Tabled> for Builder<'_> {
     }
 
     fn index(&mut self, index: &Dispersion) -> RelativeIndex<SpectrumId> {
-        let (dispersive, is_one) = (!index.is_constant(), index.is_constant() && index.index(lines::D) == 1.0);
+        let (dispersive, is_one) = (!index.is_constant(), index.is_one());
         RelativeIndex { eta: self.spectra.add(&index.to_spectrum()), dispersive, is_one }
     }
 

@@ -19,7 +19,7 @@ pub(super) fn gain_maps(maps: &[GainMap], size: [usize; 2], tile: [usize; 2]) ->
     list(opcodes.collect::<Vec<_>>().into_iter())
 }
 
-/// What a map for all pixels is for, place by place of a tile.
+/// Pixels that a map is for, place by place of a tile.
 fn places(map: &GainMap, [width, height]: [usize; 2], [columns, rows]: [usize; 2]) -> Vec<Reach> {
     // Points lie on the edges: at 0 and 1, and evenly in between.
     let spacing = [map.columns(), map.rows()].map(|points| 1.0 / (points as f64 - 1.0).max(1.0));

@@ -18,7 +18,7 @@ use photosite_core::Invalid;
 pub(super) struct Whole {
     pub(super) data: Vec<u16>,
     pub(super) black_level_dn: BlackLevel,
-    /// Of each channel.
+    /// A value of each channel.
     pub(super) whites: Vec<u16>,
     /// A warning, where the file has others.
     pub(super) rounded: Option<String>,
