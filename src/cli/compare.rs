@@ -6,10 +6,10 @@ use clap::Args;
 
 use super::compare_report::text;
 use super::log::warning;
-use super::picture_warnings::warn_of;
 use super::print::{print_json, println_out, refuse_existing};
 use super::remedies::in_options;
 use crate::develop::EncodedPicture;
+use crate::image::NotFinite;
 use crate::io::developed::write_png;
 use crate::io::output::write_whole;
 use crate::io::picture_file::read_picture_file;
@@ -109,7 +109,6 @@ pub(super) fn run(args: &CompareArgs) -> Result<bool> {
     let a = read(&args.a, args.variance_a.as_deref(), args.samples_a, args.masked)?;
     let b = read(&args.b, args.variance_b.as_deref(), args.samples_b, args.masked)?;
     if !args.quiet {
-        warn_of([&args.a, &args.b].map(AsRef::as_ref))?;
         warn(&a, &b);
     }
     let settings = Settings {
@@ -142,7 +141,10 @@ pub(super) fn run(args: &CompareArgs) -> Result<bool> {
 /// Tells what is left out of the files, and what only one of them says of its numbers, which are compared as they are.
 fn warn(a: &Picture, b: &Picture) {
     for (picture, other) in [(a, b), (b, a)] {
-        picture.warnings.iter().for_each(|what| warning!("{}: {what}", picture.name));
+        picture.said().for_each(|what| warning!("{what}"));
+        if let Some(found) = NotFinite::of(&picture.mean) {
+            warning!("{}: {found}", picture.name);
+        }
         for stated in picture.stated.iter().filter(|stated| !other.stated.contains(stated)) {
             warning!(
                 "{} states {stated}, {} does not; their numbers are compared as they are",
@@ -173,7 +175,11 @@ fn read(path: &Path, variance: Option<&str>, samples: Option<u64>, masked: bool)
             message: format!("{text} is not a variance"),
             help: Some("write a number of at least 0, or the name of an EXR file".into()),
         }),
-        Err(_) => picture.with_variances_from(&read_picture_file(Path::new(text), pixels)?).map_err(unfit),
+        Err(_) => {
+            let variances = read_picture_file(Path::new(text), pixels)?;
+            let notes = picture.notes.iter().cloned().chain(variances.said()).collect();
+            Picture { notes, ..picture }.with_variances_from(&variances).map_err(unfit)
+        }
     }
 }
 

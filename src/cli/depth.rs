@@ -89,10 +89,11 @@ pub(super) fn run(args: &DepthArgs) -> Result<()> {
     if args.json {
         return print_json(&json!({
             "map": args.map, "output": args.output, "holds": name, "unit": unit,
-            "resolution_px": map.size, "pixels": all, "without": without,
+            "resolution_px": map.size, "pixels": all, "without": without, "warnings": map.warnings,
         }));
     }
     if !args.quiet {
+        map.warnings.iter().for_each(|what| warning!("{what}"));
         say!(
             "wrote {name} of {columns} × {rows} pixels, {without} of them without a value, to {}",
             args.output.display()

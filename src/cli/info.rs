@@ -1,4 +1,4 @@
-//! `photosite info`: what a scene, capture, sensor, raw or EXR file holds.
+//! `photosite info`: what a scene, capture, sensor, raw or image file holds.
 
 use std::f64::consts::PI;
 use std::fs::File;
@@ -7,16 +7,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use photosite_core::{input, suggest};
-use photosite_scene_io::linear::NotFinite;
 use serde_json::{Map, Value, json};
 
 use super::listing::listing;
 use super::print::{print_json, println_out, rounded};
 use super::scene_args::SceneArgs;
 use crate::capture::{Capture, ExposureTime, Extent, read_sensor_file, subject};
-use crate::image::Planes;
+use crate::image::{NotFinite, Planes};
 use crate::io::exr::{Attribute, read_exr};
-use crate::io::linear_picture::read_linear_picture;
+use crate::io::picture_file::{PictureFile, read_picture_file};
 use crate::optics::{Camera, Focus, LensDescription, LensKind};
 use crate::pipeline::standalone_camera;
 use crate::raw::{self, GainMap, Pixels, RawImage, RawMetadata};
@@ -30,7 +29,7 @@ Examples:
   photosite info model.glb
   photosite info sony-imx249-color";
 
-/// Show what a scene, capture, sensor, raw or EXR file holds.
+/// Show what a scene, capture, sensor, raw or image file holds.
 ///
 /// The size of a scene is shown, with a warning where its unit is probably not the metre: where it is longer than
 /// 20 m although nothing states the unit of its OBJ, PLY or STL files (meters_per_unit), or longer than 100 m in
@@ -38,8 +37,8 @@ Examples:
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct InfoArgs {
-    /// A .toml, capture.json, .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pgm, .ppm, .npy, .exr or .hdr file, or the
-    /// name of a sensor preset.
+    /// A .toml, capture.json, .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pgm, .ppm, .npy, .exr, .hdr, .png or .jpg
+    /// file, or the name of a sensor preset.
     file: PathBuf,
     /// Print JSON instead of text.
     #[arg(long)]
@@ -96,8 +95,8 @@ fn facts(path: &Path, sandbox: &Sandbox, overrides: &[String]) -> Result<Map<Str
             Ok(facts)
         }
         "hdr" | "pic" => {
-            let light = read_linear_picture(path, false, Pixels::All)?;
-            Ok(of_planes(&light.planes, Vec::new()))
+            let picture = read_picture_file(path, Pixels::All)?;
+            Ok(of_planes(&picture.mean, picture.warnings))
         }
         "dng" | "tif" | "tiff" | "pbm" | "pgm" | "ppm" | "pnm" | "npy" => {
             let raw = raw::read(path)?;
@@ -105,9 +104,18 @@ fn facts(path: &Path, sandbox: &Sandbox, overrides: &[String]) -> Result<Map<Str
             facts.extend(of_metadata(&raw.metadata));
             Ok(facts)
         }
+        "png" | "jpg" | "jpeg" => {
+            let PictureFile { picture, notes } = PictureFile::read(path, Pixels::All)?;
+            let mut facts = of_planes(&picture.mean, notes.left_out);
+            if !notes.orientation.is_upright() {
+                facts.insert("orientation".to_owned(), json!(notes.orientation.number()));
+            }
+            facts.extend(map(json!({ "full_scale": picture.full_scale, "pixel_aspect": notes.pixel_aspect })));
+            Ok(facts)
+        }
         _ => {
             let help = "give a .toml, .json (a capture.json), .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pbm, .pgm, .ppm, \
-                        .npy, .exr or .hdr file, or a name that `photosite sensors` lists";
+                        .npy, .exr, .hdr, .png or .jpg file, or a name that `photosite sensors` lists";
             let near = suggest::did_you_mean(&path.to_string_lossy(), presets::names());
             let message = format!("is not a kind of file that photosite knows{near}");
             Err(Invalid::new("", message).help(help).in_file(path))

@@ -7,11 +7,10 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::log::warning;
-use super::picture_warnings::warn_of;
 use super::print::{print_json, println_out};
 use crate::colour::{ColourSpace, cielab, difference};
-use crate::image::{Channel, Planes};
-use crate::io::linear_picture::read_linear_picture;
+use crate::image::{Channel, NotFinite, Planes};
+use crate::io::linear_picture::{LinearFile, read_linear_picture};
 use crate::io::picture_file::read_picture_file;
 use crate::io::raw_file::refuse_staggered_rows;
 use crate::measure::{CheckerReport, EdgeResponse, Histogram, histogram, slanted_edge, ssim};
@@ -95,9 +94,8 @@ impl PictureArgs {
     }
 
     fn read_other(&self, path: &Path) -> Result<Picture> {
-        warn_of([path])?;
         let picture = read_picture_file(path, self.pixels())?;
-        picture.warnings.iter().for_each(|what| warning!("{}: {what}", path.display()));
+        picture.said().for_each(|what| warning!("{what}"));
         Ok(picture)
     }
 
@@ -107,9 +105,9 @@ impl PictureArgs {
 
     /// Planes of linear light, white at 1 where the file has codes; colours are sRGB.
     fn read_linear(&self, path: &Path) -> Result<Planes> {
-        warn_of([path])?;
-        let light = read_linear_picture(path, self.linear, self.pixels())?;
-        light.warnings.iter().for_each(|what| warning!("{}: {what}", path.display()));
+        let LinearFile { light, notes } = read_linear_picture(path, self.linear, self.pixels())?;
+        let said = notes.of_pixels_as_they_lie(&path.display().to_string());
+        said.iter().for_each(|what| warning!("{what}"));
         Ok(light.planes)
     }
 
@@ -137,12 +135,16 @@ pub(super) fn run(args: &MeasureArgs, sandbox: &Sandbox) -> Result<()> {
         }
         Measure::Histogram { picture, bins } => {
             let read = picture.read()?;
+            if let Some(found) = NotFinite::of(&read.mean) {
+                warning!("{}: {found}; they are left out", read.name);
+            }
             let range = read.full_scale.map(|full_scale| [0.0, full_scale]);
             let of = |channel| histogram(channel, *bins as usize, range);
             picture.print(&read.mean.channels().iter().map(of).collect::<Vec<_>>(), |all| histogram_text(all))
         }
         Measure::Checker { picture, capture } => {
             let planes = picture.read_linear(&picture.picture)?;
+            NotFinite::refuse(&planes).map_err(|invalid| invalid.in_file(&picture.picture))?;
             picture.print(&measure_checker(&planes, &picture.picture, capture, sandbox)?, checker_text)
         }
         Measure::Similarity { picture, b } => picture.print(&similarity(picture, b)?, similarity_text),
@@ -235,6 +237,9 @@ struct ChannelSimilarity {
 
 fn similarity(args: &PictureArgs, b_path: &Path) -> Result<Similarity> {
     let (a, b) = (args.read()?, args.read_other(b_path)?);
+    for (picture, path) in [(&a, args.picture.as_path()), (&b, b_path)] {
+        NotFinite::refuse(&picture.mean).map_err(|invalid| invalid.in_file(path))?;
+    }
     let size = [b.mean.width(), b.mean.height()];
     if [a.mean.width(), a.mean.height()] != size || a.full_scale != b.full_scale {
         let [of_a, of_b] = [&a, &b].map(|p| {
@@ -252,18 +257,26 @@ fn similarity(args: &PictureArgs, b_path: &Path) -> Result<Similarity> {
         };
         let largest = || theirs.data.iter().copied().fold(0.0, f32::max).into();
         let peak: f64 = b.full_scale.unwrap_or_else(largest);
-        let squares: f64 = ours.iter().zip(&theirs.data).map(|(a, b)| f64::from(a - b).powi(2)).sum();
+        let squares: f64 =
+            ours.iter().zip(&theirs.data).map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2)).sum();
         let mean = squares / theirs.data.len() as f64;
+        if mean > 0.0 && peak <= 0.0 {
+            let message = "has no value above 0, which would be white";
+            let invalid = Invalid::new("", format!("channel {} {message}", theirs.name));
+            return Err(invalid.help("give the brighter picture as reference, or compare the two").in_file(b_path));
+        }
         channels.push(ChannelSimilarity {
             channel: theirs.name.clone(),
             psnr_db: (mean > 0.0).then(|| 10.0 * (peak * peak / mean).log10()),
-            ssim: ssim(ours, &theirs.data, size, peak),
+            ssim: ssim(ours, &theirs.data, size, peak).map(|found| if mean > 0.0 { found } else { 1.0 }),
         });
     }
     // What is counted or measured has no colour.
     let is_shown =
         [&a, &b].iter().all(|p| p.unit.is_none() || p.full_scale.is_some() && p.unit.as_deref() != Some("DN"));
-    let linear = || Ok::<_, Error>((args.read_linear(&args.picture)?, args.read_linear(b_path)?));
+    // What is to be said of the files was said.
+    let light = |path| Ok(read_linear_picture(path, args.linear, args.pixels())?.light.planes);
+    let linear = || Ok::<_, Error>((light(&args.picture)?, light(b_path)?));
     let differences = if is_shown { linear().map(|(a, b)| colour_differences(&a, &b))? } else { None };
     Ok(Similarity {
         channels,

@@ -31,7 +31,6 @@ mod merge_hdr;
 mod monitor;
 mod noise;
 mod noise_add;
-mod picture_warnings;
 mod print;
 mod project;
 mod rectify;

@@ -6,9 +6,8 @@ use clap::{Args, Subcommand};
 use photosite_core::counted;
 
 use super::arguments::positive;
-use super::log::say;
+use super::log::{say, warning};
 use super::noise_add::{self, NoiseAddArgs};
-use super::picture_warnings::warn_of;
 use super::print::{print_json, println_out, refuse_existing, write_result};
 use crate::characterisation::noise::{Request, figures};
 use crate::characterisation::report::{NoiseReport, PlaneNoise};
@@ -100,7 +99,7 @@ fn run_estimate(args: &EstimateArgs) -> Result<()> {
     }
     let pixels = if args.masked { Pixels::All } else { Pixels::Active };
     let series = NoiseSeries::read(&args.files, pixels, args.patch)?;
-    warn_of(args.files.iter().map(AsRef::as_ref))?;
+    series.said().for_each(|what| warning!("{what}"));
     let request = Request { most_lag: args.lags as usize, side: args.square as usize };
     let report = series.estimate(args.black, args.sigma, request)?;
     let write = |path: &Path, write: &dyn Fn(&mut dyn Sink) -> std::io::Result<()>| {

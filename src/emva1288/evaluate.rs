@@ -11,7 +11,7 @@ use photosite_core::input;
 
 /// The images of any camera.
 pub fn evaluate_descriptor(path: &Path, monitor: &dyn Monitor) -> Result<Report> {
-    let set = read_set(path, &|| go_on(monitor))?;
+    let set = read(path, &|| go_on(monitor), monitor)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let conditions = conditions([set.descriptor.width, set.descriptor.height], set.descriptor.bits);
     let channel = channel_report("Figures".to_owned(), set, None).map_err(|invalid| invalid.in_file(path))?;
@@ -43,6 +43,13 @@ pub fn evaluate_sets(folder: &Path, monitor: &dyn Monitor) -> Result<Report> {
     Ok(Report { sensor: sets.sensor, description: sets.description, conditions, channels })
 }
 
+/// Reads a set and says what is to be said of its images.
+fn read(path: &Path, taken: &dyn Fn() -> Result<()>, monitor: &dyn Monitor) -> Result<MeasuredSet> {
+    let set = read_set(path, taken)?;
+    set.warnings.iter().for_each(|warning| monitor.report(Event::Warning(warning)));
+    Ok(set)
+}
+
 /// How many images all descriptors name.
 fn image_count(folder: &Path, sets: &ImageSets) -> u64 {
     let of_channel = |c: &ChannelSets| {
@@ -69,7 +76,7 @@ fn of_channel(folder: &Path, sets: &ChannelSets, monitor: &dyn Monitor) -> Resul
         monitor.report(Event::PictureEnds(None));
         go_on(monitor)
     };
-    let read = |path: &str| read_set(&folder.join(path), &taken);
+    let read = |path: &str| read(&folder.join(path), &taken, monitor);
     let title = format!(
         "Channel {} at {} nm and {} °C",
         sets.channel,

@@ -10,19 +10,17 @@
 //! Pixels have the shape that PNG files say in pHYs, and EXR and HDR files in their headers. What else of a file is followed
 //! and what is left out, [`PictureNotes`] says.
 
-use std::io::BufReader;
 use std::path::Path;
 use std::sync::Arc;
 
 use super::exr::read_exr_file;
-use super::linear_picture::read_linear_picture;
+use super::linear_picture::{LinearFile, read_linear_picture};
 use super::picture_notes::PictureNotes;
 use super::raw_file::read_raw;
 use crate::image::Planes;
 use crate::raw::{Cfa, Orientation, Pixels, RawImage, RawMetadata};
 use crate::validation::MOSAIC;
-use crate::{Error, Invalid, Result};
-use photosite_core::input;
+use crate::{Invalid, Result};
 
 /// What a file holds that can be developed.
 #[derive(Clone, Debug)]
@@ -65,11 +63,7 @@ pub fn read_digital_numbers(path: &Path) -> Result<Arc<RawImage>> {
 pub fn read_developable(path: &Path) -> Result<Developable> {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
-        "png" => {
-            let aspect = png_aspect(path)?;
-            of_picture(path, aspect)
-        }
-        "jpg" | "jpeg" | "hdr" | "pic" => of_picture(path, 1.0),
+        "png" | "jpg" | "jpeg" | "hdr" | "pic" => of_picture(path),
         "exr" => of_exr(path),
         _ => of_raw(path),
     }
@@ -88,18 +82,18 @@ fn of_exr(path: &Path) -> Result<Developable> {
             let help = "photosite expose makes a raw file of electrons.exr; develop that";
             Err(Invalid::new("unit", message).help(help).in_file(path))
         }
-        None => of_picture(path, 1.0),
+        None => of_picture(path),
     }
 }
 
-fn of_picture(path: &Path, pixel_aspect: f64) -> Result<Developable> {
-    let light = read_linear_picture(path, false, Pixels::Active)?;
+fn of_picture(path: &Path) -> Result<Developable> {
+    let LinearFile { light, notes } = read_linear_picture(path, false, Pixels::Active)?;
+    let PictureNotes { orientation, left_out, .. } = notes;
     let size = [light.planes.width(), light.planes.height()];
     if let [mosaic] = light.planes.channels()
         && mosaic.name == MOSAIC
     {
         let numbers = mosaic.data.iter().map(|&number| number as u16).collect();
-        let PictureNotes { orientation, left_out } = PictureNotes::read(path)?;
         let metadata = RawMetadata { orientation, left_out, ..RawMetadata::default() };
         let raw = RawImage { metadata, ..RawImage::bare(size[0], size[1], numbers, Cfa::mono(), u16::MAX) };
         return Ok(Developable::Raw(Arc::new(raw)));
@@ -109,23 +103,13 @@ fn of_picture(path: &Path, pixel_aspect: f64) -> Result<Developable> {
         let help = "give a file with R, G and B, with X, Y and Z, or with Y, or with one layer of them";
         return Err(Invalid::new("", message).help(help).in_file(path));
     }
-    let PictureNotes { orientation, left_out } = PictureNotes::read(path)?;
-    let of_light = light.left_out().into_iter().chain(light.warnings).map(|what| format!("{}: {what}", path.display()));
-    let warnings = left_out.into_iter().chain(of_light).collect();
-    let pixel_aspect = pixel_aspect * light.pixel_aspect;
+    let others = light.left_out().map(|what| format!("{}: {what}", path.display()));
+    let warnings = others.into_iter().chain(left_out).collect();
+    let pixel_aspect = light.pixel_aspect;
     let mut channels = light.planes.into_channels();
     channels.truncate(light.components);
     let planes = Planes::new(size[0], size[1], channels).map_err(|invalid| invalid.in_file(path))?;
     Ok(Developable::Light(Light { planes, pixel_aspect, orientation, warnings }))
-}
-
-/// By pHYs, whatever its unit: columns and rows along equal lengths.
-fn png_aspect(path: &Path) -> Result<f64> {
-    let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
-    let unreadable = |error| Invalid::new("", format!("cannot read it as PNG: {error}")).in_file(path);
-    let reader = png::Decoder::new(BufReader::new(file)).read_info().map_err(unreadable)?;
-    let stated = reader.info().pixel_dims.filter(|stated| stated.xppu > 0 && stated.yppu > 0);
-    Ok(stated.map_or(1.0, |stated| f64::from(stated.yppu) / f64::from(stated.xppu)))
 }
 
 #[cfg(test)]

@@ -10,8 +10,6 @@
 //! What says nothing is sRGB. Profiles of tables and curves for high dynamic range are refused by name.
 
 use photosite_core::{Help, Remedy};
-use std::fs::File;
-use std::io::BufReader;
 use std::iter;
 use std::path::Path;
 
@@ -20,17 +18,18 @@ use moxcms::{ColorProfile, DataColorSpace, ToneReprCurve, TransferCharacteristic
 use rayon::prelude::*;
 
 use super::exr::read_exr_file;
-use super::picture_file::{picture_of_exr, read_picture_file};
-use super::stated_colours::{jpeg_profile, tiff_profile};
+use super::picture_file::PictureFile;
+use super::picture_notes::PictureNotes;
+use super::stated_colours::StatedColours;
 use crate::colour::adaptation::D50;
 use crate::colour::{ColourSpace, Transfer};
-use crate::image::{Channel, Planes};
+use crate::image::{Channel, NotFinite, Planes};
 use crate::raw::Pixels;
 use crate::validation::Picture;
 use crate::{Error, Invalid, Result};
 use photosite_core::input;
 use photosite_scene_io::linear::colours::to_srgb;
-use photosite_scene_io::linear::{LinearPicture, NotFinite, decode_radiance, of_exr};
+use photosite_scene_io::linear::{LinearPicture, decode_radiance, of_exr};
 
 /// What the numbers of a picture mean.
 struct Meaning {
@@ -48,23 +47,38 @@ impl Meaning {
     }
 }
 
+/// Linear light of an image's file, with what the file says besides.
+#[derive(Clone, Debug)]
+pub struct LinearFile {
+    /// The light; what is to be said of it is in the notes.
+    pub light: LinearPicture,
+    /// What the file says besides. Left out are, too, what is filled in, assumed or not finite.
+    pub notes: PictureNotes,
+}
+
 /// Reads a picture as linear light: R, G and B of sRGB, or grey, white at 1 where the file has codes. `is_linear` says
 /// that codes are in proportion to light, whatever the file says of them. Digital numbers and quantities stay as they
 /// are. Numbers that are not finite stay, too, with a warning.
-pub fn read_linear_picture(path: &Path, is_linear: bool, pixels: Pixels) -> Result<LinearPicture> {
-    let mut light = match read(path, pixels)? {
-        Held::Light(light) => light,
-        Held::Numbers(picture) => {
-            let stated = meaning(path)?;
-            if is_digital_numbers(&picture) && stated.is_none() || is_quantity(&picture) {
-                let whole = picture.whole().map_err(|invalid| invalid.in_file(path))?;
-                return Ok(LinearPicture { components: 0, ..LinearPicture::plain(whole.mean) });
-            }
-            LinearPicture::plain(linear(picture, stated, is_linear).map_err(|invalid| invalid.in_file(path))?)
+pub fn read_linear_picture(path: &Path, is_linear: bool, pixels: Pixels) -> Result<LinearFile> {
+    let in_file = |invalid: Invalid| invalid.in_file(path);
+    let (mut light, mut notes) = match read(path, pixels)? {
+        Held::Light(light) => (light, PictureNotes::default()),
+        Held::Numbers(PictureFile { picture, notes }) => {
+            let stated = meaning(&notes.colours).map_err(in_file)?;
+            let mut light = if is_digital_numbers(&picture) && stated.is_none() || is_quantity(&picture) {
+                let whole = picture.whole().map_err(in_file)?;
+                LinearPicture { components: 0, ..LinearPicture::plain(whole.mean) }
+            } else {
+                LinearPicture::plain(linear(picture, stated, is_linear).map_err(in_file)?)
+            };
+            light.pixel_aspect = notes.pixel_aspect.unwrap_or(1.0);
+            (light, notes)
         }
     };
-    light.warnings.extend(NotFinite::of(&light.planes).map(|found| format!("{found}; they stay as they are")));
-    Ok(light)
+    let not_finite = NotFinite::of(&light.planes).map(|found| format!("{found}; they stay as they are"));
+    let of_light = light.warnings.drain(..).chain(not_finite);
+    notes.left_out.extend(of_light.map(|what| format!("{}: {what}", path.display())));
+    Ok(LinearFile { light, notes })
 }
 
 /// What a file of a picture holds.
@@ -72,7 +86,7 @@ enum Held {
     /// Light, by what the header says.
     Light(LinearPicture),
     /// Numbers that are yet to be understood.
-    Numbers(Picture),
+    Numbers(PictureFile),
 }
 
 fn read(path: &Path, pixels: Pixels) -> Result<Held> {
@@ -87,12 +101,12 @@ fn read(path: &Path, pixels: Pixels) -> Result<Held> {
             let picture = read_exr_file(path)?;
             let keys = ["unit", "emissiveUnits", "spectralLayoutVersion"];
             if keys.iter().any(|key| picture.text(key).is_some()) {
-                let picture = picture_of_exr(picture, path.display().to_string(), pixels);
+                let picture = PictureFile::of_exr(picture, path.display().to_string(), pixels);
                 return picture.map(Held::Numbers).map_err(|invalid| invalid.in_file(path));
             }
             of_exr(picture).map(Held::Light).map_err(|invalid| invalid.in_file(path))
         }
-        _ => read_picture_file(path, pixels).map(Held::Numbers),
+        _ => PictureFile::read(path, pixels).map(Held::Numbers),
     }
 }
 
@@ -108,44 +122,44 @@ pub struct PictureLight {
 pub fn read_picture_light(path: &Path, is_linear: bool) -> Result<PictureLight> {
     let name = path.display();
     let in_proportion = format!("the numbers of {name} are taken to be proportional to light");
-    let picture = match read(path, Pixels::Active)? {
+    let PictureFile { picture, notes } = match read(path, Pixels::Active)? {
         Held::Light(LinearPicture { planes, warnings, .. }) => {
             let warnings = warnings.into_iter().map(|warning| format!("{name}: {warning}"));
             return Ok(PictureLight { planes, said: iter::once(in_proportion).chain(warnings).collect() });
         }
-        Held::Numbers(picture) => picture,
+        Held::Numbers(file) => file,
     };
-    let stated = meaning(path)?;
-    let Some(white) = picture.full_scale else {
-        let planes = if is_quantity(&picture) {
-            picture.whole().map(|whole| whole.mean)
-        } else {
-            linear(picture, stated, is_linear)
-        };
-        let planes = planes.map_err(|invalid| invalid.in_file(path))?;
-        return Ok(PictureLight { planes, said: vec![in_proportion] });
-    };
-    if is_digital_numbers(&picture) && stated.is_none() {
-        let assumed = format!("the numbers of {name} are taken to be proportional to light, {white} for 1");
-        return Ok(PictureLight { planes: picture.mean.scaled(1.0 / white), said: vec![assumed] });
-    }
-    let assumed = match (is_linear, &stated) {
-        (true, _) => format!("the codes of {name} are taken to be proportional to light, {white} for 1"),
-        (false, Some(_)) => format!("the codes of {name} are decoded to linear light as the file says, {white} to 1"),
-        (false, None) => {
-            format!(
-                "the codes of {name}, which says nothing of them, are decoded to linear light as sRGB, {white} to 1"
-            )
+    let in_file = |invalid: Invalid| invalid.in_file(path);
+    let stated = meaning(&notes.colours).map_err(in_file)?;
+    let is_stated = stated.is_some();
+    let (planes, assumed) = match picture.full_scale {
+        None if is_quantity(&picture) => (picture.whole().map_err(in_file)?.mean, in_proportion),
+        None => (linear(picture, stated, is_linear).map_err(in_file)?, in_proportion),
+        Some(white) if is_digital_numbers(&picture) && !is_stated => {
+            let assumed = format!("the numbers of {name} are taken to be proportional to light, {white} for 1");
+            (picture.mean.scaled(1.0 / white), assumed)
+        }
+        Some(white) => {
+            let assumed = match (is_linear, is_stated) {
+                (true, _) => format!("the codes of {name} are taken to be proportional to light, {white} for 1"),
+                (false, true) => {
+                    format!("the codes of {name} are decoded to linear light as the file says, {white} to 1")
+                }
+                (false, false) => format!(
+                    "the codes of {name}, which says nothing of them, are decoded to linear light as sRGB, {white} to 1"
+                ),
+            };
+            (linear(picture, stated, is_linear).map_err(in_file)?, assumed)
         }
     };
-    let planes = linear(picture, stated, is_linear).map_err(|invalid| invalid.in_file(path))?;
-    Ok(PictureLight { planes, said: vec![assumed] })
+    let left_out = notes.of_pixels_as_they_lie(&name.to_string());
+    Ok(PictureLight { planes, said: iter::once(assumed).chain(left_out).collect() })
 }
 
 /// Light of each code of R, G and B (and of grey: R) from 0 to `largest`, 1 for white, and whether the file says so
 /// itself: otherwise they are those of sRGB.
-pub fn light_of_codes(path: &Path, largest: u16) -> Result<([Vec<f32>; 3], bool)> {
-    let stated = meaning(path)?;
+pub fn light_of_codes(colours: &StatedColours, largest: u16) -> Result<([Vec<f32>; 3], bool), Invalid> {
+    let stated = meaning(colours)?;
     let is_stated = stated.is_some();
     let Meaning { curves, .. } = stated.unwrap_or_else(|| Meaning::new(Transfer::Srgb, DMat3::IDENTITY));
     let of_codes = |curve: &Curve| (0..=largest).map(|code| curve(f32::from(code) / f32::from(largest))).collect();
@@ -194,45 +208,21 @@ fn linear(picture: Picture, stated: Option<Meaning>, is_linear: bool) -> Result<
 }
 
 /// What the file says of its colours.
-fn meaning(path: &Path) -> Result<Option<Meaning>> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let read: fn(BufReader<File>) -> Result<Option<Meaning>, Invalid> = match extension.as_str() {
-        "png" => of_png,
-        "tif" | "tiff" => of_tiff,
-        "jpg" | "jpeg" => of_jpeg,
-        _ => return Ok(None),
-    };
-    let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
-    read(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
-}
-
-fn of_png(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
-    let unreadable = |error| Invalid::new("", format!("cannot read it as PNG: {error}"));
-    let reader = png::Decoder::new(file).read_info().map_err(unreadable)?;
-    let info = reader.info();
-    if let Some(points) = info.coding_independent_code_points {
-        return of_code_points(points.color_primaries, points.transfer_function).map(Some);
+fn meaning(colours: &StatedColours) -> Result<Option<Meaning>, Invalid> {
+    if let Some([primaries, transfer]) = colours.code_points {
+        return of_code_points(primaries, transfer).map(Some);
     }
-    if let Some(profile) = &info.icc_profile {
+    if let Some(profile) = &colours.profile {
         return of_profile(profile).map(Some);
     }
-    if info.srgb.is_some() {
+    if colours.is_srgb {
         return Ok(Some(Meaning::new(Transfer::Srgb, DMat3::IDENTITY)));
     }
-    let gamma = info.gama_chunk.map(|gamma| f64::from(gamma.into_value())).filter(|gamma| *gamma > 0.0);
-    let to_srgb = info.chrm_chunk.map_or(Ok(DMat3::IDENTITY), |c| {
-        let point = |(x, y): (png::ScaledFloat, png::ScaledFloat)| [x, y].map(|v| f64::from(v.into_value()));
-        to_srgb([c.red, c.green, c.blue, c.white].map(point)).map_err(|e| Invalid { key: "cHRM".to_owned(), ..e })
+    let to_srgb = colours.chromaticities.map_or(Ok(DMat3::IDENTITY), |points| {
+        to_srgb(points).map_err(|invalid| Invalid { key: "cHRM".to_owned(), ..invalid })
     })?;
+    let gamma = colours.gamma.filter(|gamma| *gamma > 0.0);
     Ok(gamma.map(|gamma| Meaning::new(Transfer::Gamma(1.0 / gamma), to_srgb)))
-}
-
-fn of_tiff(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
-    tiff_profile(file)?.map(|profile| of_profile(&profile)).transpose()
-}
-
-fn of_jpeg(file: BufReader<File>) -> Result<Option<Meaning>, Invalid> {
-    jpeg_profile(file)?.map(|profile| of_profile(&profile)).transpose()
 }
 
 /// By numbers of H.273.
@@ -316,7 +306,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let expected = planes(ColourSpace::Srgb);
         let check = |path: &Path, tolerance: f32| {
-            let found = read_linear_picture(path, false, Pixels::Active).expect("read").planes;
+            let found = read_linear_picture(path, false, Pixels::Active).expect("read").light.planes;
             for channel in expected.channels() {
                 let found = found.plane(&channel.name).expect("R, G and B");
                 let largest = channel.data.iter().zip(found).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
@@ -363,7 +353,7 @@ mod tests {
         for (format, name) in [(PictureFormat::Jpeg, "a.jpg"), (PictureFormat::Ppm, "a.ppm")] {
             let path = folder.path().join(name);
             write_whole(&path, |to| write_encoded(&picture, format, to)).expect("written");
-            let found = read_linear_picture(&path, false, Pixels::Active).expect("read").planes;
+            let found = read_linear_picture(&path, false, Pixels::Active).expect("read").light.planes;
             let rgb = DVec3::from_array([180.0f32, 90.0, 60.0].map(|code| transfer.decode(code / 255.0).into()));
             let expected = match format {
                 PictureFormat::Jpeg => ColourSpace::Srgb.from_xyz(colour_space.white()) * colour_space.to_xyz() * rgb,

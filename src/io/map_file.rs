@@ -30,6 +30,8 @@ pub struct MapFile {
     pub values: Vec<f32>,
     /// Whether they are codes, of which 0 is nothing.
     pub is_codes: bool,
+    /// What is to be said of the file.
+    pub warnings: Vec<String>,
 }
 
 impl MapFile {
@@ -44,7 +46,7 @@ impl MapFile {
         let found: Vec<Option<f64>> = self.values.iter().map(of_value).collect();
         let without = found.iter().filter(|value| value.is_none()).count();
         let values = found.into_iter().map(|value| value.map_or(nothing, |value| value as f32)).collect();
-        (Self { size: self.size, values, is_codes: false }, without)
+        (Self { size: self.size, values, is_codes: false, warnings: Vec::new() }, without)
     }
 }
 
@@ -52,6 +54,7 @@ impl MapFile {
 pub fn read_map(path: &Path, channel: Option<&str>) -> Result<MapFile> {
     let picture = read_picture_file(path, Pixels::Active)?.whole().map_err(|invalid| invalid.in_file(path))?;
     let (size, is_codes) = ([picture.mean.width(), picture.mean.height()], picture.full_scale.is_some());
+    let warnings = picture.said().collect();
     let mut planes = picture.mean.into_channels();
     let names = planes.iter().map(|plane| &plane.name[..]).collect::<Vec<_>>().join(", ");
     let refused = |message: String, help: &str| Invalid::new("", message).help(help).in_file(path);
@@ -67,7 +70,7 @@ pub fn read_map(path: &Path, channel: Option<&str>) -> Result<MapFile> {
             }
         });
     };
-    Ok(MapFile { size, values: planes.swap_remove(index).data, is_codes })
+    Ok(MapFile { size, values: planes.swap_remove(index).data, is_codes, warnings })
 }
 
 /// Whether maps can be written under that name.
@@ -125,7 +128,7 @@ mod tests {
     #[test]
     fn maps_come_back_from_every_kind_of_file() {
         let folder = tempfile::tempdir().expect("a folder");
-        let map = MapFile { size: [3, 2], values: vec![0.0, 0.25, 1.5, 3.0, 0.75, 12.25], is_codes: false };
+        let map = MapFile { size: [3, 2], values: vec![0.0, 0.25, 1.5, 3.0, 0.75, 12.25], is_codes: false, warnings: Vec::new() };
         for (kind, step) in [("exr", 1.0), ("npy", 1.0), ("tiff", 1.0), ("png", 0.25)] {
             let path = folder.path().join(format!("map.{kind}"));
             check_map(&path, &map.values, step).expect("room");

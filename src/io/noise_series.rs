@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::exr::Attribute;
 use super::number_picture::{NumberFormat, NumberPicture, write_numbers};
 use super::output::Sink;
-use super::picture_file::read_picture_file;
+use super::picture_file::{PictureFile, read_picture_file};
 use crate::characterisation::noise::{Knowledge, Patch, Request, estimate, sigma_map};
 use crate::characterisation::report::{NoiseReport, PlaneNoise};
 use crate::image::{Channel, Planes};
@@ -69,6 +69,11 @@ impl NoiseSeries {
         Ok(Self { paths: paths.to_vec(), inputs, patch })
     }
 
+    /// What is to be said of the files.
+    pub fn said(&self) -> impl Iterator<Item = String> {
+        self.inputs.iter().flat_map(|input| input.picture.said())
+    }
+
     /// Estimates the noise of each channel, and of a mosaic of each place in its tile. `black` is the value of no light
     /// where the file does not say it or says it wrongly, `sigma` what every pixel should have.
     pub fn estimate(&self, black: Option<f64>, sigma: Option<f64>, request: Request) -> Result<NoiseReport> {
@@ -117,7 +122,9 @@ impl NoiseSeries {
         let of_picture = |input: &Input| {
             let (width, values) = (input.size()[0], &input.picture.mean.channels()[channel].data);
             let row = |&row: &usize| columns.iter().map(move |column| f64::from(values[row * width + column]));
-            Patch::new(columns.len(), rows.len(), rows.iter().flat_map(row).collect()).map_err(unfit)
+            let patch = Patch::new(columns.len(), rows.len(), rows.iter().flat_map(row).collect());
+            let of_file = |invalid: Invalid| format!("{}: {}", input.picture.name, invalid.message);
+            patch.map_err(|invalid| unfit(Invalid { message: of_file(invalid.clone()), ..invalid }))
         };
         self.inputs.iter().map(of_picture).collect()
     }
@@ -135,7 +142,7 @@ impl Input {
             black: Some(f64::from(raw.black_level_dn.mean())),
             white: Some(f64::from(raw.white_level_dn)),
             step: Some(1.0),
-            picture: Picture::from_raw(path.display().to_string(), raw, pixels),
+            picture: PictureFile::of_raw(path.display().to_string(), raw, pixels).as_it_lies(),
         })
     }
 

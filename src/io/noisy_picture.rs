@@ -6,10 +6,8 @@ use rayon::prelude::*;
 
 use super::linear_picture::light_of_codes;
 use super::number_picture::{NumberFormat, NumberPicture};
-use super::picture_file::read_picture_file;
-use super::picture_notes::PictureNotes;
-use super::stated_colours::StatedColours;
-use crate::image::Planes;
+use super::picture_file::{PictureFile, read_picture_file};
+use crate::image::{NotFinite, Planes};
 use crate::raw::Pixels;
 use crate::synthetic_noise::{Clipped, Scale, SyntheticNoise, add_noise, round_to_codes};
 use crate::validation::Picture;
@@ -39,20 +37,23 @@ pub fn make_noisy(
     seed: u64,
     format: NumberFormat,
 ) -> Result<NoisyPicture> {
-    let Picture { mean: mut planes, full_scale, unit, warnings: of_file, .. } = read_picture_file(path, Pixels::All)?;
-    let stated = StatedColours::read(path)?;
+    let file = PictureFile::read(path, Pixels::All)?;
+    let stated = file.notes.colours.clone();
+    let picture = file.as_it_lies();
+    let of_file: Vec<String> = picture.said().collect();
+    let Picture { mean: mut planes, full_scale, unit, .. } = picture;
     let largest = full_scale.map(|largest| largest as u16);
-    let scale = Scale { white: noise.full_scale.or(full_scale) };
-    let sigma_map = noise.sigma_map.file.as_deref().map(read_sigma_map).transpose()?;
     let mut warnings = noise.without_effect();
-    warnings.extend(of_file.into_iter().map(|warning| format!("{}: {warning}", path.display())));
-    warnings.extend(PictureNotes::read(path)?.of_numbers(path));
+    let scale = Scale { white: noise.full_scale.or(full_scale) };
+    let sigma_map = noise.sigma_map.file.as_deref().map(|map| read_sigma_map(map, &mut warnings)).transpose()?;
+    warnings.extend(of_file);
+    warnings.extend(NotFinite::of(&planes).map(|found| format!("{}: {found}; they stay as they are", path.display())));
     if planes.plane("A").is_some() {
         warnings.push("transparency (A) gets no noise".to_owned());
     }
     let curves = match (linear_light, largest) {
         (false, _) => None,
-        (true, Some(largest)) => Some(light_of_codes(path, largest)?),
+        (true, Some(largest)) => Some(light_of_codes(&stated, largest).map_err(|invalid| invalid.in_file(path))?),
         (true, None) => {
             return Err(Error::Usage {
                 message: format!(
@@ -85,7 +86,7 @@ pub fn make_noisy(
     let largest = largest.filter(|_| format.holds_whole_numbers());
     let clipped = largest.map(|largest| round_to_codes(&mut planes, largest.into()));
     let carries_profile = matches!(format, NumberFormat::Png | NumberFormat::Tiff);
-    let mut lost = stated.not_carried;
+    let mut lost = stated.not_carried();
     lost.extend(stated.profile.as_ref().filter(|_| !carries_profile).map(|_| "its ICC profile"));
     if !lost.is_empty() {
         warnings.push(format!(
@@ -98,8 +99,9 @@ pub fn make_noisy(
     Ok(NoisyPicture { picture, clipped, added_to, white: scale.white, warnings })
 }
 
-fn read_sigma_map(path: &Path) -> Result<Planes> {
+fn read_sigma_map(path: &Path, warnings: &mut Vec<String>) -> Result<Planes> {
     let picture = read_picture_file(path, Pixels::All)?.whole().map_err(|invalid| invalid.in_file(path))?;
+    warnings.extend(picture.said());
     Ok(picture.mean)
 }
 

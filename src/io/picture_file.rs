@@ -11,7 +11,7 @@
 //! DNG and raw EXR files say which pixels see light: unless asked for, the masked ones are left out.
 
 use std::fs::File;
-use std::io::{BufReader, Read};
+use std::io::{BufReader, Read, Seek};
 use std::path::Path;
 
 use tiff::ColorType::{Gray, GrayA, RGB, RGBA};
@@ -20,46 +20,85 @@ use tiff::decoder::{Decoder, DecodingResult};
 
 use super::electrons::VARIANCE;
 use super::exr::{ExrPicture, read_exr};
+use super::picture_notes::{self, PictureNotes};
 use super::raw_exr::stated_active_area;
 use super::spectral_exr;
+use super::stated_colours::StatedColours;
 use crate::image::{Channel, Planes};
-use crate::raw::{self, NpyNumbers, NpyPicture, PixelArea, Pixels, read_npy_picture, read_pixels, refuse_planar_tiles};
+use crate::raw::{
+    self, NpyNumbers, NpyPicture, PixelArea, Pixels, RawImage, read_npy_picture, read_pixels, refuse_planar_tiles,
+};
 use crate::validation::{MOSAIC, Picture};
 use crate::{Error, Invalid, Result};
 use photosite_core::input;
 use photosite_scene_io::decode;
-use photosite_scene_io::linear::decode_radiance;
+use photosite_scene_io::linear::{LinearPicture, decode_radiance};
 
-/// Reads a picture by the kind that the file's name says.
-pub fn read_picture_file(path: &Path, pixels: Pixels) -> Result<Picture> {
-    let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let name = path.display().to_string();
-    let read: fn(&mut BufReader<File>, String) -> Result<Picture, Invalid> = match extension.as_str() {
-        "dng" | "pbm" | "pgm" => {
-            return Ok(Picture::from_raw(name, raw::read(path)?.linear().into_owned(), pixels));
-        }
-        "exr" if pixels == Pixels::All => |file, name| picture_of_exr(read_exr(file)?, name, Pixels::All),
-        "exr" => |file, name| picture_of_exr(read_exr(file)?, name, Pixels::Active),
-        "hdr" | "pic" => of_radiance,
-        "npy" => of_npy,
-        "tif" | "tiff" => of_tiff,
-        "png" => |file, name| of_codes(file, name, "PNG"),
-        "jpg" | "jpeg" => |file, name| of_codes(file, name, "JPEG"),
-        "ppm" | "pnm" => of_pnm,
-        _ => {
-            return Err(Error::Usage {
-                message: format!("{} is not a picture of a kind that photosite knows", path.display()),
-                help: Some("give a .exr, .hdr, .png, .tiff, .jpg, .ppm, .dng, .pgm, .pbm or .npy file".into()),
-            });
-        }
-    };
-    let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
-    read(&mut BufReader::new(file), name).map_err(|invalid| invalid.in_file(path))
+/// An image's file: its pixel values and what it says besides, of one reading.
+#[derive(Clone, Debug)]
+pub struct PictureFile {
+    /// The image. Its notes are those of the file.
+    pub picture: Picture,
+    /// What the file says besides, with the name of the file before each statement that is left out.
+    pub notes: PictureNotes,
 }
 
-/// An EXR file that was read.
-pub(super) fn picture_of_exr(picture: ExrPicture, name: String, pixels: Pixels) -> Result<Picture, Invalid> {
-    if pixels == Pixels::All { of_exr(picture, name) } else { of_active_area(picture, name) }
+impl PictureFile {
+    /// Reads an image by the kind that the file's name says.
+    pub fn read(path: &Path, pixels: Pixels) -> Result<Self> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        let name = path.display().to_string();
+        let read: fn(&mut BufReader<File>, String, Pixels) -> Result<Self, Invalid> = match extension.as_str() {
+            "dng" | "pbm" | "pgm" => return Ok(Self::of_raw(name, raw::read(path)?.linear().into_owned(), pixels)),
+            "exr" => |file, name, pixels| Self::of_exr(read_exr(file)?, name, pixels),
+            "hdr" | "pic" => |file, name, _| of_radiance(file, name).map(Self::silent),
+            "npy" => |file, name, _| of_npy(file, name).map(Self::silent),
+            "tif" | "tiff" => |file, name, _| of_tiff(file, name),
+            "png" => |file, name, _| of_codes(file, name, "PNG", picture_notes::of_png),
+            "jpg" | "jpeg" => |file, name, _| of_codes(file, name, "JPEG", |bytes| Ok(picture_notes::of_jpeg(bytes))),
+            "ppm" | "pnm" => |file, name, _| of_pnm(file, name).map(Self::silent),
+            _ => {
+                return Err(Error::Usage {
+                    message: format!("{} is not a picture of a kind that photosite knows", path.display()),
+                    help: Some("give a .exr, .hdr, .png, .tiff, .jpg, .ppm, .dng, .pgm, .pbm or .npy file".into()),
+                });
+            }
+        };
+        let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
+        let read = read(&mut BufReader::new(file), name.clone(), pixels).map_err(|invalid| invalid.in_file(path))?;
+        Ok(Self { notes: read.notes.of_file(&name), ..read })
+    }
+
+    /// The image with its pixels as they lie in the file; what of the file is left out for that is in its notes.
+    pub fn as_it_lies(self) -> Picture {
+        let notes = self.notes.of_pixels_as_they_lie(&self.picture.name);
+        Picture { notes, ..self.picture }
+    }
+
+    /// That of an EXR file that was read.
+    pub(super) fn of_exr(picture: ExrPicture, name: String, pixels: Pixels) -> Result<Self, Invalid> {
+        let colours = StatedColours { attributes: picture.attributes.clone(), ..StatedColours::default() };
+        let picture = if pixels == Pixels::All { of_exr(picture, name) } else { of_active_area(picture, name) };
+        Ok(Self { picture: picture?, notes: PictureNotes { colours, ..PictureNotes::default() } })
+    }
+
+    /// That of a raw file that was read.
+    pub(super) fn of_raw(name: String, raw: RawImage, pixels: Pixels) -> Self {
+        let orientation = raw.metadata.orientation;
+        let mut picture = Picture::from_raw(name, raw, pixels);
+        let left_out = std::mem::take(&mut picture.notes);
+        Self { picture, notes: PictureNotes { orientation, left_out, ..PictureNotes::default() } }
+    }
+
+    /// That of a file that says nothing besides.
+    fn silent(picture: Picture) -> Self {
+        Self { picture, notes: PictureNotes::default() }
+    }
+}
+
+/// Reads an image with its pixels as they lie in the file, by the kind that the file's name says.
+pub fn read_picture_file(path: &Path, pixels: Pixels) -> Result<Picture> {
+    PictureFile::read(path, pixels).map(PictureFile::as_it_lies)
 }
 
 /// A raw EXR file without its masked pixels; of other EXR files all.
@@ -94,15 +133,14 @@ fn of_exr(picture: ExrPicture, name: String) -> Result<Picture, Invalid> {
     }
     let planes = |channels| Planes::new(planes.width(), planes.height(), channels);
     let (mean, variance) = (planes(mean)?, planes(variance)?);
-    Ok(Picture { name, mean, variance, unit, full_scale: None, mosaic: None, active_area: None, stated, warnings })
+    Ok(Picture { name, mean, variance, unit, full_scale: None, mosaic: None, active_area: None, stated, warnings, notes: Vec::new() })
 }
 
 fn of_radiance(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid> {
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes).map_err(|e| unreadable("Radiance HDR", &e))?;
-    let mean = decode_radiance(&bytes)?.planes;
+    let LinearPicture { planes: mean, warnings, .. } = decode_radiance(&bytes)?;
     let variance = Planes::zeros(mean.width(), mean.height(), [""; 0]);
-    let (stated, warnings) = (Vec::new(), Vec::new());
     Ok(Picture {
         name,
         mean,
@@ -111,12 +149,18 @@ fn of_radiance(file: &mut BufReader<File>, name: String) -> Result<Picture, Inva
         full_scale: None,
         mosaic: None,
         active_area: None,
-        stated,
+        stated: Vec::new(),
         warnings,
+        notes: Vec::new(),
     })
 }
 
-fn of_codes(file: &mut BufReader<File>, name: String, kind: &str) -> Result<Picture, Invalid> {
+fn of_codes(
+    file: &mut BufReader<File>,
+    name: String,
+    kind: &str,
+    notes: fn(&[u8]) -> Result<PictureNotes, Invalid>,
+) -> Result<PictureFile, Invalid> {
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes).map_err(|e| unreadable(kind, &e))?;
     let picture = decode(&bytes, "the picture").map_err(|error| Invalid { help: None, ..error })?;
@@ -124,12 +168,13 @@ fn of_codes(file: &mut BufReader<File>, name: String, kind: &str) -> Result<Pict
     let components = usize::from(picture.color().channel_count());
     let wide = picture.color().bytes_per_pixel() as usize == 2 * components;
     let codes = picture.as_bytes();
-    if wide {
+    let picture = if wide {
         let codes = codes.as_chunks::<2>().0.iter().map(|&pair| f32::from(u16::from_ne_bytes(pair)));
         interleaved(name, size, components, codes, Some(u16::MAX))
     } else {
         interleaved(name, size, components, codes.iter().map(|&code| f32::from(code)), Some(u8::MAX.into()))
-    }
+    };
+    Ok(PictureFile { picture: picture?, notes: notes(&bytes)? })
 }
 
 fn of_pnm(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid> {
@@ -151,8 +196,10 @@ fn of_npy(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid> 
     }
 }
 
-fn of_tiff(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid> {
+fn of_tiff(file: &mut BufReader<File>, name: String) -> Result<PictureFile, Invalid> {
     let bad = |error: TiffError| unreadable("TIFF", &error);
+    let notes = picture_notes::of_tiff(&mut *file)?;
+    file.rewind().map_err(|error| bad(error.into()))?;
     let mut decoder = Decoder::new(file).map_err(bad)?;
     let (width, height) = decoder.dimensions().map_err(bad)?;
     let size = [width as usize, height as usize];
@@ -167,7 +214,7 @@ fn of_tiff(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid>
     }
     let components = usize::from(colours.num_samples());
     refuse_planar_tiles(&mut decoder).map_err(bad)??;
-    match read_pixels(&mut decoder).map_err(bad)? {
+    let picture = match read_pixels(&mut decoder).map_err(bad)? {
         DecodingResult::U8(v) => {
             interleaved(name, size, components, v.into_iter().map(f32::from), Some(u8::MAX.into()))
         }
@@ -181,7 +228,8 @@ fn of_tiff(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid>
         | DecodingResult::I16(_)
         | DecodingResult::I32(_)
         | DecodingResult::I64(_) => Err(refused()),
-    }
+    };
+    Ok(PictureFile { picture: picture?, notes })
 }
 
 fn unreadable(kind: &str, error: &dyn std::fmt::Display) -> Invalid {
@@ -218,6 +266,7 @@ pub fn interleaved(
         active_area: None,
         stated: Vec::new(),
         warnings: Vec::new(),
+        notes: Vec::new(),
     })
 }
 

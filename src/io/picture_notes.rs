@@ -6,57 +6,68 @@
 //! | PNG | Orientation in eXIf (`develop`); cICP, iCCP, sRGB, gAMA, cHRM; pHYs (`develop`); tRNS | acTL: the pictures of an animation behind the first; gain maps (gmAP, gdAT) | sBIT, bKGD, mDCV, cLLI, texts |
 //! | TIFF | Orientation (`develop`); ICC profiles | what the table of `raw` has | the same |
 
-use std::path::Path;
+use std::io::{Cursor, Read, Seek};
 
+use super::stated_colours::StatedColours;
+use crate::Invalid;
 use crate::raw::{Exif, Orientation, TiffNotes, tiff_notes};
-use crate::{Error, Invalid, Result};
-use photosite_core::input;
 
-/// Statements of a picture's file beside its numbers and colours.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// Statements of an image's file beside its pixel values, read with them.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PictureNotes {
-    /// How the picture is to be turned so that it stands upright.
+    /// How the image is to be turned so that it stands upright.
     pub orientation: Orientation,
+    /// Width of a pixel over its height, where the file states it.
+    pub pixel_aspect: Option<f64>,
+    /// What the file says of the colours.
+    pub colours: StatedColours,
     /// What nobody follows, each as a warning has it.
     pub left_out: Vec<String>,
 }
 
 impl PictureNotes {
-    /// Notes of a file by the kind that its name says; none of kinds that say nothing.
-    pub fn read(path: &Path) -> Result<Self> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        let of: fn(&[u8]) -> Result<Self, Invalid> = match extension.as_str() {
-            "jpg" | "jpeg" => |bytes| Ok(of_jpeg(bytes)),
-            "png" => |bytes| Ok(of_png(bytes)),
-            "tif" | "tiff" => of_tiff,
-            _ => return Ok(Self::default()),
-        };
-        let bytes = input::read(path).map_err(|source| Error::io(path, "read", source))?;
-        let mut notes = of(&bytes).map_err(|invalid| invalid.in_file(path))?;
-        for what in &mut notes.left_out {
-            *what = format!("{}: {what}", path.display());
-        }
-        Ok(notes)
+    /// The notes with the name of their file before each statement that is left out.
+    #[must_use]
+    pub fn of_file(mut self, name: &str) -> Self {
+        self.left_out.iter_mut().for_each(|what| *what = format!("{name}: {what}"));
+        self
     }
 
-    /// What is left out where the numbers are taken as they lie in the file.
-    pub fn of_numbers(self, path: &Path) -> Vec<String> {
+    /// What is left out where pixels are taken as they lie in the file of that name.
+    pub fn of_pixels_as_they_lie(self, name: &str) -> Vec<String> {
         let turned = (!self.orientation.is_upright()).then(|| {
             let number = self.orientation.number();
-            format!("{}: Orientation {number} is left out: columns and rows are those of the file", path.display())
+            format!("{name}: Orientation {number} is left out: columns and rows are those of the file")
         });
-        self.left_out.into_iter().chain(turned).collect()
+        let shape = self.pixel_aspect.filter(|aspect| *aspect != 1.0).map(|aspect| {
+            format!("{name}: pixels {aspect:.4} times as wide as high are left out: they are taken for square")
+        });
+        self.left_out.into_iter().chain(turned).chain(shape).collect()
     }
 }
 
-fn of_tiff(bytes: &[u8]) -> Result<PictureNotes, Invalid> {
-    let TiffNotes { left_out, orientation, .. } = tiff_notes(std::io::Cursor::new(bytes))?;
-    Ok(PictureNotes { orientation, left_out })
+/// Notes of a TIFF file.
+pub(super) fn of_tiff<R: Read + Seek>(from: R) -> Result<PictureNotes, Invalid> {
+    let TiffNotes { left_out, orientation, profile } = tiff_notes(from)?;
+    let colours = StatedColours { profile, ..StatedColours::default() };
+    Ok(PictureNotes { orientation, colours, left_out, ..PictureNotes::default() })
 }
 
-fn of_jpeg(bytes: &[u8]) -> PictureNotes {
+/// Notes of a PNG file: pixels have the shape of pHYs, whatever its unit, columns and rows along equal lengths.
+pub(super) fn of_png(bytes: &[u8]) -> Result<PictureNotes, Invalid> {
+    let unreadable = |error| Invalid::new("", format!("cannot read it as PNG: {error}"));
+    let reader = png::Decoder::new(Cursor::new(bytes)).read_info().map_err(unreadable)?;
+    let info = reader.info();
+    let stated = info.pixel_dims.filter(|stated| stated.xppu > 0 && stated.yppu > 0);
+    let pixel_aspect = stated.map(|stated| f64::from(stated.yppu) / f64::from(stated.xppu));
+    Ok(PictureNotes { pixel_aspect, colours: StatedColours::of_png(info), ..of_chunks(bytes) })
+}
+
+/// Notes of a JPEG file.
+pub(super) fn of_jpeg(bytes: &[u8]) -> PictureNotes {
     let mut notes = PictureNotes::default();
-    let (mut exif, mut has_profile, mut has_gain_map, mut has_more) = (Exif::default(), false, false, false);
+    let (mut exif, mut has_gain_map, mut has_more) = (Exif::default(), false, false);
+    let mut profile: Vec<(u8, &[u8])> = Vec::new();
     for (marker, body) in segments(bytes) {
         match marker {
             // APP0: units, then the density across and down, or their ratio.
@@ -76,7 +87,10 @@ fn of_jpeg(bytes: &[u8]) -> PictureNotes {
                 has_gain_map |= contains(body, b"hdrgm:") || contains(body, b"HDRGainMap");
             }
             0xe2 => {
-                has_profile |= body.starts_with(b"ICC_PROFILE\0");
+                // Its number and that of all parts, then the part.
+                if let Some(&[number, _, ref part @ ..]) = body.strip_prefix(b"ICC_PROFILE\0") {
+                    profile.push((number, part));
+                }
                 has_more |= body.starts_with(b"MPF\0");
                 has_gain_map |= body.starts_with(b"urn:iso:std:iso:ts:21496:-1\0");
             }
@@ -89,7 +103,10 @@ fn of_jpeg(bytes: &[u8]) -> PictureNotes {
         }
     }
     notes.orientation = exif.orientation;
-    if let Some(space) = exif.colour_space.filter(|space| *space != 1 && !has_profile) {
+    profile.sort_by_key(|(number, _)| *number);
+    let parts: Vec<&[u8]> = profile.iter().map(|(_, part)| *part).collect();
+    notes.colours.profile = (!parts.is_empty()).then(|| parts.concat());
+    if let Some(space) = exif.colour_space.filter(|space| *space != 1 && parts.is_empty()) {
         let name = if space == 2 { "Adobe RGB".to_owned() } else { format!("number {space}") };
         notes.left_out.push(format!("EXIF's ColorSpace, {name}, is left out: its colours are taken for sRGB"));
     }
@@ -124,7 +141,7 @@ fn segments(mut bytes: &[u8]) -> Vec<(u8, &[u8])> {
     found
 }
 
-fn of_png(bytes: &[u8]) -> PictureNotes {
+fn of_chunks(bytes: &[u8]) -> PictureNotes {
     let mut notes = PictureNotes::default();
     let mut rest = bytes.get(8..).unwrap_or_default();
     while let Some((&[a, b, c, d, kind @ ..], body)) = rest.split_first_chunk::<8>() {
@@ -225,12 +242,12 @@ mod tests {
             (vec![(b"gmAP", vec![]), (b"gdAT", vec![])], 1, Some("gain map")),
         ] {
             let file = png(&chunks);
-            let notes = of_png(&file);
+            let notes = of_chunks(&file);
             assert_eq!(notes.orientation.number(), orientation);
             assert_eq!(notes.left_out.len(), usize::from(words.is_some()), "{notes:?}");
             assert!(words.is_none_or(|words| notes.left_out[0].contains(words)), "{notes:?}");
             for length in 0..file.len() {
-                of_png(&file[..length]);
+                of_chunks(&file[..length]);
             }
         }
     }
@@ -238,9 +255,13 @@ mod tests {
     #[test]
     fn numbers_that_are_taken_as_they_lie_are_not_turned() {
         let notes = of_jpeg(&jpeg(&[(0xe1, [&b"Exif\0\0"[..], &exif(6, 1)].concat())]));
+        let shaped = PictureNotes { pixel_aspect: Some(1.5), ..notes };
         assert_eq!(
-            notes.of_numbers(Path::new("a.jpg")),
-            ["a.jpg: Orientation 6 is left out: columns and rows are those of the file"]
+            shaped.of_pixels_as_they_lie("a.jpg"),
+            [
+                "a.jpg: Orientation 6 is left out: columns and rows are those of the file",
+                "a.jpg: pixels 1.5000 times as wide as high are left out: they are taken for square"
+            ]
         );
     }
 }

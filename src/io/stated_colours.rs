@@ -1,77 +1,45 @@
-//! What a picture's file says of its colours, to be said by another file of the same numbers.
+//! What an image's file says of its colours: how its codes become light, to be said by another file of the same codes.
 
-use std::fs::File;
-use std::io::BufReader;
-use std::path::Path;
+use super::exr::Attribute;
 
-use image::ImageDecoder;
-use image::codecs::jpeg::JpegDecoder;
-use tiff::tags::Tag;
-
-use super::exr::{Attribute, read_exr};
-use crate::{Error, Invalid, Result};
-use photosite_core::input;
-
-/// What a file says besides its numbers.
+/// Statements of a file about colours.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct StatedColours {
-    /// The ICC profile of a PNG, TIFF or JPEG file.
-    pub(super) profile: Option<Vec<u8>>,
-    /// The attributes of an EXR file.
-    pub(super) attributes: Vec<(String, Attribute)>,
-    /// What only this kind of file can say.
-    pub(super) not_carried: Vec<&'static str>,
+pub struct StatedColours {
+    /// ICC profile of a PNG, TIFF or JPEG file.
+    pub profile: Option<Vec<u8>>,
+    /// Code points of a PNG file (cICP): primaries and transfer function by the numbers of H.273.
+    pub code_points: Option<[u8; 2]>,
+    /// Whether a PNG file says that it is sRGB.
+    pub is_srgb: bool,
+    /// Exponent by which a PNG file is encoded (gAMA).
+    pub gamma: Option<f64>,
+    /// CIE x and y of red, green, blue and white of a PNG file (cHRM).
+    pub chromaticities: Option<[[f64; 2]; 4]>,
+    /// Attributes of an EXR file.
+    pub attributes: Vec<(String, Attribute)>,
 }
 
 impl StatedColours {
-    /// Of the file at a path; nothing of kinds that say nothing.
-    pub(super) fn read(path: &Path) -> Result<Self> {
-        let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-        let read: fn(BufReader<File>) -> Result<Self, Invalid> = match extension.as_str() {
-            "png" => of_png,
-            "tif" | "tiff" => |file| Ok(Self { profile: tiff_profile(file)?, ..Self::default() }),
-            "jpg" | "jpeg" => |file| Ok(Self { profile: jpeg_profile(file)?, ..Self::default() }),
-            "exr" => of_exr,
-            _ => return Ok(Self::default()),
-        };
-        let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
-        read(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
+    /// Those of a PNG file.
+    pub(super) fn of_png(info: &png::Info<'_>) -> Self {
+        let number = |value: png::ScaledFloat| f64::from(value.into_value());
+        let point = |(x, y)| [x, y].map(number);
+        Self {
+            profile: info.icc_profile.as_ref().map(|profile| profile.to_vec()),
+            code_points: info.coding_independent_code_points.map(|c| [c.color_primaries, c.transfer_function]),
+            is_srgb: info.srgb.is_some(),
+            gamma: info.gama_chunk.map(number),
+            chromaticities: info.chrm_chunk.map(|c| [c.red, c.green, c.blue, c.white].map(point)),
+            attributes: Vec::new(),
+        }
     }
-}
 
-fn of_png(file: BufReader<File>) -> Result<StatedColours, Invalid> {
-    let unreadable = |error| Invalid::new("", format!("cannot read it as PNG: {error}"));
-    let reader = png::Decoder::new(file).read_info().map_err(unreadable)?;
-    let info = reader.info();
-    let mut not_carried = Vec::new();
-    // Those of sRGB say what a file without them says.
-    if info.srgb.is_none() {
-        not_carried.extend(info.gama_chunk.map(|_| "gAMA"));
-        not_carried.extend(info.chrm_chunk.map(|_| "cHRM"));
+    /// What only a file of the same kind can say.
+    pub(super) fn not_carried(&self) -> Vec<&'static str> {
+        // Those of sRGB say what a file without them says.
+        let gamma = self.gamma.filter(|_| !self.is_srgb).map(|_| "gAMA");
+        let chromaticities = self.chromaticities.filter(|_| !self.is_srgb).map(|_| "cHRM");
+        let code_points = self.code_points.filter(|_| self.profile.is_none()).map(|_| "cICP");
+        [gamma, chromaticities, code_points].into_iter().flatten().collect()
     }
-    if info.icc_profile.is_none() {
-        not_carried.extend(info.coding_independent_code_points.map(|_| "cICP"));
-    }
-    let profile = info.icc_profile.as_ref().map(|profile| profile.to_vec());
-    Ok(StatedColours { profile, not_carried, ..StatedColours::default() })
-}
-
-/// The ICC profile of a TIFF file.
-pub(super) fn tiff_profile(file: BufReader<File>) -> Result<Option<Vec<u8>>, Invalid> {
-    let unreadable = |error| Invalid::new("", format!("cannot read it as TIFF: {error}"));
-    let mut decoder = tiff::decoder::Decoder::new(file).map_err(unreadable)?;
-    match decoder.find_tag(Tag::IccProfile).map_err(unreadable)? {
-        Some(_) => decoder.get_tag_u8_vec(Tag::IccProfile).map(Some).map_err(unreadable),
-        None => Ok(None),
-    }
-}
-
-/// The ICC profile of a JPEG file.
-pub(super) fn jpeg_profile(file: BufReader<File>) -> Result<Option<Vec<u8>>, Invalid> {
-    let profile = JpegDecoder::new(file).and_then(|mut decoder| decoder.icc_profile());
-    profile.map_err(|error| Invalid::new("", format!("cannot read it as JPEG: {error}")))
-}
-
-fn of_exr(file: BufReader<File>) -> Result<StatedColours, Invalid> {
-    Ok(StatedColours { attributes: read_exr(file)?.attributes, ..StatedColours::default() })
 }

@@ -13,7 +13,6 @@ use crate::capture::ExposureSettings;
 use crate::develop::DevelopSettings;
 use crate::image::Planes;
 use crate::io::linear_picture::{PictureLight, read_picture_light};
-use crate::io::picture_notes::PictureNotes;
 use crate::report::{LightReport, Report};
 use crate::sensor::{SensorModel, without_negative};
 use crate::spectrum::Spectrum;
@@ -49,8 +48,7 @@ impl StoredRender {
             let invalid = Invalid::new("", "is stored light, which states itself what it contains");
             return Err(invalid.help("expose it without a unit").in_file(input));
         }
-        let PictureLight { planes, mut said } = read_picture_light(input, scale.is_linear)?;
-        said.extend(PictureNotes::read(input)?.of_numbers(input));
+        let PictureLight { planes, said } = read_picture_light(input, scale.is_linear)?;
         let (stored, light) = Stored::of_planes(sandbox, input, &planes, scale, &said, overrides)?;
         let load_s = start.elapsed().as_secs_f64();
         Ok(Self { input: input.to_owned(), overrides: overrides.to_vec(), stored, light: Arc::new(light), load_s })

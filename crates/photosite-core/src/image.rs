@@ -1,5 +1,7 @@
 //! Pictures of a physical quantity: named planes of numbers, and Monte Carlo estimates with their variance.
 
+use std::fmt;
+
 use rayon::prelude::*;
 
 use crate::Invalid;
@@ -94,5 +96,45 @@ impl Estimate {
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         Self { mean: self.mean.scaled(factor), variance: self.variance.scaled(factor * factor) }
+    }
+}
+
+/// Values of planes that are NaN or infinite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotFinite {
+    /// How many there are.
+    pub count: usize,
+    channel: String,
+    value: f32,
+    place: [usize; 2],
+}
+
+impl NotFinite {
+    /// Those of the planes; `None` where there are none.
+    pub fn of(planes: &Planes) -> Option<Self> {
+        let width = planes.width().max(1);
+        let mut found: Option<Self> = None;
+        for channel in planes.channels() {
+            for (i, &value) in channel.data.iter().enumerate().filter(|(_, value)| !value.is_finite()) {
+                let place = [i % width, i / width];
+                let first = || Self { count: 0, channel: channel.name.clone(), value, place };
+                found.get_or_insert_with(first).count += 1;
+            }
+        }
+        found
+    }
+
+    /// Refuses planes that hold any, where they would make a figure or a light of all planes neither.
+    pub fn refuse(planes: &Planes) -> Result<(), Invalid> {
+        let refused = |found: Self| Invalid::new("", found.to_string()).help("write finite values in their place");
+        Self::of(planes).map_or(Ok(()), |found| Err(refused(found)))
+    }
+}
+
+impl fmt::Display for NotFinite {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { count, channel, value, place: [x, y] } = self;
+        let (are, them) = if *count == 1 { ("number is", "it is") } else { ("numbers are", "the first is") };
+        write!(f, "{count} {are} not finite: {them} {value}, of {channel} in column {x}, row {y}")
     }
 }

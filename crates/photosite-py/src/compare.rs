@@ -28,10 +28,7 @@ impl ComparedPicture {
     fn read(py: Python<'_>, path: PathBuf, masked: bool) -> PyResult<Self> {
         work(py, How::default(), |monitor| {
             let picture = read_picture_file(&path, pixels(masked))?;
-            picture
-                .warnings
-                .iter()
-                .for_each(|what| monitor.report(Event::Warning(&format!("{}: {what}", picture.name))));
+            picture.said().for_each(|what| monitor.report(Event::Warning(&what)));
             Ok(picture)
         })
         .map(Self)
@@ -75,6 +72,7 @@ impl ComparedPicture {
                     active_area: None,
                     stated: Vec::new(),
                     warnings: Vec::new(),
+                    notes: Vec::new(),
                 })
             }
         };

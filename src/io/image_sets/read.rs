@@ -1,5 +1,6 @@
 //! Reading an image set back: from a descriptor and its images to statistics.
 
+use std::cell::RefCell;
 use std::path::Path;
 
 use crate::characterisation::{DarkPoint, Descriptor, Light, PairStatistics, Series, SpatialStack, TemporalPoint};
@@ -7,7 +8,7 @@ use crate::io::picture_file::read_picture_file;
 use crate::raw::Pixels;
 use crate::units::Seconds;
 use crate::{Error, Invalid, Result};
-use photosite_core::{input, memory, text};
+use photosite_core::{counted, input, memory, text};
 
 /// Bytes of a pixel while a set is evaluated, as they are measured: two stacks of sums, and images.
 const PIXEL: u64 = 40;
@@ -23,6 +24,8 @@ pub struct MeasuredSet {
     pub more_dark: Vec<DarkPoint>,
     /// The dark and the bright stack, where there are both.
     pub stacks: Option<[SpatialStack; 2]>,
+    /// What is to be said of the images: of several with the same the first is named.
+    pub warnings: Vec<String>,
 }
 
 /// Reads a descriptor and the images that it names. `taken` is called after each, and may end the work. Several dark pairs of one exposure
@@ -35,7 +38,8 @@ pub fn read_set(path: &Path, taken: &dyn Fn() -> Result<()>) -> Result<MeasuredS
     let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(PIXEL);
     memory::check(bytes, &format!("evaluating images of {width} × {height} pixels"), "use smaller images")
         .map_err(|invalid| invalid.in_file(path))?;
-    let reader = ImageReader { folder: path.parent().unwrap_or(Path::new("")), descriptor: &descriptor, taken };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let reader = ImageReader { folder, descriptor: &descriptor, taken, said: RefCell::default() };
     let unfit = |message: String| Invalid::new("", message).in_file(path);
 
     let mut dark_pairs: Vec<(f64, PairStatistics)> = Vec::new();
@@ -93,13 +97,32 @@ pub fn read_set(path: &Path, taken: &dyn Fn() -> Result<()>) -> Result<MeasuredS
             return Err(unfit("the stacks are not a dark and a bright one with the same exposure time".to_owned()));
         }
     };
-    Ok(MeasuredSet { points, more_dark, stacks, descriptor })
+    let warnings = reader.said.take().into_iter().map(Said::in_words).collect();
+    Ok(MeasuredSet { points, more_dark, stacks, descriptor, warnings })
 }
 
 struct ImageReader<'a> {
     folder: &'a Path,
     descriptor: &'a Descriptor,
     taken: &'a dyn Fn() -> Result<()>,
+    said: RefCell<Vec<Said>>,
+}
+
+/// A statement about images of a set.
+struct Said {
+    what: String,
+    first: String,
+    others: usize,
+}
+
+impl Said {
+    fn in_words(self) -> String {
+        let Self { what, first, others } = self;
+        match others {
+            0 => format!("{first}: {what}"),
+            _ => format!("{first}: {what}; the same holds of {}", counted(others, ["other image", "other images"])),
+        }
+    }
 }
 
 impl ImageReader<'_> {
@@ -120,6 +143,14 @@ impl ImageReader<'_> {
     fn image(&self, name: &str) -> Result<Vec<u16>> {
         let path = self.folder.join(name);
         let picture = read_picture_file(&path, Pixels::Active)?.whole().map_err(|invalid| invalid.in_file(&path))?;
+        let mut said = self.said.borrow_mut();
+        for note in picture.said() {
+            let what = note.strip_prefix(&format!("{}: ", picture.name)).unwrap_or(&note).to_owned();
+            match said.iter_mut().find(|said| said.what == what) {
+                Some(said) => said.others += 1,
+                None => said.push(Said { what, first: picture.name.clone(), others: 0 }),
+            }
+        }
         let Descriptor { width, height, .. } = *self.descriptor;
         let planes = &picture.mean;
         if [planes.width(), planes.height()] != [width, height] {

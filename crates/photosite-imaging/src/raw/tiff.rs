@@ -66,8 +66,8 @@ pub fn read_tiff<R: Read + Seek>(mut from: R) -> Result<RawImage, Invalid> {
             invalid
         }
     };
-    let TiffNotes { mut left_out, orientation, has_profile } = tiff_notes(&mut from)?;
-    if has_profile {
+    let TiffNotes { mut left_out, orientation, profile } = tiff_notes(&mut from)?;
+    if profile.is_some() {
         left_out.push(
             "ICCProfile is left out: its numbers are taken for those of a sensor, in proportion to light; write a PNG \
              file of a picture that is developed already"
@@ -139,8 +139,8 @@ pub struct TiffNotes {
     pub left_out: Vec<String>,
     /// How the picture is to be turned so that it stands upright.
     pub orientation: Orientation,
-    /// Whether an ICC profile says what its colours are.
-    pub has_profile: bool,
+    /// ICC profile of its colours.
+    pub profile: Option<Vec<u8>>,
 }
 
 /// Reads them; an error where the pixels are stored as photosite does not read them.
@@ -185,7 +185,9 @@ pub fn tiff_notes<R: Read + Seek>(from: R) -> Result<TiffNotes, Invalid> {
             Orientation::default()
         }),
     };
-    Ok(TiffNotes { left_out, orientation, has_profile: page.contains(Tag::IccProfile) })
+    let profile = file.value(page, Tag::IccProfile)?.map(|value| value.into_u8_vec()).transpose();
+    let profile = profile.map_err(tags::unreadable)?;
+    Ok(TiffNotes { left_out, orientation, profile })
 }
 
 /// NewSubfileType of a picture of reduced resolution, and of a mask.

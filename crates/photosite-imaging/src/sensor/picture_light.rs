@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use photosite_core::Invalid;
-use photosite_core::image::{Channel, Planes};
+use photosite_core::image::{Channel, NotFinite, Planes};
 use photosite_core::spectrum::upsampling::unbounded_polynomial;
 use photosite_core::spectrum::{Spectrum, cie, illuminant, rgb};
 
@@ -61,7 +61,7 @@ pub fn picture_electrons(
     Ok(PictureElectrons { electrons, per_second, warnings })
 }
 
-/// The planes of light, in which numbers below 0 are 0.
+/// The planes of light, in which numbers below 0 are 0; those that are not finite are refused.
 pub fn without_negative(picture: &Planes, warnings: &mut Vec<String>) -> Result<Planes, Invalid> {
     let (width, height) = (picture.width(), picture.height());
     let (alpha, mut channels): (Vec<Channel>, Vec<Channel>) =
@@ -70,22 +70,16 @@ pub fn without_negative(picture: &Planes, warnings: &mut Vec<String>) -> Result<
         warnings.push("transparency (A) is not part of the light and is ignored".to_owned());
     }
     let mut negative = 0u64;
-    for Channel { name, data } in &mut channels {
-        for (i, value) in data.iter_mut().enumerate() {
-            if !value.is_finite() {
-                let message = format!("channel {name} holds {value} at column {}, row {}", i % width, i / width);
-                return Err(Invalid::new("", message).help("light is a finite number of 0 and more"));
-            }
-            if *value < 0.0 {
-                *value = 0.0;
-                negative += 1;
-            }
-        }
+    for value in channels.iter_mut().flat_map(|channel| &mut channel.data).filter(|value| **value < 0.0) {
+        *value = 0.0;
+        negative += 1;
     }
     if negative > 0 {
         warnings.push(format!("{negative} numbers below 0 cannot be light and count as 0"));
     }
-    Planes::new(width, height, channels)
+    let light = Planes::new(width, height, channels)?;
+    NotFinite::refuse(&light)?;
+    Ok(light)
 }
 
 fn names(picture: &Planes) -> String {

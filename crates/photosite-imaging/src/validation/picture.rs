@@ -28,6 +28,8 @@ pub struct Picture {
     pub stated: Vec<String>,
     /// What of its file is left out, filled in or rounded.
     pub warnings: Vec<String>,
+    /// What its file states besides and nothing here follows, such as an orientation, each with the name of the file.
+    pub notes: Vec<String>,
 }
 
 impl Picture {
@@ -55,7 +57,14 @@ impl Picture {
             active_area,
             stated: Vec::new(),
             warnings: Vec::new(),
+            notes: raw.metadata.left_out,
         }
+    }
+
+    /// All that is to be said of its file, each with the name of the file.
+    pub fn said(&self) -> impl Iterator<Item = String> {
+        let named = |what: &String| format!("{}: {what}", self.name);
+        self.warnings.iter().map(named).chain(self.notes.iter().cloned())
     }
 
     /// A picture of numbers that are measured, of which nothing may be left out, filled in or rounded.
@@ -89,6 +98,7 @@ pub(super) mod tests {
             active_area: None,
             stated: Vec::new(),
             warnings: Vec::new(),
+            notes: Vec::new(),
         }
     }
 

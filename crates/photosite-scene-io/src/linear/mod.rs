@@ -31,10 +31,8 @@ mod radiance;
 #[cfg(test)]
 mod radiance_tests;
 
-use std::fmt;
-
 use photosite_core::Invalid;
-use photosite_core::image::{Channel, Planes};
+use photosite_core::image::{Channel, NotFinite, Planes};
 
 pub use openexr::of_exr;
 pub use radiance::{decode_radiance, is_radiance};
@@ -147,38 +145,4 @@ pub(crate) fn in_picture(invalid: Invalid, name: &str) -> Invalid {
     let colon = if invalid.key.is_empty() { "" } else { ": " };
     let message = format!("{name}: {}{colon}{}", invalid.key, invalid.message);
     Invalid { key: String::new(), message, help: invalid.help }
-}
-
-/// Numbers that are no light.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NotFinite {
-    /// How many there are.
-    pub count: usize,
-    channel: String,
-    value: f32,
-    place: [usize; 2],
-}
-
-impl NotFinite {
-    /// Those of the planes; `None` where there are none.
-    pub fn of(planes: &Planes) -> Option<Self> {
-        let width = planes.width().max(1);
-        let mut found: Option<Self> = None;
-        for channel in planes.channels() {
-            for (i, &value) in channel.data.iter().enumerate().filter(|(_, value)| !value.is_finite()) {
-                let place = [i % width, i / width];
-                let first = Self { count: 0, channel: channel.name.clone(), value, place };
-                found.get_or_insert(first).count += 1;
-            }
-        }
-        found
-    }
-}
-
-impl fmt::Display for NotFinite {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { count, channel, value, place: [x, y] } = self;
-        let (are, them) = if *count == 1 { ("number is", "it is") } else { ("numbers are", "the first is") };
-        write!(f, "{count} {are} not finite: {them} {value}, of {channel} in column {x}, row {y}")
-    }
 }

@@ -3,7 +3,7 @@ use std::io::Cursor;
 use rstest::rstest;
 
 use super::openexr::of_exr;
-use super::{LinearPicture, Mapping, NotFinite};
+use super::{LinearPicture, Mapping};
 use crate::exr::made_for_tests::{Part, file, floats};
 use crate::exr::read_exr;
 use photosite_core::Invalid;

@@ -19,8 +19,12 @@ impl Patch {
             let message = format!("{} values in {width} × {height} pixels do not form a patch", values.len());
             return Err(Invalid::new("patch", message).help("choose at least 2 × 2 pixels"));
         }
-        if let Some(value) = values.iter().find(|v| !v.is_finite()) {
-            return Err(Invalid::new("patch", format!("holds {value}")).help("choose a patch of finite values"));
+        let mut not_finite = values.iter().enumerate().filter(|(_, value)| !value.is_finite());
+        if let Some((i, value)) = not_finite.next() {
+            let (count, x, y) = (1 + not_finite.count(), i % width, i / width);
+            let are = if count == 1 { "value is" } else { "values are" };
+            let message = format!("{count} {are} not finite in the patch: {value} in its column {x}, row {y}");
+            return Err(Invalid::new("patch", message).help("choose a patch of finite values"));
         }
         Ok(Self { width, height, values })
     }
