@@ -131,6 +131,13 @@ fn picture(
             warnings.once(format!("{name}: its whiteLuminance is {white} cd/m², and nit_per_unit, {nit}, is used"));
         }
     }
+    if let (PictureLevel::HorizontalLux(lux), Some(white)) = (level, white_luminance_nit) {
+        let name = &bitmap.name;
+        warnings.once(format!(
+            "{name}: its whiteLuminance, {white} cd/m², has no effect: illuminance_lux, {lux}, is the level; \
+             nit_per_unit = {white} would follow it"
+        ));
+    }
     let image = Arc::new(bitmap);
     if matches!(level, PictureLevel::HorizontalLux(_)) && EnvironmentPicture::luminous_integrals(&image).1 <= 0.0 {
         let message = "cannot be reached: all light of the picture comes from below the horizon";

@@ -1,16 +1,13 @@
 //! Environment pictures: [linear light](super::linear) in all directions.
 
-use std::io::Cursor;
 use std::path::Path;
 
-use super::exr::read_exr;
-use super::linear::{LinearPicture, Mapping, decode_radiance, in_picture, is_radiance, of_exr};
+use super::envmap::{of_cube, of_latitude_longitude};
+use super::linear::{LinearPicture, Mapping, decode_linear, in_picture};
 use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, input};
 use photosite_transport::texture::{Bitmap, Texels};
 
-/// First bytes of an OpenEXR file.
-const EXR_MAGIC: &[u8] = &[0x76, 0x2f, 0x31, 0x01];
 /// Largest picture: 16384 × 8192 texels take 1.6 GB.
 const MAX_TEXELS: usize = 1 << 27;
 
@@ -36,24 +33,26 @@ pub fn read_environment(path: &Path, warnings: &mut Warnings) -> Result<Environm
 /// Decodes an environment picture; `name` is for messages. Texels that are not finite are refused; negative ones, which
 /// the filters of editing programs leave behind and which colours outside of sRGB have, become zero with a warning.
 pub fn decode_environment(bytes: &[u8], name: String, warnings: &mut Warnings) -> Result<EnvironmentFile, Invalid> {
-    let read = if bytes.starts_with(EXR_MAGIC) {
-        read_exr(Cursor::new(bytes)).and_then(of_exr)
-    } else if is_radiance(bytes) {
-        decode_radiance(bytes)
-    } else {
+    let read = decode_linear(bytes).unwrap_or_else(|| {
         let line = bytes.split(|byte| b"\r\n".contains(byte)).next().unwrap_or_default();
         let line = String::from_utf8_lossy(line.get(..16).unwrap_or(line)).into_owned();
         let message =
             format!("is neither Radiance HDR, which begins with #?RADIANCE, nor OpenEXR: it begins with {line:?}");
         Err(Invalid::new("", message).help("pictures of 8 or 16 bits hold no sun; use a .hdr or .exr picture"))
-    };
+    });
     let of_file = |invalid| in_picture(invalid, &name);
     let light = read.map_err(of_file)?;
     check(&light).map_err(of_file)?;
     let said = said(&light);
     let white_luminance_nit = light.white_luminance_nit;
-    let [width, height] = [light.planes.width(), light.planes.height()];
+    let size = [light.planes.width(), light.planes.height()];
+    let mapping = light.mapping.clone();
     let (texels, negative) = light.into_texels().map_err(of_file)?;
+    let (texels, [width, height]) = match mapping {
+        Mapping::LatitudeLongitude => of_latitude_longitude(&texels, size),
+        Mapping::Cube => of_cube(&texels, size).map_err(of_file)?,
+        Mapping::Unstated | Mapping::View(_) => (texels, size),
+    };
     let negative = negative.map(|what| format!("{what}: they are taken to be 0"));
     said.into_iter().chain(negative).for_each(|message| warnings.once(format!("{name}: {message}")));
     let bitmap = Bitmap { name, width, height, texels: Texels::Rgb32F(texels) };
@@ -68,10 +67,6 @@ fn check(light: &LinearPicture) -> Result<(), Invalid> {
     }
     if light.planes.width() * light.planes.height() > MAX_TEXELS {
         return Err(Invalid::new("", format!("has more than {MAX_TEXELS} pixels")).help("make the picture smaller"));
-    }
-    if light.mapping == Mapping::Cube {
-        return Err(Invalid::new("envmap", "says that the picture is the six faces of a cube")
-            .help("convert it to longitude and latitude, as exrenvmap -latlong does"));
     }
     Ok(())
 }
@@ -175,7 +170,7 @@ mod tests {
 
     #[test]
     fn what_is_no_picture_of_all_directions_is_refused_or_said() {
-        let error = by_hand(row().with("envmap", "envmap", vec![1])).expect_err("a cube");
+        let error = by_hand(row().with("envmap", "envmap", vec![1])).expect_err("no cube");
         assert!(error.message.starts_with("sky.exr: envmap: ") && error.help.is_some(), "{error}");
         let error = by_hand(Part::row(&[("Z", &[1.0])])).expect_err("depth");
         assert!(error.message.contains("holds no picture, but the planes Z"), "{error}");
@@ -186,6 +181,16 @@ mod tests {
         decode_environment(view, "sky.hdr".to_owned(), &mut warnings).expect("read");
         let said = warnings.into_messages();
         assert!(said.len() == 1 && said[0].contains("its VIEW, \"-vtv -vh 40\", is a camera's"), "{said:?}");
+    }
+
+    /// A latitude-longitude map of three columns: its middles lie between them. A cube of even faces is even.
+    #[test]
+    fn environment_maps_of_openexr_become_panoramas() {
+        let map = Part::row(&[("Y", &[1.0, 3.0, 5.0])]).with("envmap", "envmap", vec![0]);
+        assert_eq!(by_hand(map).expect("read"), (vec![[2.0; 3], [4.0; 3]], Vec::new()));
+        let column = Part { data: [0, 0, 0, 5], display: [0, 0, 0, 5], ..Part::row(&[("Y", &[2.0; 6])]) };
+        let (texels, said) = by_hand(column.with("envmap", "envmap", vec![1])).expect("a cube of six texels");
+        assert_eq!((texels, said), (vec![[2.0; 3]; 8], Vec::new()));
     }
 
     /// The largest number of a file, 255/256·2^127, is no float once it is divided by 1/8.

@@ -8,6 +8,7 @@ mod changed_meshes;
 mod complete;
 mod decoded;
 mod environment;
+mod envmap;
 pub mod exr;
 pub mod gltf;
 mod ies;

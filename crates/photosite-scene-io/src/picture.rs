@@ -5,7 +5,7 @@ use std::path::Path;
 use image::DynamicImage;
 
 use super::decoded::decode;
-use super::linear::{decode_radiance, in_picture, is_radiance};
+use super::linear::{LinearPicture, decode_linear, in_picture};
 use photosite_core::Invalid;
 use photosite_core::input;
 use photosite_transport::texture::{Bitmap, Texels};
@@ -19,26 +19,34 @@ pub fn read_picture(path: &Path) -> Result<Bitmap, Invalid> {
     decode_picture(&bytes, path.display().to_string())
 }
 
-/// Decodes a PNG, JPEG, WebP, TIFF, PNM or Radiance HDR picture, whichever the bytes say it is. Integer pictures keep
-/// their encoding: whether a texture is sRGB-encoded is known where it is used. `name` is for messages.
+/// Decodes a PNG, JPEG, WebP, TIFF, PNM, OpenEXR or Radiance HDR picture, whichever the bytes say it is. Integer pictures
+/// keep their encoding: whether a texture is sRGB-encoded is known where it is used. `name` is for messages.
 pub(crate) fn decode_picture(bytes: &[u8], name: String) -> Result<Bitmap, Invalid> {
-    if is_radiance(bytes) {
-        return of_radiance(bytes, name);
+    if let Some(light) = decode_linear(bytes) {
+        let of_file = |invalid| in_picture(invalid, &name);
+        let (texels, [width, height]) = light.and_then(of_light).map_err(of_file)?;
+        return Ok(Bitmap { name, width, height, texels });
     }
     let picture = decode(bytes, &name)?;
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     Ok(Bitmap { name, width, height, texels: texels(picture) })
 }
 
-/// The texels of a Radiance HDR picture.
-fn of_radiance(bytes: &[u8], name: String) -> Result<Bitmap, Invalid> {
-    let of_file = |invalid| in_picture(invalid, &name);
-    let light = decode_radiance(bytes).map_err(of_file)?;
-    let [width, height] = [light.planes.width(), light.planes.height()];
-    let (texels, negative) = light.into_texels().map_err(of_file)?;
-    match negative {
-        None => Ok(Bitmap { name, width, height, texels: Texels::Rgb32F(texels) }),
-        Some(what) => Err(of_file(Invalid::new("", what).help("convert the picture to the colours of sRGB first"))),
+/// The texels of linear light, of which a texture has all: what is left out or filled in is refused, as are negative
+/// values.
+fn of_light(light: LinearPicture) -> Result<(Texels, [usize; 2]), Invalid> {
+    let size = [light.planes.width(), light.planes.height()];
+    let whole = "write R, G and B, or Y, of linear sRGB and nothing else; transparency needs a PNG picture";
+    if light.components == 0 {
+        let message = format!("holds no picture, but the planes {}", light.others().join(", "));
+        return Err(Invalid::new("", message).help(whole));
+    }
+    if let Some(what) = light.warnings.first().cloned().or(light.left_out()) {
+        return Err(Invalid::new("", format!("cannot be a texture as a whole: {what}")).help(whole));
+    }
+    match light.into_texels()? {
+        (texels, None) => Ok((Texels::Rgb32F(texels), size)),
+        (_, Some(what)) => Err(Invalid::new("", what).help("convert the picture to the colours of sRGB first")),
     }
 }
 
@@ -65,6 +73,7 @@ mod tests {
     use std::io::Cursor;
 
     use super::*;
+    use crate::exr::made_for_tests::{Part, file, floats};
     use image::{ImageBuffer, ImageFormat};
 
     fn encoded(picture: &DynamicImage, format: ImageFormat) -> Vec<u8> {
@@ -81,6 +90,35 @@ mod tests {
         let deep = DynamicImage::ImageRgb16(ImageBuffer::from_raw(1, 1, vec![1, 256, 65535]).expect("one pixel"));
         let bitmap = decode_picture(&encoded(&deep, ImageFormat::Png), "deep".into()).expect("decoded");
         assert!(matches!(&bitmap.texels, Texels::Rgba16(t) if t[..] == [[1, 256, 65535, 65535]]));
+    }
+
+    /// Light of an EXR file as its header says, or why it is none.
+    #[test]
+    fn exr_pictures_are_linear_textures_as_a_whole() {
+        let row = || Part::row(&[("B", &[0.25, 0.2]), ("G", &[0.5, 0.2]), ("R", &[1.0, 0.2])]);
+        let decoded = |part: Part| decode_picture(&file(&[part]), "wood.exr".into());
+        let bitmap = decoded(row()).expect("decoded");
+        assert!(matches!(&bitmap.texels, Texels::Rgb32F(t) if t[..] == [[1.0, 0.5, 0.25], [0.2; 3]]));
+        // The white of ACES is that of sRGB here.
+        let aces = floats(&[0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.321_68, 0.337_67]);
+        let bitmap = decoded(Part::row(&[("B", &[0.5]), ("G", &[0.5]), ("R", &[0.5])]).with(
+            "chromaticities",
+            "chromaticities",
+            aces,
+        ));
+        let Texels::Rgb32F(texels) = bitmap.expect("decoded").texels else { panic!("linear light") };
+        assert!(texels[0].iter().all(|value| (value - 0.5).abs() < 1e-4), "{texels:?}");
+        for (part, words) in [
+            (Part { display: [-1, 0, 2, 0], ..row() }, "its data window holds 2 of the 4 pixels"),
+            (Part::row(&[("A", &[0.5]), ("B", &[0.5]), ("G", &[0.5]), ("R", &[0.5])]), "of its planes, A have no part"),
+            (Part::row(&[("Z", &[1.0])]), "holds no picture, but the planes Z"),
+            (Part::row(&[("Y", &[f32::NAN])]), "1 number is not finite"),
+            (Part::row(&[("Y", &[-0.5])]), "1 value is negative"),
+        ] {
+            let error = decoded(part).expect_err("refused");
+            assert!(error.message.starts_with("wood.exr: ") && error.message.contains(words), "{error}");
+            assert!(error.help.is_some(), "{error}");
+        }
     }
 
     #[test]

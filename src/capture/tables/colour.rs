@@ -42,7 +42,7 @@ pub(crate) struct LinearRgb {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TextureFile {
-    /// A PNG or JPEG file, relative to this file.
+    /// A PNG, JPEG, OpenEXR or Radiance HDR file, relative to this file.
     pub(crate) texture: String,
     /// How often the picture fits into the unit square along u and v. Left out: [1, 1].
     pub(crate) tiles: Option<[f64; 2]>,

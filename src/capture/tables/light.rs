@@ -179,7 +179,7 @@ light_table! {
 light_table! {
     /// A slide that a lens throws.
     ProjectorTable {
-        /// The slide: PNG, JPEG or WebP, sRGB, relative to this file.
+        /// The slide: PNG, JPEG or WebP, sRGB, or OpenEXR or Radiance HDR, relative to this file.
         image: String,
         /// Where the lens is, m; or give gltf_camera.
         position_m: Option<[f64; 3]>,

@@ -31,8 +31,12 @@ mod radiance;
 #[cfg(test)]
 mod radiance_tests;
 
+use std::io::Cursor;
+
 use photosite_core::Invalid;
 use photosite_core::image::{Channel, NotFinite, Planes};
+
+use crate::exr::read_exr;
 
 pub use openexr::of_exr;
 pub use radiance::{decode_radiance, is_radiance};
@@ -54,13 +58,24 @@ pub struct LinearPicture {
     pub warnings: Vec<String>,
 }
 
+/// First bytes of an OpenEXR file.
+const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+/// Linear light of a file that begins as OpenEXR or Radiance HDR do; `None` of others.
+pub(crate) fn decode_linear(bytes: &[u8]) -> Option<Result<LinearPicture, Invalid>> {
+    if bytes.starts_with(&EXR_MAGIC) {
+        return Some(read_exr(Cursor::new(bytes)).and_then(of_exr));
+    }
+    is_radiance(bytes).then(|| decode_radiance(bytes))
+}
+
 /// How a picture shows what is around.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mapping {
     /// Nothing is said of it.
     Unstated,
-    /// Columns are longitudes, rows are latitudes.
-    Panorama,
+    /// Columns are longitudes, rows are latitudes, both with texels at their ends.
+    LatitudeLongitude,
     /// Six faces of a cube, one below the other.
     Cube,
     /// As a camera sees it, in the words of the file.
@@ -122,6 +137,8 @@ impl LinearPicture {
         };
         let mut texels: Vec<[f32; 3]> = (0..width * height).map(texel).collect();
         let (mut count, mut first) = (0, None);
+        // Grey stands in a texel three times.
+        let copies = if planes.channels().len() == 3 { 1 } else { 3 };
         for (i, texel) in texels.iter_mut().enumerate() {
             let largest = texel.iter().fold(0.0f32, |most, value| most.max(value.abs()));
             for value in texel.iter_mut().filter(|value| **value < 0.0) {
@@ -133,6 +150,7 @@ impl LinearPicture {
             }
         }
         let negative = first.map(|(value, x, y)| {
+            let count = count / copies;
             let (are, the_first) = if count == 1 { ("value is", "") } else { ("values are", "the first ") };
             format!("{count} {are} negative in linear sRGB, {the_first}{value} in column {x}, row {y}")
         });

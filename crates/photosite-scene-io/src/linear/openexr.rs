@@ -54,7 +54,7 @@ pub fn of_exr(picture: ExrPicture) -> Result<LinearPicture, Invalid> {
     let pixel_aspect = picture.pixel_aspect();
     let white_luminance_nit = picture.number("whiteLuminance").filter(|nit| nit.is_finite() && *nit > 0.0);
     let mapping = match picture.attribute("envmap").and_then(Attribute::other) {
-        Some(AttributeValue::EnvironmentMap(EnvironmentMap::LatitudeLongitude)) => Mapping::Panorama,
+        Some(AttributeValue::EnvironmentMap(EnvironmentMap::LatitudeLongitude)) => Mapping::LatitudeLongitude,
         Some(AttributeValue::EnvironmentMap(EnvironmentMap::Cube)) => Mapping::Cube,
         Some(_) | None => Mapping::Unstated,
     };

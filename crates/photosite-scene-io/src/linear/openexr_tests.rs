@@ -7,6 +7,7 @@ use super::{LinearPicture, Mapping};
 use crate::exr::made_for_tests::{Part, file, floats};
 use crate::exr::read_exr;
 use photosite_core::Invalid;
+use photosite_core::image::NotFinite;
 
 const ORANGE: [f32; 3] = [1.0, 0.5, 0.25];
 
@@ -72,7 +73,7 @@ fn every_standard_attribute_is_used_refused_or_warned_of_unless_it_says_nothing_
         ("acesImageContainerFlag", "int", ints(&[0]), Beside),
         ("whiteLuminance", "float", floats(&[120.0]), Says(|light| light.white_luminance_nit == Some(120.0))),
         ("pixelAspectRatio", "float", floats(&[2.0]), Says(|light| light.pixel_aspect == 2.0)),
-        ("envmap", "envmap", vec![0], Says(|light| light.mapping == Mapping::Panorama)),
+        ("envmap", "envmap", vec![0], Says(|light| light.mapping == Mapping::LatitudeLongitude)),
         ("envmap", "envmap", vec![1], Says(|light| light.mapping == Mapping::Cube)),
         (
             "adoptedNeutral",
