@@ -25,7 +25,7 @@ Example:
 
 /// Compare two pictures: is it noise, or do they differ?
 ///
-/// A and B are EXR, PNG, TIFF or raw files (DNG, PGM, NPY); B is the reference. The exit status is 1 if noise does
+/// A and B are EXR, HDR, PNG, TIFF, JPEG or raw files (DNG, PGM, NPY); B is the reference. The exit status is 1 if noise does
 /// not explain the differences, a limit is exceeded, or pixels are not finite.
 ///
 /// The test needs the variances of both pictures: channels without them are not tested, which is said. photosite

@@ -37,7 +37,7 @@ Example:
 #[command(after_help = EXAMPLES)]
 pub(super) struct DevelopArgs {
     /// A raw file: DNG, TIFF of 8 or 16 bits, PBM, PGM, PPM (binary or text), NPY, or an EXR file of digital numbers. Or
-    /// a picture: EXR of linear light, PNG or JPEG.
+    /// a picture: EXR or HDR of linear light, PNG or JPEG.
     raw: PathBuf,
     /// The picture: .png, .tiff, .jpg, .ppm, .pgm (grey only), .exr or .npy [default: the raw file's name with .png, in the
     /// current folder].

@@ -26,8 +26,8 @@ Examples:
 /// exposure with the sensor that they were counted for; irradiance serves any sensor. Light seen by a moving camera
 /// keeps the exposure time and shutter that it was rendered with.
 ///
-/// With --unit, INPUT is a picture by any program (EXR, TIFF, PNG, JPEG, PGM, PPM or NPY), which becomes as large
-/// as the sensor. Its numbers are taken as light on the sensor, where --one says how much a value of 1 is; whole
+/// With --unit, INPUT is a picture by any program (EXR, HDR, TIFF, PNG, JPEG, PGM, PPM or NPY), which becomes as
+/// large as the sensor. Its numbers are taken as light on the sensor, where --one says how much a value of 1 is; whole
 /// numbers are first divided by white, and codes are decoded as the file says, or else as sRGB. Electrons and full
 /// wells are those of the exposure; R, G and B are those of the sensor's channels of that name; lux is for colours,
 /// which become spectra under D65.

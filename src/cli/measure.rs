@@ -74,7 +74,7 @@ enum Measure {
 
 #[derive(Args)]
 struct PictureArgs {
-    /// A picture: .png, .tiff, .jpg, .ppm or .exr; or the numbers of a raw file: .dng, .pgm, .pbm or .npy.
+    /// A picture: .png, .tiff, .jpg, .ppm, .exr or .hdr; or the numbers of a raw file: .dng, .pgm, .pbm or .npy.
     picture: PathBuf,
     /// Codes are proportional to light, whatever the file says [default: what its profile says, else sRGB].
     #[arg(long)]
@@ -257,8 +257,7 @@ fn similarity(args: &PictureArgs, b_path: &Path) -> Result<Similarity> {
         };
         let largest = || theirs.data.iter().copied().fold(0.0, f32::max).into();
         let peak: f64 = b.full_scale.unwrap_or_else(largest);
-        let squares: f64 =
-            ours.iter().zip(&theirs.data).map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2)).sum();
+        let squares: f64 = ours.iter().zip(&theirs.data).map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2)).sum();
         let mean = squares / theirs.data.len() as f64;
         if mean > 0.0 && peak <= 0.0 {
             let message = "has no value above 0, which would be white";

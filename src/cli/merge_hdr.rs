@@ -76,11 +76,11 @@ pub(super) fn run(args: &MergeHdrArgs) -> Result<()> {
     let pictures = args.raw.iter().map(|path| read_raw(path)).collect::<Result<Vec<_>>>()?;
     let load_s = start.elapsed().as_secs_f64();
 
+    let mut warnings: Vec<String> = pictures.iter().flat_map(|raw| raw.metadata.left_out.clone()).collect();
     let start = Instant::now();
     let merged = merge(&pictures).map_err(|invalid| of_picture(invalid, &args.raw))?;
     drop(pictures);
     let ([shortest_s, longest_s], saturated) = (merged.times_s, merged.saturated);
-    let mut warnings = Vec::new();
     if !merged.noise_is_stated {
         warnings.push("not all files state their noise (NoiseProfile); that of 10 000 electrons is assumed".to_owned());
     }

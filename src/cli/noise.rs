@@ -45,7 +45,7 @@ enum NoiseCommand {
 
 #[derive(Args)]
 struct EstimateArgs {
-    /// EXR, PNG, TIFF or raw files (DNG, PGM, NPY); several are taken to show the same scene.
+    /// EXR, HDR, PNG, TIFF, JPEG or raw files (DNG, PGM, NPY); several are taken to show the same scene.
     #[arg(required = true)]
     files: Vec<PathBuf>,
     /// Use only this part: left, top, width and height in pixels, counted from the corner of the pixels that see

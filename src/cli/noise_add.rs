@@ -28,7 +28,7 @@ Example:
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct NoiseAddArgs {
-    /// A picture: PNG, TIFF, JPEG, EXR, PGM, PPM, NPY.
+    /// A picture: PNG, TIFF, JPEG, EXR, HDR, PGM, PPM, NPY.
     picture: PathBuf,
     /// The picture with noise: .png, .tiff, .pgm, .ppm, .npy or .exr.
     #[arg(short, long, value_name = "FILE")]

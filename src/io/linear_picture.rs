@@ -123,8 +123,9 @@ pub fn read_picture_light(path: &Path, is_linear: bool) -> Result<PictureLight> 
     let name = path.display();
     let in_proportion = format!("the numbers of {name} are taken to be proportional to light");
     let PictureFile { picture, notes } = match read(path, Pixels::Active)? {
-        Held::Light(LinearPicture { planes, warnings, .. }) => {
-            let warnings = warnings.into_iter().map(|warning| format!("{name}: {warning}"));
+        Held::Light(LinearPicture { planes, warnings, white_luminance_nit, .. }) => {
+            let level = white_luminance_nit.map(|nit| format!("its whiteLuminance, {nit} cd/m², has no effect"));
+            let warnings = warnings.into_iter().chain(level).map(|warning| format!("{name}: {warning}"));
             return Ok(PictureLight { planes, said: iter::once(in_proportion).chain(warnings).collect() });
         }
         Held::Numbers(file) => file,

@@ -128,7 +128,12 @@ mod tests {
     #[test]
     fn maps_come_back_from_every_kind_of_file() {
         let folder = tempfile::tempdir().expect("a folder");
-        let map = MapFile { size: [3, 2], values: vec![0.0, 0.25, 1.5, 3.0, 0.75, 12.25], is_codes: false, warnings: Vec::new() };
+        let map = MapFile {
+            size: [3, 2],
+            values: vec![0.0, 0.25, 1.5, 3.0, 0.75, 12.25],
+            is_codes: false,
+            warnings: Vec::new(),
+        };
         for (kind, step) in [("exr", 1.0), ("npy", 1.0), ("tiff", 1.0), ("png", 0.25)] {
             let path = folder.path().join(format!("map.{kind}"));
             check_map(&path, &map.values, step).expect("room");

@@ -133,7 +133,18 @@ fn of_exr(picture: ExrPicture, name: String) -> Result<Picture, Invalid> {
     }
     let planes = |channels| Planes::new(planes.width(), planes.height(), channels);
     let (mean, variance) = (planes(mean)?, planes(variance)?);
-    Ok(Picture { name, mean, variance, unit, full_scale: None, mosaic: None, active_area: None, stated, warnings, notes: Vec::new() })
+    Ok(Picture {
+        name,
+        mean,
+        variance,
+        unit,
+        full_scale: None,
+        mosaic: None,
+        active_area: None,
+        stated,
+        warnings,
+        notes: Vec::new(),
+    })
 }
 
 fn of_radiance(file: &mut BufReader<File>, name: String) -> Result<Picture, Invalid> {

@@ -1,4 +1,4 @@
-//! What files of pictures say beside their numbers and colours: how they are to be turned, and what nobody follows.
+//! Statements of image files beside their pixel values: colours, orientation, shape of pixels, and what nobody follows.
 //!
 //! | file | followed | a warning names | of no effect |
 //! |---|---|---|---|

@@ -113,7 +113,11 @@ fn irradiance_of_one_wavelength_serves_any_sensor() {
 #[case::no_wavelength("grey.exr --unit irradiance", 2, "--wavelength-nm")]
 #[case::wavelength("grey.exr --unit irradiance --wavelength-nm 100", 2, "must lie from 300 to 1100 nm")]
 #[case::other_unit("grey.exr --unit lux --wavelength-nm 500", 2, "goes with --unit irradiance alone")]
-#[case::no_number("dark.exr --unit lux", 1, "dark.exr: 3072 numbers are not finite: the first is NaN, of Y in column 0, row 0")]
+#[case::no_number(
+    "dark.exr --unit lux",
+    1,
+    "dark.exr: 3072 numbers are not finite: the first is NaN, of Y in column 0, row 0"
+)]
 #[case::size("grey.exr --unit lux --set sensor.resolution_px=[8,8]", 1, "64 × 48 pixels, not 8 × 8")]
 #[case::table("grey.exr --unit lux --set lens.f_number=2", 2, "can no longer change it")]
 fn what_is_no_light_is_refused(#[case] arguments: &str, #[case] status: i32, #[case] message: &str) {

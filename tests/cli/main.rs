@@ -25,6 +25,7 @@ mod given_again;
 mod gltf;
 mod gltf_features;
 mod image_lag;
+mod image_notes;
 mod info;
 mod interruption;
 mod kept_scenes;

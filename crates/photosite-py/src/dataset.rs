@@ -251,7 +251,11 @@ pub(crate) fn read_exr_arrays(py: Python<'_>, path: PathBuf) -> PyResult<BTreeMa
 /// The codes of a PNG file, as they are.
 #[pyfunction]
 pub(crate) fn read_codes(py: Python<'_>, path: PathBuf) -> PyResult<Py<PyAny>> {
-    let picture = work(py, How::default(), |_| read_picture_file(&path, Pixels::All))?;
+    let picture = work(py, How::default(), |monitor| {
+        let picture = read_picture_file(&path, Pixels::All)?;
+        picture.said().for_each(|what| monitor.report(Event::Warning(&what)));
+        Ok(picture)
+    })?;
     let channels = picture.mean.channels();
     let shape = [picture.mean.height(), picture.mean.width(), channels.len()];
     let codes = (0..shape[0] * shape[1]).flat_map(|i| channels.iter().map(move |channel| channel.data[i]));

@@ -58,6 +58,12 @@ pub fn picture_electrons(
         PictureUnit::Irradiance { wavelength_nm } => (of_one_wavelength(&light, sensor, scale, wavelength_nm)?, true),
     };
     let electrons = Planes::new(light.width(), light.height(), channels)?;
+    if let Some(found) = NotFinite::of(&electrons) {
+        let message = format!("as electrons {found}");
+        return Err(
+            Invalid::new("", message).help("give a picture of smaller values, or let a value of 1 be less light")
+        );
+    }
     Ok(PictureElectrons { electrons, per_second, warnings })
 }
 
@@ -277,7 +283,10 @@ mod tests {
         };
         let irradiance = |wavelength_nm| PictureUnit::Irradiance { wavelength_nm };
         for (message, expected) in [
-            (refused(&[("Y", f32::NAN)], PictureUnit::Lux, 1.0), "NaN at column 0, row 0"),
+            (
+                refused(&[("Y", f32::NAN)], PictureUnit::Lux, 1.0),
+                "1 number is not finite: it is NaN, of Y in column 0, row 0",
+            ),
             (refused(&[("Y", 1.0)], PictureUnit::Lux, 0.0), "above 0"),
             (refused(&[("Y", 1.0)], PictureUnit::Lux, f64::INFINITY), "above 0"),
             (refused(&[("R", 1.0), ("G", 1.0)], PictureUnit::Electrons, 1.0), "none for B"),

@@ -22,8 +22,8 @@ impl Patch {
         let mut not_finite = values.iter().enumerate().filter(|(_, value)| !value.is_finite());
         if let Some((i, value)) = not_finite.next() {
             let (count, x, y) = (1 + not_finite.count(), i % width, i / width);
-            let are = if count == 1 { "value is" } else { "values are" };
-            let message = format!("{count} {are} not finite in the patch: {value} in its column {x}, row {y}");
+            let (are, first) = if count == 1 { ("value is", "") } else { ("values are", "the first ") };
+            let message = format!("{count} {are} not finite in the patch, {first}{value} in its column {x}, row {y}");
             return Err(Invalid::new("patch", message).help("choose a patch of finite values"));
         }
         Ok(Self { width, height, values })
