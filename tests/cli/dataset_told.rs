@@ -40,8 +40,7 @@ fn each_kind_of_warning_is_said_once_with_its_number_of_frames() {
 /// What autofocus costs a data set, and what to write, is said where it is lost.
 #[test]
 fn files_of_cameras_that_autofocus_moves_are_told_of() {
-    let vary = "frames = 2\n[[vary]]\nkey = 'camera.position_m'\nsweep = [[0, 0, 0.6], [0, 0, 0.9]]\n";
-    let focused = folder(vary);
+    let focused = folder("frames = 2\n[poses.random]\ntarget = 'board'\ndistance_m = [0.6, 0.9]\nmargin_px = 1\n");
     let board = std::fs::read_to_string(focused.path("board.toml")).expect("a capture");
     focused.add("board.toml", board.replace("'pinhole'", "'thin'").replace("focus_distance_m = 'infinity'\n", ""));
     let told = focused.succeed("dataset set.toml -o out").text();
