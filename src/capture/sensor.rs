@@ -16,7 +16,7 @@ use super::sensor_size::scale_to;
 use super::source::CaptureSource;
 use super::tables::MergedSensor;
 use super::text_file::read_text;
-use super::tree::{Node, Table, Value, parse};
+use super::tree::{Node, Table, Value, join, parse};
 use crate::sensor::{SensorModel, presets};
 use crate::spectrum::Outside;
 use crate::{Error, Invalid, Result};
@@ -40,7 +40,7 @@ pub(super) const UNNAMED: &str = "sensor";
 /// Reads the sensor and puts the merged table in the place of `[sensor]`, so that errors of its keys find their line.
 /// Paths of curves are relative to `folder` no more, but can be used as they are.
 pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<MergedSensor> {
-    let mut changes = match source.get("sensor") {
+    let table = match source.get("sensor") {
         Some(node) if node.as_table().is_some() => node.clone(),
         Some(_) => {
             let help = format!("write [sensor] with preset = {:?}", presets::DEFAULT);
@@ -48,13 +48,15 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
         }
         None => empty_table(),
     };
+    let mut changes = table.clone();
     let [preset, without, scaled_to] = ["preset", "without", "scaled_to_px"].map(|key| changes.remove(key));
     let (mut merged, name) = base(source, folder, preset.as_ref(), &changes)?;
     if let Some(without) = without {
         take_away(source, &mut merged, &name, &without)?;
     }
     anchor_files(&mut changes, folder);
-    let mut warnings = follow_bits(&mut merged, &changes);
+    let of_file = preset.as_ref().and_then(|preset| keys_over_preset(source, preset, &merged, &table));
+    let mut warnings: Vec<_> = of_file.into_iter().chain(follow_bits(&mut merged, &changes)).collect();
     let changed = |key| changes.as_table().is_some_and(|table| table.contains_key(key));
     for [key, other] in ALTERNATIVES.into_iter().flat_map(|[a, b]| [[a, b], [b, a]]) {
         if changed(key) && !changed(other) {
@@ -80,6 +82,40 @@ pub(super) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     let table = source.get("sensor").ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
     let description = source.read_beside("sensor", table, PhantomData, &["preset", "without", "scaled_to_px"])?;
     Ok(MergedSensor { name, description, warnings })
+}
+
+/// What is said where an override names the preset and the file's own keys of `[sensor]`, meant for another, stay over
+/// it.
+fn keys_over_preset(source: &CaptureSource, preset: &Node, base: &Node, table: &Node) -> Option<String> {
+    if !source.is_of_argument(preset) {
+        return None;
+    }
+    let mut keys = Vec::new();
+    differing_keys(source, "", Some(base), table, &mut keys);
+    let (name, keys) = (preset.as_str().unwrap_or_default(), keys.join(", "));
+    (!keys.is_empty()).then(|| {
+        format!(
+            "sensor.preset is {name:?} now, and these keys of [sensor] in the file stay over it, where it has others: \
+             {keys}; remove them from the file, or set them, too, for the sensor of that name"
+        )
+    })
+}
+
+/// The paths of the keys of the file, not of overrides, that a preset has otherwise or not at all.
+fn differing_keys(source: &CaptureSource, path: &str, base: Option<&Node>, over: &Node, keys: &mut Vec<String>) {
+    match over.as_table() {
+        Some(table) => {
+            for (key, entry) in table {
+                let below = base.and_then(|base| base.at(&[key]));
+                differing_keys(source, &join(path, key), below, &entry.node, keys);
+            }
+        }
+        None => {
+            if !source.is_of_argument(over) && !base.is_some_and(|base| base.means(over)) {
+                keys.push(path.to_owned());
+            }
+        }
+    }
 }
 
 /// Makes a sensor of which all keys are there stand for itself: read again, nothing else comes in.

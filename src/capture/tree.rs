@@ -94,6 +94,23 @@ impl Node {
         self.as_table().into_iter().flatten().flat_map(within).collect()
     }
 
+    /// Whether another node means the same, wherever it stands: 3 and 3.0 do.
+    pub(super) fn means(&self, other: &Self) -> bool {
+        match (&self.value, &other.value) {
+            (Value::Array(ours), Value::Array(others)) => {
+                ours.len() == others.len() && ours.iter().zip(others).all(|(a, b)| a.means(b))
+            }
+            (Value::Table(ours), Value::Table(others)) => {
+                ours.len() == others.len()
+                    && ours.iter().zip(others).all(|((a, x), (b, y))| a == b && x.node.means(&y.node))
+            }
+            _ => match (self.as_number(), other.as_number()) {
+                (Some(a), Some(b)) => a == b,
+                _ => self.value == other.value,
+            },
+        }
+    }
+
     /// The string that the node is.
     pub(super) fn as_str(&self) -> Option<&str> {
         if let Value::String(text) = &self.value { Some(text) } else { None }

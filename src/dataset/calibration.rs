@@ -12,8 +12,8 @@ use crate::io::output::{create_folder, write_whole};
 use crate::{Error, Invalid, Result};
 
 /// Writes the files as far as the formats have words for the lenses, and returns why what is not there is not. Of
-/// lenses that differ from frame to frame only the pictures' own reports can tell.
-pub(super) fn write_calibration(set: &PictureSet) -> Result<Vec<String>> {
+/// lenses that differ from frame to frame, as with autofocus where it `focuses`, only the pictures' own reports can tell.
+pub(super) fn write_calibration(set: &PictureSet, focuses: bool) -> Result<Vec<String>> {
     let folder = set.folder.join(CALIBRATION_FOLDER);
     let mut left_out = Vec::new();
     let mut written = BTreeSet::new();
@@ -31,7 +31,18 @@ pub(super) fn write_calibration(set: &PictureSet) -> Result<Vec<String>> {
                 }
             }
         }
-        Err(invalid) => left_out.push(format!("all of its files: {}", invalid.message)),
+        Err(invalid) => {
+            let help = invalid.help.map(|help| help.to_string()).unwrap_or_default();
+            let cure = if focuses {
+                "autofocus moves lenses from frame to frame, write lens.focus_distance_m in its place"
+            } else {
+                &help
+            };
+            let message = invalid.message;
+            left_out.push(format!(
+                "all of its files: {message}; {cure}; `photosite camera` makes those of one picture from its capture.json"
+            ));
+        }
     }
     // What was true of fewer frames is not left behind.
     let earlier = calibration_names(&set.cameras).into_iter().filter(|name| !written.contains(name));

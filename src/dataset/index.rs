@@ -61,7 +61,13 @@ impl Index {
 
 /// Writes the manifest, the cameras and the card of what is there. Of processes that end at the same time the last to
 /// write knows of the pictures of all.
-pub(super) fn write_index(folder: &DatasetFolder, file: &DatasetFile, identity: &Value, plan: &Plan) -> Result<Index> {
+/// `focuses`: whether autofocus focuses the cameras in every frame.
+pub(super) fn write_index(
+    folder: &DatasetFolder,
+    file: &DatasetFile,
+    identity: &Value,
+    (plan, focuses): (&Plan, bool),
+) -> Result<Index> {
     let _lock = Lock::wait_for_folder(folder.path())?;
     folder.restore(identity)?;
     folder.sweep(plan)?;
@@ -88,7 +94,7 @@ pub(super) fn write_index(folder: &DatasetFolder, file: &DatasetFile, identity: 
     let left_out = if present == 0 {
         Vec::new()
     } else {
-        write_calibration(&read_present(folder.path()).map_err(Error::since_begun)?)?
+        write_calibration(&read_present(folder.path()).map_err(Error::since_begun)?, focuses)?
     };
     let noise = SetNoise::of(renders.iter().map(|(picture, render)| (picture.clone(), render.as_ref())));
     let index = Index { present, missing, left_out, noise, warnings: said.in_words() };

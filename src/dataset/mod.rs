@@ -72,6 +72,7 @@ use rig::plan;
 
 use crate::calibration::dataset::Plan;
 use crate::capture::{Capture, DatasetFile};
+use crate::optics::Focus;
 use crate::pipeline::{Event, FilmMemory, Monitor, Prepared, check_samples};
 use crate::report::Look;
 use crate::{Error, Invalid, Result, Sandbox};
@@ -184,7 +185,8 @@ impl DataSet {
 
     /// Writes the summary of the pictures.
     pub fn write_index(&self, folder: &DatasetFolder) -> Result<Index> {
-        index::write_index(folder, &self.file, &self.identity, &self.plan)
+        let focuses = self.captures.iter().any(|capture| matches!(capture.lens.focus, Focus::Autofocus { .. }));
+        index::write_index(folder, &self.file, &self.identity, (&self.plan, focuses))
     }
 
     /// Which of these frames lack a picture, or a part of one, in the folder at `path`, which need not be there.

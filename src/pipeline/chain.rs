@@ -14,8 +14,8 @@ use crate::io::developed::PictureFormat;
 use crate::raw::RawImage;
 use crate::scene::Scene;
 use crate::sensor::{
-    Exposure, LeftCharge, Neighbours, NoiseKey, NoiseMap, NoiseMaps, RegionOfInterest, SensorModel, auto_exposure,
-    expose_after, noise_ratio, samples_needed, smoothed_mean,
+    Exposure, LeftCharge, Metering, Neighbours, NoiseKey, NoiseMap, NoiseMaps, RegionOfInterest, SensorModel,
+    auto_exposure, expose_after, noise_ratio, samples_needed, smoothed_mean,
 };
 use crate::spectrum::{Spectrum, illuminant};
 use crate::units::{Decibels, Seconds};
@@ -232,21 +232,38 @@ impl<'a> Chain<'a> {
         Ok(Exposed { exposure, electrons, warnings: warning.into_iter().chain(clipped).collect() })
     }
 
-    /// Tells where most of a picture whose exposure is stated is saturated. A bracket is meant to be, in part.
+    /// Tells where most of a picture whose exposure is stated is saturated, and where one that was metered is in more
+    /// than glints. A bracket is meant to be, in part.
     fn saturation_warning(&self, electrons: &Planes, exposure: &Exposure) -> Option<String> {
         let Settings { sensor, exposure: wanted, .. } = self.settings;
-        if matches!(wanted.time, ExposureTime::Auto(_)) || wanted.bracket.is_some() {
+        if wanted.bracket.is_some() {
             return None;
         }
         let capacity = sensor.pixel_saturation(exposure).0 as f32;
         let values = || electrons.channels().par_iter().flat_map(|channel| &channel.data).filter(|value| **value > 0.0);
         let part = values().filter(|value| **value >= capacity).count() as f64 / values().count().max(1) as f64;
-        (part > 0.5).then(|| {
-            let percent = (part * 100.0).floor();
-            format!(
-                "{percent} % of the picture is saturated: shorten exposure.time_s or leave it out, or raise lens.f_number"
-            )
-        })
+        let percent = part * 100.0;
+        match wanted.time {
+            ExposureTime::Fixed(_) => (part > 0.5).then(|| {
+                let percent = percent.floor();
+                format!(
+                    "{percent} % of the picture is saturated: shorten exposure.time_s or leave it out, or raise lens.f_number"
+                )
+            }),
+            // Who lengthens the time means it.
+            ExposureTime::Auto(auto) if auto.compensation_ev > 0.0 => None,
+            ExposureTime::Auto(auto) => match auto.metering {
+                Metering::Highlights { brighter_part, .. } => (part > 0.001).then(|| format!(
+                    "{percent:.1} % of the picture is saturated, which automatic exposure allows the brightest {} %, such \
+                     as lamps: write exposure.auto_brighter_part = 0 where bright objects are as small",
+                    brighter_part * 100.0
+                )),
+                Metering::Mean(_) => (part > 0.02).then(|| format!(
+                    "{percent:.1} % of the picture is saturated, as automatic exposure meters its mean: lower \
+                     exposure.auto_mean, or write exposure.auto_brighter_part = 0 in its place for bright objects"
+                )),
+            },
+        }
     }
 
     /// Reads the sensor out; each frame has noise of its own.

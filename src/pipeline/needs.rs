@@ -104,11 +104,17 @@ impl<'a> Needs<'a> {
         let light = 2 * self.channels() * FLOAT;
         let output = self.settings.output;
         let maps = (output.noise.maps.len() as u64).min(NoiseMap::ALL.len() as u64) * self.samples() * NOISE_MAP;
+        // The sensor is exposed once more, with two maps.
+        let clean = if output.noise.maps.contains(&NoiseMap::RawClean) {
+            self.reading_out() + 2 * self.samples() * NOISE_MAP
+        } else {
+            0
+        };
         let more_pictures =
             self.settings.exposure.bracket.as_ref().map_or(0, |bracket| bracket.len() as u64).saturating_sub(1);
         let kept = more_pictures * self.samples() * NUMBER;
         let other_time = if more_pictures > 0 { self.channels() * FLOAT } else { 0 };
-        let exposing = light + self.reading_out() + maps + other_time + kept;
+        let exposing = light + self.reading_out() + maps + clean + other_time + kept;
         let layer = |layer: &TruthLayer| layer.channels().len() as u64 * FLOAT;
         let truth: u64 = output.truth.layers.iter().map(layer).sum();
         let ideal = if output.ideal { 4 * FLOAT } else { 0 };

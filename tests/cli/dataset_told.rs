@@ -37,6 +37,21 @@ fn each_kind_of_warning_is_said_once_with_its_number_of_frames() {
     assert_eq!(tried.matches("is saturated").count(), 1, "{tried}");
 }
 
+/// What autofocus costs a data set, and what to write, is said where it is lost.
+#[test]
+fn files_of_cameras_that_autofocus_moves_are_told_of() {
+    let focused = folder("frames = 2\n[poses.random]\ntarget = 'board'\ndistance_m = [0.6, 0.9]\nmargin_px = 1\n");
+    let board = std::fs::read_to_string(focused.path("board.toml")).expect("a capture");
+    focused.add("board.toml", board.replace("'pinhole'", "'thin'").replace("focus_distance_m = 'infinity'\n", ""));
+    let told = focused.succeed("dataset set.toml -o out").text();
+    for words in ["calibration/ lacks all of its files", "autofocus", "write lens.focus_distance_m"] {
+        assert!(told.contains(words), "{words}: {told}");
+    }
+    let told = focused.succeed("dataset set.toml -o stated --set lens.focus_distance_m=0.7").text();
+    assert!(!told.contains("lacks all"), "{told}");
+    assert!(focused.path("stated/calibration/opencv/camera.yaml").exists());
+}
+
 #[test]
 fn noise_is_said_in_the_closing_line_the_manifest_and_the_card() {
     let folder = folder(&BRIGHTER.replace("0.004", "0.000004"));

@@ -40,6 +40,30 @@ fn a_picture_that_is_mostly_saturated_is_told_of(#[case] set: &str, #[case] is_t
     assert_eq!(saturated > raw.data.len() / 2, is_told, "{saturated} of {}", raw.data.len());
 }
 
+/// A bright thing too small for automatic exposure to mind is clipped, which is said with what to write; so written, it
+/// is not clipped.
+#[test]
+fn small_bright_things_that_automatic_exposure_clips_are_told_of() {
+    let capture = "[scene]\nenvironment = 'even'\nground = { reflectance = 0.02 }\n\
+                   spheres = [{ material = 'white', position_m = [0, 0.1, 0], radius_m = 0.03 }]\n\
+                   [materials.white]\ntype = 'diffuse'\nreflectance = 0.9\n\
+                   [camera]\nposition_m = [0, 1, 0.01]\nlook_at_m = [0, 0, 0]\n[lens]\ntype = 'pinhole'\n\
+                   focal_length_mm = 6\n[sensor]\npreset = 'sony-imx249-mono'\nresolution_px = [96, 72]\n\
+                   pixel_pitch_um = [80, 80]\n[exposure]\nauto = true\n[render]\nsamples_per_pixel = 16\n";
+    let folder = Folder::new([("capture.toml", capture.into())]);
+    let words = "% of the picture is saturated, which automatic exposure allows";
+    let saturated = |name: &str| {
+        let raw = folder.raw(&format!("{name}/raw.dng"));
+        raw.data.iter().filter(|&&dn| dn >= raw.white_level_dn).count()
+    };
+    let told = folder.succeed("render capture.toml -o out").stderr;
+    assert!(told.contains(words) && told.contains("exposure.auto_brighter_part = 0"), "{told}");
+    assert!(saturated("out") > 7);
+    let told = folder.succeed("render capture.toml -o whole --set exposure.auto_brighter_part=0").stderr;
+    assert!(!told.contains(words), "{told}");
+    assert_eq!(saturated("whole"), 0);
+}
+
 /// The search for the matrices of a sensor takes longer than to expose a small picture: a number in the report that no
 /// search would find must arrive in the raw file.
 #[test]

@@ -162,6 +162,31 @@ fn a_stored_sensor_can_be_changed() {
     assert_eq!(pitch, json!([6400.0 / 16.0, 4800.0 / 12.0]));
 }
 
+/// A preset that an override names is laid under the keys of the file, which is said of all that it would have set
+/// otherwise, and of nothing else.
+#[rstest]
+#[case::none("", "", None)]
+#[case::of_the_file("preset = 'sony-imx249-mono'\nresolution_px = [16, 12]", "", None)]
+#[case::over_two(
+    "resolution_px = [16, 12]\npixel_pitch_um = [9, 9]",
+    "sony-imx249-mono",
+    Some("pixel_pitch_um, resolution_px;")
+)]
+#[case::over_a_table("noise.read_noise_e = 77", "sony-imx249-mono", Some("noise.read_noise_e;"))]
+#[case::without_some("without = ['noise.prnu_percent']", "sony-imx249-mono", Some("without;"))]
+#[case::over_the_same("pixel_pitch_um = [5.86, 5.86]", "sony-imx249-mono", None)]
+#[case::with_its_own("resolution_px = [16, 12]", "sony-imx249-mono --set sensor.resolution_px=[8,6]", None)]
+fn keys_that_stay_over_another_preset_are_told(#[case] keys: &str, #[case] preset: &str, #[case] told: Option<&str>) {
+    let folder = folder();
+    folder.add("scenes/own.toml", format!("{CAPTURE}[sensor]\n{keys}\n"));
+    let set = if preset.is_empty() { String::new() } else { format!("--set sensor.preset={preset}") };
+    let said = folder.succeed(&format!("render scenes/own.toml -o out --size 16x12 --spp 1 {set}")).text();
+    assert_eq!(said.contains("stay over it"), told.is_some(), "{said}");
+    if let Some(told) = told {
+        assert!(said.contains(told), "{said}");
+    }
+}
+
 /// After `render sail.obj`, the surroundings, the camera and the focus of a scene alone are in `capture.json`.
 #[rstest]
 #[case::framed("")]

@@ -89,7 +89,8 @@ fn showing(map: NoiseMap) -> (SensorModel, Exposure) {
         | NoiseMap::StuckPixelsDn
         | NoiseMap::TransmissionErrorsDn
         | NoiseMap::PrnuGain
-        | NoiseMap::Saturated => {}
+        | NoiseMap::Saturated
+        | NoiseMap::RawClean => {}
     }
     (sensor, exposure)
 }

@@ -172,6 +172,97 @@ fn the_gain_map_is_the_response_and_saturated_pixels_are_marked() {
     assert!((1000..2000).contains(&marked), "about the brighter half of 3072: {marked}");
 }
 
+/// Sensors of each kind, far from the ends of what they hold.
+fn roomy(stage: Stage) -> SensorModel {
+    SensorModel { full_well: Electrons(60_000.0), ..noisy_sensor_with(stage) }
+}
+
+fn companded(mut sensor: SensorModel) -> SensorModel {
+    let curve = CompandingCurve::KneePoints(vec![[0, 0], [1500, 1500], [65_535, 4095]]);
+    sensor.converter.companding = Some(Companding { bits: 12, curve });
+    sensor
+}
+
+fn raw_clean(light: &Planes, sensor: &SensorModel, exposure: &Exposure, stages: Stages) -> Vec<f64> {
+    let maps = [NoiseMap::PrnuE, NoiseMap::RawClean];
+    let (_, maps) = expose_with_maps(light, sensor, exposure, stages, KEY, &maps).expect("valid");
+    let clean = maps.planes.plane(NoiseMap::RawClean.name()).expect("the map");
+    clean.iter().map(|&dn| f64::from(dn)).collect()
+}
+
+#[rstest]
+#[case::cmos(roomy(Stage::BrighterFatter))]
+#[case::ccd(roomy(Stage::Smear))]
+#[case::lag(roomy(Stage::ImageLag))]
+#[case::photon_counter(roomy(Stage::PhotonCounting))]
+#[case::two_gains(roomy(Stage::LowGainReadNoise))]
+#[case::video(roomy(Stage::VideoBandwidth))]
+fn the_mean_of_many_pictures_is_the_clean_one(
+    #[case] sensor: SensorModel,
+    #[values(Exposure::of(EXPOSURE.time), window([2, 2], BinningMethod::Mean), window([2, 1], BinningMethod::Sum),
+        window([2, 2], BinningMethod::Charge))]
+    exposure: Exposure,
+) {
+    const TAKES: u64 = 300;
+    if exposure.region.binning.method == BinningMethod::Charge && sensor.architecture.spad().is_some() {
+        // There is no charge to add.
+        return;
+    }
+    let light = ramp(&sensor, 48, 32, 1000.0);
+    let stages = Stages::ALL.without(Stage::TransmissionErrors);
+    let clean = raw_clean(&light, &sensor, &exposure, stages);
+    let mut of_pixels = vec![Moments::default(); clean.len()];
+    let mut of_pictures = Moments::default();
+    for seed in 0..TAKES {
+        let key = NoiseKey { seed, frame: 0 };
+        let raw = expose(&light, &sensor, &exposure, stages, key).expect("valid");
+        let differences = raw.data.iter().zip(&clean).map(|(&dn, clean)| f64::from(dn) - clean);
+        of_pictures.add(differences.clone().sum::<f64>() / clean.len() as f64);
+        of_pixels.iter_mut().zip(differences).for_each(|(pixel, difference)| pixel.add(difference));
+    }
+    // Steps of unequal width are averaged by noise, up to 0.4 DN, and curves bend less than a DN within the noise; bins
+    // add up to four pixels, behind a gain of 1.8.
+    let bias = if exposure.region.binning.pixels() > 1 { 4.0 } else { 1.0 };
+    let error = |moments: &Moments| (moments.variance() / TAKES as f64).sqrt();
+    let mean = of_pictures.mean();
+    assert!(mean.abs() < 5.0 * error(&of_pictures) + bias, "{mean} ± {}", error(&of_pictures));
+    for (i, pixel) in of_pixels.iter().enumerate() {
+        // Read noise has heavy tails.
+        assert!(pixel.mean().abs() < 7.0 * error(pixel) + bias, "{i}: {} ± {}", pixel.mean(), error(pixel));
+    }
+}
+
+#[rstest]
+#[case::plain(noisy_sensor(), Exposure::of(EXPOSURE.time), 0.5)]
+#[case::ccd(noisy_sensor_with(Stage::Blooming), Exposure::of(EXPOSURE.time), 0.5)]
+#[case::companded(companded(noisy_sensor()), Exposure::of(EXPOSURE.time), 1.0)]
+// Rounding of the pixels, of the bin and behind a gain of 1.78.
+#[case::binned(noisy_sensor(), window([2, 2], BinningMethod::Mean), 0.5 + 1.78 * (0.5 + 0.5))]
+#[case::added(noisy_sensor(), window([2, 1], BinningMethod::Sum), 0.5 + 1.78 * (2.0 * 0.5))]
+fn without_temporal_noise_the_clean_picture_rounds_to_the_raw_one(
+    #[case] sensor: SensorModel,
+    #[case] exposure: Exposure,
+    #[case] rounding: f64,
+) {
+    let stages = Stages::only(&[
+        Stage::Crosstalk,
+        Stage::Smear,
+        Stage::PhotoResponse,
+        Stage::DeadPixels,
+        Stage::Blooming,
+        Stage::FullWell,
+        Stage::DarkOffset,
+        Stage::AmplifierNonlinearity,
+        Stage::ColumnAmplifiers,
+    ]);
+    // Up to far beyond the full well, and without charge.
+    let light = ramp(&sensor, 48, 32, 40_000.0);
+    let raw = expose(&light, &sensor, &exposure, stages, KEY).expect("valid");
+    for (i, (&dn, clean)) in raw.data.iter().zip(raw_clean(&light, &sensor, &exposure, stages)).enumerate() {
+        assert!((f64::from(dn) - clean).abs() <= rounding + 0.01, "{i}: {dn} is not {clean}");
+    }
+}
+
 #[test]
 fn names_end_with_units_and_tell_maps_apart() {
     for (i, map) in NoiseMap::ALL.into_iter().enumerate() {
@@ -180,5 +271,7 @@ fn names_end_with_units_and_tell_maps_apart() {
     }
     assert_eq!(NoiseMap::PrnuE.unit(), MapUnit::Electrons);
     assert_eq!(NoiseMap::ClippingDn.unit(), MapUnit::DigitalNumbers);
-    assert_eq!((NoiseMap::Saturated.unit(), NoiseMap::PrnuGain.unit()), (MapUnit::None, MapUnit::None));
+    for map in [NoiseMap::Saturated, NoiseMap::PrnuGain, NoiseMap::RawClean] {
+        assert_eq!(map.unit(), MapUnit::None);
+    }
 }

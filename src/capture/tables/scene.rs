@@ -213,7 +213,8 @@ pub(crate) struct SkyTable {
     /// Haze: 2 is very clear, 3 clear, 6 warm and moist, 10 hazy; 1–10. Left out: 3.
     #[schemars(transform = within(1.0..=10.0))]
     pub(crate) turbidity: Option<f64>,
-    /// Reflectance of the ground, which the sky sees, 0–1. Left out: 0.2.
+    /// Reflectance of the ground, 0–1, which the sky is lit by, and which is seen below the horizon: a matt plane at
+    /// infinity in the light of sky and sun. Left out: 0.2.
     #[schemars(transform = within(0.0..=1.0))]
     pub(crate) ground_albedo: Option<f64>,
     /// Whether the sun's disk is there. Left out: true.

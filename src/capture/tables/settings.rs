@@ -211,7 +211,7 @@ pub(crate) struct OutputTable {
     pub(crate) objects: Option<bool>,
     /// What each effect of the sensor has added to every number of the raw picture: true for all maps, or a list such
     /// as "photon_shot_noise_e", "dark_current_e", "prnu_e", "dsnu_e", "read_noise_e", "quantisation_dn", "saturated";
-    /// e for e⁻, dn for DN. Left out: false.
+    /// e for e⁻, dn for DN. "raw_clean" is the raw picture without temporal noise. Left out: false.
     pub(crate) noise: Option<NoiseSource>,
     /// Formats of that: "exr" for one file noise.exr, "npy" for one file a map. Left out: ["exr"].
     pub(crate) noise_formats: Option<Vec<NoiseFormat>>,

@@ -7,9 +7,10 @@ use super::element::Element;
 use super::output::{Output, quoted};
 use super::picture;
 use super::sensor::rows;
-use crate::light::SkyConditions;
+use crate::light::{Sky, SkyConditions};
 use crate::scene::description::{EnvironmentDescription, LightDescription, LightKind, SceneDescription};
 use crate::scene::{emission_spectrum, nit_per_unit};
+use crate::spectrum::{Spectrum, SpectrumTable};
 
 /// Integral of the observer's V(λ) by which Mitsuba brings D65 to a luminance of 1 (its CIE_Y_NORMALIZATION, CIE 1931),
 /// times the luminous efficacy: an RGB colour of 1 is this many nit.
@@ -18,10 +19,42 @@ const NIT_OF_MITSUBA_WHITE: f64 = 106.856895 * 683.0;
 /// Spot lights whose edge is narrower than this are as good as hard, rad.
 const HARD_EDGE_RAD: f32 = 1e-3;
 
-pub(super) fn lights(scene: &SceneDescription, out: &mut Output) -> Vec<Element> {
+/// How far the disk reaches that stands for the ground of a sky, over how far it lies below all else: it ends 10 µrad
+/// below the horizon.
+const GROUND_RADIUS: f64 = 1e5;
+
+/// All lights of a scene with a camera there.
+pub(super) fn lights(scene: &SceneDescription, camera: DVec3, out: &mut Output) -> Vec<Element> {
     let mut elements: Vec<_> = scene.lights.iter().filter_map(|l| light(l, out)).collect();
     elements.extend(scene.environment.as_ref().map(|e| environment(e, out)));
+    if let Some(EnvironmentDescription::Sky(conditions)) = &scene.environment {
+        let (_, light) = Sky::new(conditions, &mut SpectrumTable::default());
+        if light.ground.max() > 0.0 {
+            elements.push(ground(&light.ground, scene, camera));
+        }
+    }
     elements
+}
+
+/// The ground of a sky, black below the horizon in Mitsuba: a disk that shines and reflects nothing, far below and far
+/// wider.
+fn ground(radiance: &Spectrum, scene: &SceneDescription, camera: DVec3) -> Element {
+    let (low, high) = scene.subject_bounds().unwrap_or((camera, camera));
+    let (low, high) = (low.min(camera), high.max(camera));
+    let lowest = scene.instances.iter().flat_map(|instance| {
+        let positions = scene.meshes[instance.meshes.clone()].iter().flat_map(|mesh| &mesh.positions);
+        positions.map(|p| instance.to_world.transform_point3(p.as_dvec3()).y)
+    });
+    let depth = low.distance(high).max(1.0);
+    let centre = DVec3 { y: lowest.fold(low.y, f64::min) - depth, ..(low + high) / 2.0 };
+    // Mitsuba's disk faces +z.
+    let turned = DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
+    let to_world =
+        DAffine3::from_translation(centre) * turned * DAffine3::from_scale(DVec3::splat(GROUND_RADIUS * depth));
+    Element::object("shape", "disk")
+        .transform("to_world", rows(to_world))
+        .child(Element::object("bsdf", "diffuse").spectrum("reflectance", &Spectrum::constant(0.0)))
+        .child(Element::object("emitter", "area").spectrum("radiance", radiance))
 }
 
 fn light(light: &LightDescription, out: &mut Output) -> Option<Element> {

@@ -18,7 +18,7 @@
 //! | camera, lens, sensor, settings | `perspective` or `thinlens`, `specfilm`, `path`, `volpath` | `sensor.rs` |
 //! | meshes and their instances, spheres, disks, cylinders | `ply`, `shapegroup` and `instance`, `sphere`, `disk`, `cylinder` | `shape.rs` |
 //! | materials | `diffuse`, `conductor`, `dielectric` and their rough kin, `blendbsdf`, `twosided`, `mask`, `normalmap` | `material.rs` |
-//! | lights | `area`, `point`, `spot`, `directional`, `constant`, `envmap`, `sunsky` | `light.rs` |
+//! | lights | `area`, `point`, `spot`, `directional`, `constant`, `envmap`, `sunsky` with a `disk` for its ground | `light.rs` |
 //! | pictures | `bitmap` of an EXR file | `picture.rs` |
 
 mod difference;
@@ -70,15 +70,15 @@ pub fn export(capture: &Capture, camera: &Camera, approximate: bool) -> Result<M
     let responses = sensor::responses(capture, camera, &mut out);
     out.sees_beyond_cie = responses.iter().any(|(_, response)| sensor::sees_beyond_cie(response));
     let integrator = sensor::integrator(&capture.render, material::has_holes(&capture.scene));
-    let camera = sensor::sensor(capture, camera, &responses, &mut out);
+    let sensor = sensor::sensor(capture, camera, &responses, &mut out);
     let materials = material::materials(&capture.scene, &mut out);
     material::panes(&capture.scene, &mut out);
     let shapes = shape::shapes(&capture.scene, &materials, &mut out);
-    let lights = light::lights(&capture.scene, &mut out);
+    let lights = light::lights(&capture.scene, camera.to_world().translation, &mut out);
     let scene = Element::new("scene")
         .attribute("version", MITSUBA)
         .child(integrator)
-        .child(camera)
+        .child(sensor)
         .with(materials.into_iter().flat_map(ExportedMaterial::into_elements))
         .with(shapes)
         .with(lights);

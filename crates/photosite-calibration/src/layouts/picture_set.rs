@@ -127,7 +127,8 @@ impl PictureSet {
             for (shot, head) in shots.zip(self.of_camera(0).skip(1)) {
                 if !is_same_lens(&shot.calibrated, &first.calibrated) {
                     let help = "one camera has to represent all frames: make a data set that varies neither lens nor \
-                                sensor, without autofocus, or lay this one out for colmap, which has a camera for each";
+                                sensor, with lens.focus_distance_m in place of autofocus, or lay this one out for colmap, \
+                                which has a camera for each";
                     return Err(differs("the lens", shot, help));
                 }
                 let place = |shot: &Shot, head: &Shot| head.start.inverse() * shot.start;

@@ -153,9 +153,12 @@ fn develop_signal(
 ) -> Result<(Planes, Development), Invalid> {
     let size = [raw.width, raw.height];
     let orientation = settings.orientation(&raw.metadata);
-    // The size that is asked for is that of the turned picture.
-    let settings =
-        &DevelopSettings { resize_px: settings.resize_px.map(|size| orientation.turned(size)), ..settings.clone() };
+    // Size and kernel are meant for the turned picture.
+    let settings = &DevelopSettings {
+        resize_px: settings.resize_px.map(|size| orientation.turned(size)),
+        kernel: settings.kernel.as_ref().map(|kernel| orientation.kernel_before(kernel)),
+        ..settings.clone()
+    };
     defects::correct(&mut signal, size, &raw.cfa, settings.defects);
     if settings.lens_falloff {
         lens_falloff::correct(&mut signal, raw);
@@ -228,4 +231,50 @@ fn to_colour_space(
         camera = Planes::new(camera.width(), camera.height(), vec![Channel { name: "Y".to_owned(), data }])?;
     }
     Ok(if factor == 1.0 { camera } else { camera.scaled(factor) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::raw::Orientation;
+
+    /// A picture that is stored turned is developed as the one that stands upright, whatever is asked for.
+    #[test]
+    fn settings_are_meant_for_the_picture_upright() {
+        let [width, height] = [16, 10];
+        let upright: Vec<u16> = (0..width * height).map(|i| (i * i * 37 % 50_000) as u16).collect();
+        let kernel = Some(vec![vec![0.1, 0.5, 0.2, 0.0, -0.1]; 3]);
+        let row = Some(vec![vec![-1.0, 0.0, 3.0]]);
+        let plain = DevelopSettings::default();
+        for settings in [
+            plain.clone(),
+            DevelopSettings { kernel: kernel.clone(), ..plain.clone() },
+            DevelopSettings { kernel: row, ..plain.clone() },
+            DevelopSettings { resize_px: Some([7, 4]), ..plain.clone() },
+            DevelopSettings { resize_px: Some([24, 15]), kernel: kernel.clone(), ..plain.clone() },
+        ] {
+            let develop = |raw: &RawImage| develop_linear(raw, &settings).expect("a picture").0;
+            let expected = develop(&RawImage::bare(width, height, upright.clone(), Cfa::mono(), u16::MAX));
+            for number in 1..=8u8 {
+                let orientation = Orientation::of_number(number.into()).expect("one of eight");
+                // A picture of numbers says where each pixel of the upright one is stored.
+                let [columns, rows] = orientation.turned([width, height]);
+                let numbers = (0..width * height).map(|i| i as f32).collect();
+                let places = Planes::new(columns, rows, vec![Channel { name: "Y".to_owned(), data: numbers }]);
+                let places = orientation.apply(places.expect("right size"));
+                let mut stored = vec![0; width * height];
+                for (place, value) in places.channels()[0].data.iter().zip(&upright) {
+                    stored[*place as usize] = *value;
+                }
+                let mut raw = RawImage::bare(columns, rows, stored, Cfa::mono(), u16::MAX);
+                raw.metadata.orientation = orientation;
+                let found = develop(&raw);
+                assert_eq!([found.width(), found.height()], [expected.width(), expected.height()]);
+                for (found, expected) in found.channels()[0].data.iter().zip(&expected.channels()[0].data) {
+                    // Sums of weights in another order, of 32-bit floats.
+                    assert!((found - expected).abs() < 1e-5, "{number} {settings:?}: {found} {expected}");
+                }
+            }
+        }
+    }
 }

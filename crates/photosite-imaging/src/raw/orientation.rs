@@ -60,6 +60,19 @@ impl Orientation {
         Planes::new(width, height, channels).expect("as many pixels as before")
     }
 
+    /// The kernel that does to the picture as it is what this one, of rows of equal length, does to the upright one.
+    pub fn kernel_before(self, upright: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let size = self.turned([upright.first().map_or(0, Vec::len), upright.len()]);
+        let mut kernel = vec![vec![0.0; size[0]]; size[1]];
+        for (y, row) in upright.iter().enumerate() {
+            for (x, &weight) in row.iter().enumerate() {
+                let [column, row] = self.source([x, y], size);
+                kernel[row][column] = weight;
+            }
+        }
+        kernel
+    }
+
     /// Where a pixel of the upright picture is found in one of so many columns and rows.
     fn source(self, [x, y]: [usize; 2], [width, height]: [usize; 2]) -> [usize; 2] {
         let (right, bottom) = (|x: usize| width - 1 - x, |y: usize| height - 1 - y);

@@ -123,7 +123,7 @@ impl EnvironmentPicture {
         let sines: Vec<f64> = (0..height).map(|y| polar_angle(y, height).sin()).collect();
         let smooth: Vec<f64> =
             (0..width * height).map(|i| 0.5 * (luminance[i] + around(i % width, i / width))).collect();
-        let (weights, excess) = above_mean(&smooth, &sines, 1.0);
+        let (weights, excess) = above_mean(&smooth, &sines);
         let (sin, cos) = rotation_deg.to_radians().sin_cos();
         let distribution = PiecewiseConstant2D::new(&weights, width);
         Self { picture, radiance, rotation: [cos as f32, sin as f32], distribution, excess }

@@ -48,7 +48,7 @@ pub use profile::Profile;
 pub use projector::Projector;
 pub(crate) use sample::LiContext;
 pub use sample::LightSample;
-pub use sky::{Sky, SkyConditions};
+pub use sky::{Sky, SkyConditions, SkyLight};
 pub use spot_light::SpotLight;
 pub use sun_position::SunPosition;
 pub use triangle_light::TriangleLight;

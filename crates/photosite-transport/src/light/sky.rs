@@ -5,10 +5,11 @@
 //! In: where the sun stands, how hazy the air is, how bright the ground. Out: radiance from every direction,
 //! W·m⁻²·sr⁻¹·nm⁻¹. The model knows 320–720 nm. Beyond, where sensors of silicon still see, this is assumed: above 720
 //! nm the sun goes on as a blackbody of 5778 K, and the sky as that scattered in proportion to λ⁻⁴; below 320 nm both
-//! fall to nothing at 300 nm, where ozone absorbs. Bands of water vapour are not there. Nothing comes from below the
-//! horizon: the ground is left to the scene.
+//! fall to nothing at 300 nm, where ozone absorbs. Bands of water vapour are not there. Below the horizon lies the ground
+//! that the model has the sky lit by, a Lambertian plane at infinity: radiance ρ·E/π, with the albedo ρ and the irradiance
+//! E of sky and sun on it.
 
-use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::f32::consts::{PI, TAU};
 use std::sync::OnceLock;
 
 use glam::Vec3;
@@ -44,13 +45,22 @@ pub struct SkyConditions {
     pub towards_sun: glam::DVec3,
     /// Linke turbidity, 1 (clear) to 10 (haze).
     pub turbidity: f64,
-    /// Reflectance of the ground, 0–1.
+    /// Reflectance of the ground, 0–1, which the sky is lit by and which lies below the horizon.
     pub ground_albedo: f64,
     /// Whether the sun's disk is there, or only the sky.
     pub has_sun: bool,
 }
 
-/// Sky and sun as an environment.
+/// The light that comes from all of it.
+#[derive(Clone, Debug)]
+pub struct SkyLight {
+    /// ∫ L dω over all directions, W·m⁻²·nm⁻¹.
+    pub all: Spectrum,
+    /// Radiance of the ground below the horizon, W·m⁻²·sr⁻¹·nm⁻¹.
+    pub ground: Spectrum,
+}
+
+/// Sky, sun and ground as an environment.
 #[derive(Clone, Debug)]
 pub struct Sky {
     knots: [Knot; KNOTS],
@@ -60,9 +70,11 @@ pub struct Sky {
     /// Mean radiance of the sun's disk.
     sun: Option<SpectrumId>,
     cos_sun_radius: f32,
+    /// Radiance of the ground.
+    ground: SpectrumId,
     /// Part of the samples that go to the sun.
     sun_part: f32,
-    /// Of azimuth and angle from the zenith, of what is brighter than the mean of the sky above and the dark below.
+    /// Of azimuth and angle from the zenith, of what is brighter than the mean of the sky above and the ground below.
     distribution: PiecewiseConstant2D,
     excess: f64,
 }
@@ -141,6 +153,22 @@ fn tail(lambda_nm: f64, scatters: bool) -> f64 {
     planck(lambda_nm) / planck(last) * if scatters { (last / lambda_nm).powi(4) } else { 1.0 }
 }
 
+/// The part of the sun's disk above the horizon, and the mean of max(cos θ, 0) over the disk, θ from the zenith: by strips
+/// of it, level as the horizon is.
+fn disk_above_horizon(elevation: f64) -> [f64; 2] {
+    const STRIPS: u32 = 64;
+    let (mut all, mut above, mut cosines) = (0.0, 0.0, 0.0);
+    for strip in 0..STRIPS {
+        let height = (f64::from(2 * strip + 1) / f64::from(STRIPS)) - 1.0;
+        let width = (1.0 - height * height).sqrt();
+        let cosine = (elevation + height * SUN_RADIUS_RAD).sin().max(0.0);
+        all += width;
+        cosines += width * cosine;
+        above += if cosine > 0.0 { width } else { 0.0 };
+    }
+    [above / all, cosines / all]
+}
+
 /// A spectrum through the wavelengths of the model and beyond.
 fn spectrum(knots: &[f64; KNOTS], scatters: bool) -> Spectrum {
     Spectrum::from_fn(|lambda| {
@@ -171,57 +199,70 @@ impl Sky {
     /// First and last wavelength of the model, nm.
     pub const KNOWN_NM: [f32; 2] = [FIRST_NM, LAST_NM];
 
-    /// Puts the sky into tables; returns also ∫ L dω of all of it, W·m⁻²·nm⁻¹.
-    pub fn new(conditions: &SkyConditions, spectra: &mut SpectrumTable) -> (Self, Spectrum) {
+    /// Puts the sky into tables; returns also its light.
+    pub fn new(conditions: &SkyConditions, spectra: &mut SpectrumTable) -> (Self, SkyLight) {
         let elevation = conditions.towards_sun.y.clamp(0.0, 1.0).asin();
         let knots = knots(conditions, elevation);
         let towards_sun = conditions.towards_sun.as_vec3();
 
-        // Luminance over a grid of directions, and what each wavelength brings in all.
-        const ROWS: usize = 64;
+        // Luminance over a grid of directions, with the horizon between two of its rows, and what each wavelength brings
+        // in all, from every direction and onto the ground.
+        const ROWS: usize = 128;
+        const ABOVE: usize = ROWS / 2;
         const COLUMNS: usize = 128;
         const WITHIN: usize = 2;
         let hat = |knot: usize| spectrum(&std::array::from_fn(|k| f64::from(u8::from(k == knot))), true);
         let luminous: [f64; KNOTS] = std::array::from_fn(|knot| cie::luminous(&hat(knot)));
         // Of each cell the mean by solid angle, and of each row the mean sine.
-        let mut luminances = vec![0.0; ROWS * COLUMNS];
+        let mut luminances = vec![0.0; ABOVE * COLUMNS];
         let mut sines = [0.0; ROWS];
-        let mut totals = [0.0; KNOTS];
+        let [mut totals, mut onto_ground] = [[0.0; KNOTS]; 2];
         for row in 0..ROWS * WITHIN {
             for column in 0..COLUMNS * WITHIN {
                 let centre = |i: usize, n: usize| (i as f32 + 0.5) / (n * WITHIN) as f32;
                 let (direction, sin_theta) = direction([centre(column, COLUMNS), centre(row, ROWS)]);
-                let cell = TAU * FRAC_PI_2 * sin_theta / (ROWS * COLUMNS * WITHIN * WITHIN) as f32;
+                let weight = f64::from(sin_theta) / (WITHIN * WITHIN) as f64;
+                sines[row / WITHIN] += weight / COLUMNS as f64;
+                if row >= ABOVE * WITHIN {
+                    continue;
+                }
+                let cell = TAU * PI * sin_theta / (ROWS * COLUMNS * WITHIN * WITHIN) as f32;
                 let gamma = direction.dot(towards_sun).clamp(-1.0, 1.0);
                 let mut luminance = 0.0;
-                for (knot, (total, luminous)) in knots.iter().zip(totals.iter_mut().zip(luminous)) {
+                for (i, knot) in knots.iter().enumerate() {
                     let radiance = f64::from(radiance_at(knot, direction.y, gamma.acos(), gamma));
-                    *total += radiance * f64::from(cell);
-                    luminance += radiance * luminous;
+                    totals[i] += radiance * f64::from(cell);
+                    onto_ground[i] += radiance * f64::from(cell * direction.y);
+                    luminance += radiance * luminous[i];
                 }
-                let weight = f64::from(sin_theta) / (WITHIN * WITHIN) as f64;
                 luminances[row / WITHIN * COLUMNS + column / WITHIN] += luminance * weight;
-                sines[row / WITHIN] += weight / COLUMNS as f64;
             }
         }
         luminances.iter_mut().enumerate().for_each(|(i, luminance)| *luminance /= sines[i / COLUMNS]);
-        let (weights, excess_of_sky) = above_mean(&luminances, &sines, 0.5);
-        let sky_light = spectrum(&totals, true);
         let sun = conditions.has_sun.then(|| spectrum(&sun_knots(conditions.turbidity, elevation), false));
         let cos_sun_radius = SUN_RADIUS_RAD.cos();
-        let sun_light = sun.as_ref().map(|sun| sun.scale(std::f64::consts::TAU * (1.0 - cos_sun_radius)));
-        let [of_sky, of_sun] = [Some(&sky_light), sun_light.as_ref()].map(|light| light.map_or(0.0, cie::luminous));
-        let looked_at = of_sun + of_sky * excess_of_sky;
-        let all = match &sun_light {
-            Some(sun) => sky_light.map(|lambda, v| v + f64::from(sun.eval(lambda as f32))),
-            None => sky_light,
+        let sun_angle = std::f64::consts::TAU * (1.0 - cos_sun_radius);
+        let [sun_above, sun_cosine] = disk_above_horizon(elevation);
+        let with_sun = |rest: Spectrum, factor: f64| match &sun {
+            Some(sun) => rest.map_with(sun, |rest, sun| rest + factor * sun),
+            None => rest,
         };
+        let irradiance = with_sun(spectrum(&onto_ground, true), sun_angle * sun_cosine);
+        let ground = irradiance.scale(conditions.ground_albedo / std::f64::consts::PI);
+        luminances.resize(ROWS * COLUMNS, cie::luminous(&ground));
+        let (weights, excess_of_rest) = above_mean(&luminances, &sines);
+        let rest = spectrum(&totals, true).map_with(&ground, |sky, ground| sky + std::f64::consts::TAU * ground);
+        let of_rest = cie::luminous(&rest);
+        let of_sun = sun.as_ref().map_or(0.0, cie::luminous) * sun_angle * sun_above;
+        let all = with_sun(rest, sun_angle * sun_above);
+        let looked_at = of_sun + of_rest * excess_of_rest;
         let sky = Self {
             knots,
             tail: spectra.add(&Spectrum::from_fn(|lambda| tail(lambda, true))),
             towards_sun,
             sun: sun.map(|sun| spectra.add(&sun)),
             cos_sun_radius: cos_sun_radius as f32,
+            ground: spectra.add(&ground),
             // Both deserve some, whatever their power: either can be hidden from a point.
             sun_part: if conditions.has_sun {
                 (of_sun / looked_at.max(f64::MIN_POSITIVE)).clamp(0.25, 0.75) as f32
@@ -229,12 +270,12 @@ impl Sky {
                 0.0
             },
             distribution: PiecewiseConstant2D::new(&weights, COLUMNS),
-            excess: looked_at / (of_sun + of_sky).max(f64::MIN_POSITIVE),
+            excess: looked_at / (of_sun + of_rest).max(f64::MIN_POSITIVE),
         };
-        (sky, all)
+        (sky, SkyLight { all, ground })
     }
 
-    /// The part of its light, 0–1, that exceeds the mean of the sky above and the dark below; all of the sun's does.
+    /// The part of its light, 0–1, that exceeds the mean of the sky above and the ground below; all of the sun's does.
     pub fn excess(&self) -> f64 {
         self.excess
     }
@@ -243,7 +284,7 @@ impl Sky {
     #[inline]
     pub fn radiance(&self, spectra: &SpectrumTable, towards: Vec3, wavelengths: &Wavelengths) -> SampledSpectrum {
         if towards.y <= 0.0 {
-            return SampledSpectrum::ZERO;
+            return spectra.sample(self.ground, wavelengths);
         }
         let cos_gamma = towards.dot(self.towards_sun).clamp(-1.0, 1.0);
         let gamma = cos_gamma.acos();
@@ -258,7 +299,7 @@ impl Sky {
         }
     }
 
-    /// A direction towards the sky or the sun with its density.
+    /// A direction towards the sky, the sun or the ground with its density.
     #[inline]
     pub fn sample(&self, [u, v]: [f32; 2]) -> Option<(Vec3, Pdf<SolidAngle>)> {
         let towards = if u < self.sun_part {
@@ -276,12 +317,12 @@ impl Sky {
     #[inline]
     pub fn pdf(&self, towards: Vec3) -> Pdf<SolidAngle> {
         let sin_theta = towards.x.hypot(towards.z);
-        if towards.y <= 0.0 || sin_theta == 0.0 {
+        if sin_theta == 0.0 {
             return Pdf::new(0.0);
         }
         let u = (0.5 + towards.x.atan2(-towards.z) / TAU).clamp(0.0, 1.0 - f32::EPSILON);
-        let v = (sin_theta.atan2(towards.y) / FRAC_PI_2).min(1.0 - f32::EPSILON);
-        let sky = self.distribution.pdf([u, v]) / (TAU * FRAC_PI_2 * sin_theta);
+        let v = (sin_theta.atan2(towards.y) / PI).min(1.0 - f32::EPSILON);
+        let sky = self.distribution.pdf([u, v]) / (TAU * PI * sin_theta);
         let hits_sun = self.sun.is_some() && towards.dot(self.towards_sun) >= self.cos_sun_radius;
         let sun = if hits_sun { 1.0 / (TAU * (1.0 - self.cos_sun_radius)) } else { 0.0 };
         Pdf::new(self.sun_part * sun + (1.0 - self.sun_part) * sky)
@@ -291,7 +332,7 @@ impl Sky {
 /// The direction of azimuth and angle from the zenith, both as parts of their ranges, and the sine of the latter.
 #[inline]
 fn direction([u, v]: [f32; 2]) -> (Vec3, f32) {
-    let (sin_theta, cos_theta) = (FRAC_PI_2 * v).sin_cos();
+    let (sin_theta, cos_theta) = (PI * v).sin_cos();
     let (sin_phi, cos_phi) = (2.0 * PI * (u - 0.5)).sin_cos();
     (Vec3::new(sin_theta * sin_phi, cos_theta, -sin_theta * cos_phi), sin_theta)
 }
@@ -302,12 +343,12 @@ mod tests {
 
     use super::*;
 
-    fn sky(turbidity: f64, elevation_deg: f64, ground_albedo: f64, has_sun: bool) -> (SpectrumTable, Sky, Spectrum) {
+    fn sky(turbidity: f64, elevation_deg: f64, ground_albedo: f64, has_sun: bool) -> (SpectrumTable, Sky, SkyLight) {
         let (sin, cos) = elevation_deg.to_radians().sin_cos();
         let towards_sun = DVec3::new(0.0, sin, -cos);
         let mut spectra = SpectrumTable::default();
-        let (sky, all) = Sky::new(&SkyConditions { towards_sun, turbidity, ground_albedo, has_sun }, &mut spectra);
-        (spectra, sky, all)
+        let (sky, light) = Sky::new(&SkyConditions { towards_sun, turbidity, ground_albedo, has_sun }, &mut spectra);
+        (spectra, sky, light)
     }
 
     /// Away from the sun by an azimuth.
@@ -358,12 +399,12 @@ mod tests {
         }
     }
 
-    /// ∫ f dω over the hemisphere by n² samples of the sky and as many even ones, by the balance heuristic: the sky's
+    /// ∫ f dω over the sphere by n² samples of the sky and as many even ones, by the balance heuristic: the sky's
     /// leave out what is darker than the mean.
     fn integral(sky: &Sky, n: u16, f: impl Fn(Vec3) -> [f64; 4]) -> [f64; 4] {
         let mut sums = [0.0; 4];
         let mut add = |towards: Vec3| {
-            let density = f64::from(sky.pdf(towards).0) + 0.5 / std::f64::consts::PI;
+            let density = f64::from(sky.pdf(towards).0) + 0.25 / std::f64::consts::PI;
             for (sum, value) in sums.iter_mut().zip(f(towards)) {
                 *sum += value / density / f64::from(n).powi(2);
             }
@@ -373,9 +414,7 @@ mod tests {
             if let Some((towards, _)) = sky.sample(u) {
                 add(towards);
             }
-            // Around the zenith, which is +Y.
-            let Vec3 { x, y, z } = warp::uniform_cone(u, 0.0);
-            add(Vec3::new(x, z, y));
+            add(warp::uniform_sphere(u));
         }
         sums
     }
@@ -389,7 +428,7 @@ mod tests {
                     let l = 400.0 + 30.0 * f32::from(i);
                     f64::from(sky.radiance(&spectra, towards, &at([l; 4]))[0] * cie::y_bar().eval(l)) * 30.0
                 });
-                [683.0 * lanes.sum::<f64>() * f64::from(towards.y); 4]
+                [683.0 * lanes.sum::<f64>() * f64::from(towards.y.max(0.0)); 4]
             };
             integral(&sky, 200, illuminance)[0]
         };
@@ -407,9 +446,11 @@ mod tests {
     fn what_shines_evenly_is_not_looked_at_and_the_sun_is() {
         let alone = sky(3.0, 60.0, 0.2, false).1;
         let with_sun = sky(3.0, 60.0, 0.2, true).1;
-        // Of a sky that would be even above the horizon and dark below, half exceeds the mean.
-        assert!(alone.excess() > 0.45 && alone.excess() < 0.75, "{}", alone.excess());
-        assert!(with_sun.excess() > 0.8 && with_sun.excess() < 1.0, "{}", with_sun.excess());
+        // Of a sky that would be even above the horizon with a ground of 0.2 below, (1 − 0.6)/1.2 exceeds the mean.
+        assert!(alone.excess() > 0.3 && alone.excess() < 0.6, "{}", alone.excess());
+        // Sun of some 80 000 lux on the ground, that ground of 0.2 and the sky of some 15 000 lux: of its light over all
+        // directions, 80/sin 60° + 2·0.2·95 + 2·15 thousand lumens a square metre, the sun's exceeds the mean.
+        assert!(with_sun.excess() > 0.5 && with_sun.excess() < 0.7, "{}", with_sun.excess());
         let brightest = alone.pdf(towards(30.0, 0.0)).0;
         assert!(brightest > 0.5 / PI, "{brightest}");
         // A sun in haze leaves the other side of the sky below the mean.
@@ -417,9 +458,54 @@ mod tests {
         assert_eq!(hazy.pdf(towards(40.0, 180.0)).0, 0.0);
     }
 
+    /// A plane that faces down receives the albedo of the ground times what one that faces up does, with the sun at any
+    /// height, and the ground is the same in all directions.
+    #[test]
+    fn the_ground_gives_back_what_falls_on_it() {
+        let wavelengths = at([380.0, 550.0, 700.0, 900.0]);
+        for (elevation, albedo, has_sun) in [
+            (0.0, 0.5, true),
+            (0.1, 1.0, true),
+            (30.0, 0.0, true),
+            (30.0, 0.3, true),
+            (90.0, 1.0, true),
+            (20.0, 0.8, false),
+        ] {
+            let (spectra, sky, SkyLight { ground, .. }) = sky(3.0, elevation, albedo, has_sun);
+            let onto = |up: f32| {
+                integral(&sky, 256, |towards| {
+                    let cos = f64::from((towards.y * up).max(0.0));
+                    sky.radiance(&spectra, towards, &wavelengths).to_array().map(|l| f64::from(l) * cos)
+                })
+            };
+            let below = [towards(90.5, 10.0), towards(120.0, 200.0), Vec3::NEG_Y];
+            let seen = below.map(|towards| sky.radiance(&spectra, towards, &wavelengths).to_array());
+            assert_eq!(seen, [seen[0]; 3]);
+            let (up, down) = (onto(1.0), onto(-1.0));
+            for (i, lambda) in [380.0, 550.0, 700.0, 900.0].into_iter().enumerate() {
+                assert_eq!(seen[0][i], ground.eval(lambda));
+                // As for the whole light; below the horizon all is the same.
+                let error = (down[i] - albedo * up[i]) / up[i];
+                assert!(error.abs() < 0.01, "{elevation} {albedo} {lambda}: {} is not {albedo}·{}", down[i], up[i]);
+                let closed = std::f64::consts::PI * f64::from(seen[0][i]);
+                assert!((down[i] - closed).abs() <= 0.01 * closed, "{elevation} {lambda}: {} {closed}", down[i]);
+            }
+        }
+    }
+
+    /// Bright ground is sampled as the sky is: evenly, by what it exceeds the mean.
+    #[test]
+    fn ground_in_the_sun_is_looked_at() {
+        let (_, bright, _) = sky(3.0, 60.0, 1.0, true);
+        let density = bright.pdf(towards(100.0, 0.0)).0;
+        assert!(density > 0.0);
+        assert!((bright.pdf(towards(150.0, 120.0)).0 / density - 1.0).abs() < 0.01);
+        assert_eq!(sky(3.0, 60.0, 0.1, false).1.pdf(towards(150.0, 120.0)).0, 0.0);
+    }
+
     #[test]
     fn samples_estimate_the_whole_light_and_know_their_density() {
-        let (spectra, sky, all) = sky(4.0, 30.0, 0.2, true);
+        let (spectra, sky, SkyLight { all, .. }) = sky(4.0, 30.0, 0.2, true);
         let wavelengths = at([380.0, 550.0, 700.0, 900.0]);
         let radiance = |towards| sky.radiance(&spectra, towards, &wavelengths).to_array().map(f64::from);
         let found = integral(&sky, 256, radiance);

@@ -16,7 +16,8 @@ use super::{
 use crate::bsdf::{Ggx, Map, MapAll, Mix, Model, RelativeIndex, SceneTraits};
 use crate::geometry::{Geometry, MeshRange, Motion, Primitive};
 use crate::light::{
-    DeltaLight, Environment, EnvironmentPicture, Light, LightPose, Lights, Sky, SurfaceEmission, Tint, TriangleLight,
+    DeltaLight, Environment, EnvironmentPicture, Light, LightPose, Lights, Sky, SkyLight, SurfaceEmission, Tint,
+    TriangleLight,
 };
 use crate::texture::{Bitmap, Texture};
 use photosite_core::spectrum::dispersion::lines;
@@ -296,8 +297,8 @@ impl Builder<'_> {
             }
             EnvironmentDescription::Sky(conditions) => {
                 // Its spectrum is that of the light from all directions together.
-                let (sky, spectrum) = Sky::new(conditions, &mut self.spectra);
-                (Environment::Sky(Box::new(sky)), spectrum, 1.0)
+                let (sky, SkyLight { all, .. }) = Sky::new(conditions, &mut self.spectra);
+                (Environment::Sky(Box::new(sky)), all, 1.0)
             }
         };
         list.add(Light::Environment, None, disk_m2(scene_radius) * solid_angle, &spectrum, self.importance);

@@ -2,7 +2,7 @@
 
 use crate::raw::{Cfa, PixelArea, RawImage, RawMetadata};
 use photosite_core::Invalid;
-use photosite_core::image::Planes;
+use photosite_core::image::{Channel, Planes};
 
 use super::noise_maps::{NoiseMaps, Recorder};
 use crate::sensor::signal::charge_generation;
@@ -97,6 +97,60 @@ pub fn expose_after(
     maps: &[NoiseMap],
     before: Option<&LeftCharge>,
 ) -> Result<Exposed, Invalid> {
+    let drawn: Vec<NoiseMap> = maps.iter().copied().filter(|map| *map != NoiseMap::RawClean).collect();
+    let mut exposed = expose_once(mean_electrons, sensor, exposure, stages, key, &drawn, before, false)?;
+    if let Some(place) = maps.iter().position(|map| *map == NoiseMap::RawClean) {
+        let clean = clean(mean_electrons, sensor, exposure, stages, key, before)?;
+        let mut channels = exposed.maps.planes.into_channels();
+        let place = place * clean.len();
+        channels.splice(place..place, clean);
+        exposed.maps.planes = Planes::new(exposed.raw.width, exposed.raw.height, channels)?;
+    }
+    Ok(exposed)
+}
+
+/// The channels of [`NoiseMap::RawClean`]. Of the numbers of an exposure whose stages take their means, rounding is
+/// taken back, and they end where those of the converter do.
+fn clean(
+    mean_electrons: &Planes,
+    sensor: &SensorModel,
+    exposure: &Exposure,
+    stages: Stages,
+    key: NoiseKey,
+    before: Option<&LeftCharge>,
+) -> Result<Vec<Channel>, Invalid> {
+    let rounded = [NoiseMap::QuantisationDn, NoiseMap::RoundingDn];
+    let Exposed { raw, maps, .. } = expose_once(mean_electrons, sensor, exposure, stages, key, &rounded, before, true)?;
+    let (converter, samples) = (&sensor.converter, raw.cfa.samples_per_pixel());
+    let [quantisation, rounding] = [0, 1].map(|map| &maps.planes.channels()[map * samples..][..samples]);
+    let level = |number: u16, rounded: [f32; 2]| {
+        let level = f64::from(number) - rounded.map(f64::from).iter().sum::<f64>();
+        let level = level.clamp(0.0, converter.max_dn().into());
+        converter.companding.as_ref().map_or(level, |companding| companding.level(level, converter.max_dn())) as f32
+    };
+    let channel = |sample: usize| {
+        let numbers = raw.data.iter().skip(sample).step_by(samples);
+        let rounded = quantisation[sample].data.iter().zip(&rounding[sample].data);
+        let name = quantisation[sample].name.replacen(NoiseMap::QuantisationDn.name(), NoiseMap::RawClean.name(), 1);
+        let data = numbers.zip(rounded).map(|(&number, (&q, &r))| level(number, [q, r])).collect();
+        Channel { name, data }
+    };
+    Ok((0..samples).map(channel).collect())
+}
+
+/// Exposes the sensor once; `is_mean`: without random numbers and, as its curve would hide what rounding has changed,
+/// without companding.
+#[expect(clippy::too_many_arguments, reason = "those of an exposure and how it is made")]
+fn expose_once(
+    mean_electrons: &Planes,
+    sensor: &SensorModel,
+    exposure: &Exposure,
+    stages: Stages,
+    key: NoiseKey,
+    maps: &[NoiseMap],
+    before: Option<&LeftCharge>,
+    is_mean: bool,
+) -> Result<Exposed, Invalid> {
     exposure.validate(sensor)?;
     exposure.region.fits(sensor, [mean_electrons.width(), mean_electrons.height()])?;
     let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
@@ -107,7 +161,7 @@ pub fn expose_after(
     let mut charge = sensor.masked.surround(charge);
     record.embed([sensor.masked.columns[0] * charge.samples, sensor.masked.rows[0]], &charge);
 
-    let frame = Frame { sensor, exposure, stages, key, size: [charge.width, charge.height] };
+    let frame = Frame { sensor, exposure, stages, key, size: [charge.width, charge.height], is_mean };
     let passing = free_electrons(&frame, &mut charge, &record);
     let before = before.filter(|_| stages.has(Stage::ImageLag));
     if let Some(before) = before {
@@ -285,7 +339,7 @@ fn process(frame: &Frame<'_>, numbers: Vec<u16>, record: &mut Recorder) -> (Vec<
     record.add_numbers(&binning, sensor, &data, size[0]);
     let frame = &Frame { size, ..*frame };
     let digital_gain = DigitalGain::new(frame);
-    let compander = Compander::new(frame);
+    let compander = Compander::new(frame).filter(|_| !frame.is_mean);
     let transmission_errors = TransmissionErrors::new(frame);
     for_each_row(&mut data, size[0], |numbers| {
         record.multiply(digital_gain.as_ref(), numbers);

@@ -5,7 +5,8 @@
 //!
 //! DN = black level + K·Σ (maps in e⁻) + Σ (maps in DN)
 //!
-//! with the system gain K, DN/e⁻, and `photo_electrons_e` among the first. Electrons are those of the pixel that is read
+//! with the system gain K, DN/e⁻, and `photo_electrons_e` among the first. `raw_clean` is the picture without temporal
+//! noise, exposed once more for it. Electrons are those of the pixel that is read
 //! out: maps of a bin in e⁻ are sums over its pixels, whether their charge or their numbers are added or averaged.
 
 use std::sync::{Mutex, MutexGuard};

@@ -97,6 +97,11 @@ impl Companding {
         f64::from((1u32 << self.bits) - 1)
     }
 
+    /// The number that leaves the sensor for a level at the converter, DN, not rounded.
+    pub(in crate::sensor) fn level(&self, dn: f64, max_dn: u16) -> f64 {
+        self.forward(dn, max_dn.into())
+    }
+
     /// The number that leaves the sensor for one of the converter.
     pub(in crate::sensor) fn code(&self, dn: u16, max_dn: u16) -> u16 {
         self.forward(dn.into(), max_dn.into()).round() as u16

@@ -228,6 +228,9 @@ noise_maps! {
     PrnuGain = "prnu_gain",
     /// 1 where a full well or the end of the converter has cut the signal, 0 elsewhere. It is no part of the sum.
     Saturated = "saturated",
+    /// The raw picture without temporal noise, DN: the number that a pixel has on average, before it is rounded. Fixed
+    /// patterns, black level and saturation are in it. It is no part of the sum.
+    RawClean = "raw_clean",
 }
 
 /// What the numbers of a map count.

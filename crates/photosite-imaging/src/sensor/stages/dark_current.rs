@@ -86,7 +86,8 @@ pub(in crate::sensor) struct DarkCurrent {
     pub(in crate::sensor) electrons: DarkElectrons,
     /// Distribution of the electrons of pixels that are all alike, prepared once.
     alike: Counts,
-    streams: Streams,
+    /// `None` for mean electrons.
+    streams: Option<Streams>,
 }
 
 /// Pixels whose dark current is the mean times exp(s·n − s²/2), n standard normal: log-normal, as the concentrations of
@@ -114,7 +115,7 @@ impl Nonuniformity {
 
 impl DarkCurrent {
     pub(in crate::sensor) fn new(frame: &Frame<'_>) -> Option<Self> {
-        let (electrons, streams) = (DarkElectrons::new(frame)?, frame.temporal(Stage::DarkCurrent)?);
+        let (electrons, streams) = (DarkElectrons::new(frame)?, frame.temporal(Stage::DarkCurrent));
         let mean = electrons.mean.0;
         // More than the distribution can take fills any well; without any dark current there is none.
         (mean > 0.0).then(|| Self { electrons, alike: Counts::new(mean.min(Poisson::<f64>::MAX_LAMBDA)), streams })
@@ -126,11 +127,17 @@ impl RowStage for DarkCurrent {
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
         let y = row.y;
-        match self.electrons.nonuniformity {
-            None => self.streams.pixels(row, |_, charge, random| charge + self.alike.sample(random) as f32),
-            Some(_) => self
-                .streams
-                .pixels(row, |x, charge, random| charge + poisson(self.electrons.of_pixel(x, y), random) as f32),
+        match (&self.streams, self.electrons.nonuniformity) {
+            (None, _) => {
+                let pixels = row.values.iter_mut().enumerate();
+                pixels.for_each(|(x, charge)| *charge += self.electrons.of_pixel(x, y) as f32);
+            }
+            (Some(streams), None) => {
+                streams.pixels(row, |_, charge, random| charge + self.alike.sample(random) as f32);
+            }
+            (Some(streams), Some(_)) => {
+                streams.pixels(row, |x, charge, random| charge + poisson(self.electrons.of_pixel(x, y), random) as f32);
+            }
         }
     }
 }
@@ -141,7 +148,8 @@ pub(in crate::sensor) struct HotPixels {
     part: f64,
     mean: Electrons,
     places: Streams,
-    electrons: Streams,
+    /// `None` for mean electrons.
+    electrons: Option<Streams>,
 }
 
 impl HotPixels {
@@ -149,7 +157,7 @@ impl HotPixels {
         let Frame { sensor, exposure, .. } = frame;
         let mean = sensor.noise.hot_electrons(exposure.temperature, exposure.time);
         let places = frame.fixed(Stage::HotPixels).filter(|_| mean.0 > 0.0)?;
-        let electrons = frame.temporal(Stage::HotPixels)?;
+        let electrons = frame.temporal(Stage::HotPixels);
         Some(Self { part: sensor.noise.defects.hot, mean, places, electrons })
     }
 
@@ -166,7 +174,8 @@ impl RowStage for HotPixels {
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
         for (x, mean) in self.of_row(row.y, row.values.len()) {
-            row.values[x] += poisson(mean, &mut self.electrons.pixel(x, row.y)) as f32;
+            let electrons = self.electrons.map_or(mean, |streams| poisson(mean, &mut streams.pixel(x, row.y)));
+            row.values[x] += electrons as f32;
         }
     }
 }

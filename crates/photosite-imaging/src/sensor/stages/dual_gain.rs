@@ -37,6 +37,8 @@ pub(in crate::sensor) struct DualGainDigitiser {
     merged: Digitiser,
     /// System gain of the merged numbers, DN/e⁻.
     system_gain: f64,
+    /// Of mean charge: the least and the most that the low gain has numbers for, e⁻.
+    range_of_mean_e: Option<[f32; 2]>,
 }
 
 /// One amplifier and its converter.
@@ -66,9 +68,11 @@ impl DualGainDigitiser {
             system_gain: converter.system_gain(gain),
             black_level_dn: converter.black_level_dn.into(),
         };
+        let low_branch = branch(low, *low_read_noise, Stage::LowGainReadNoise, 1);
         Some(Self {
             high: branch(high, frame.sensor.noise.read, Stage::ReadNoise, 0),
-            low: branch(low, *low_read_noise, Stage::LowGainReadNoise, 1),
+            range_of_mean_e: frame.is_mean.then(|| [0, low.max_dn()].map(|number| low_branch.electrons(number) as f32)),
+            low: low_branch,
             threshold_dn: dual.threshold_dn(),
             merged: Digitiser::ideal(converter),
             system_gain: converter.system_gain(gain),
@@ -76,7 +80,7 @@ impl DualGainDigitiser {
     }
 
     /// Converts a row of charges twice and merges the numbers. The charges are left with the noise of the amplifier
-    /// that counts.
+    /// that counts; mean charge ends where their numbers do.
     pub(in crate::sensor) fn convert(&self, row: &mut Row<'_>, numbers: &mut Row<'_, u16>) {
         for (x, (charge_e, number)) in row.values.iter_mut().zip(numbers.values.iter_mut()).enumerate() {
             let noisy_e = self.high.with_noise(*charge_e, x, row.y);
@@ -89,6 +93,9 @@ impl DualGainDigitiser {
                 self.low.electrons(self.low.convert(*charge_e, x))
             };
             *number = self.merged.number(self.system_gain * estimate_e, x);
+            if let Some([least_e, most_e]) = self.range_of_mean_e {
+                *charge_e = charge_e.clamp(least_e, most_e);
+            }
         }
     }
 }

@@ -13,12 +13,14 @@ pub(in crate::sensor) struct Frame<'a> {
     pub(in crate::sensor) key: NoiseKey,
     /// Values in a row of charge, and rows.
     pub(in crate::sensor) size: [usize; 2],
+    /// Whether what differs from frame to frame takes its mean, without random numbers.
+    pub(in crate::sensor) is_mean: bool,
 }
 
 impl Frame<'_> {
-    /// Random numbers that are new in each frame, unless the stage is switched off.
+    /// Random numbers that are new in each frame, unless the stage is switched off or takes its mean.
     pub(in crate::sensor) fn temporal(&self, stage: Stage) -> Option<Streams> {
-        self.stages.has(stage).then(|| self.key.temporal(stage))
+        (self.stages.has(stage) && !self.is_mean).then(|| self.key.temporal(stage))
     }
 
     /// Random numbers that belong to the sensor, unless the stage is switched off.

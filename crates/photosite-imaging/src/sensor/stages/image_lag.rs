@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use photosite_core::Invalid;
 
 use super::frame::Frame;
-use super::shot_noise::binomial;
+use super::shot_noise::part_of;
 use crate::sensor::model::ImageLag;
 use crate::sensor::signal::charge_plane::ChargePlane;
 use crate::sensor::signal::effects::Stage;
@@ -60,20 +60,24 @@ pub(in crate::sensor) fn keep_back(
     before: Option<&LeftCharge>,
 ) -> Option<LeftCharge> {
     let ImageLag { fraction, electrons, decay } = frame.sensor.image_lag?;
-    let streams = frame.temporal(Stage::ImageLag)?;
+    if !frame.stages.has(Stage::ImageLag) {
+        return None;
+    }
+    let streams = frame.temporal(Stage::ImageLag);
     let mut left = ChargePlane::empty(charge.width, charge.height, charge.samples);
     let width = charge.width.max(1);
     let rows = charge.electrons.par_chunks_mut(width).zip(left.electrons.par_chunks_mut(width));
     rows.enumerate().for_each(|(y, (charge, left))| {
         for (x, (charge, left)) in charge.iter_mut().zip(left).enumerate() {
-            let held = f64::from(*charge).floor().max(0.0);
+            let held = f64::from(*charge).max(0.0);
+            let held = if streams.is_some() { held.floor() } else { held };
             // Wells that overflow, or dead pixels, may hold less than came from before.
             let old = before.map_or(0.0, |before| f64::from(before.charge.electrons[y * width + x])).min(held);
             let new = held - old;
-            let mut random = streams.pixel(x, y);
-            let slow = binomial(new, fraction, &mut random);
+            let mut random = streams.map(|streams| streams.pixel(x, y));
+            let slow = part_of(new, fraction, random.as_mut());
             let pocket = electrons.0.floor().min(new - slow);
-            let stays = slow + pocket + binomial(old, decay, &mut random);
+            let stays = slow + pocket + part_of(old, decay, random.as_mut());
             *charge -= stays as f32;
             *left = stays as f32;
         }

@@ -37,6 +37,12 @@ pub(in crate::sensor) fn binomial(count: f64, probability: f64, random: &mut Phi
     Binomial::new(count as u64, probability).map_or(0.0, |distribution| distribution.sample(random) as f64)
 }
 
+/// How many of `count` electrons, each with this probability: as [`binomial`] draws it, or on average without random
+/// numbers.
+pub(in crate::sensor) fn part_of(count: f64, probability: f64, random: Option<&mut Philox>) -> f64 {
+    random.map_or(count * probability, |random| binomial(count, probability, random))
+}
+
 /// A Poisson-distributed number. `mean` is finite and not negative.
 #[inline]
 pub(in crate::sensor) fn poisson(mean: f64, random: &mut Philox) -> f64 {

@@ -39,7 +39,9 @@ const EVENTS: u64 = 1;
 impl Telegraph {
     pub(in crate::sensor) fn new(frame: &Frame<'_>) -> Option<Self> {
         let signal = frame.sensor.noise.telegraph;
-        let traps = frame.fixed(Stage::Telegraph).filter(|_| signal.pixels > 0.0 && signal.amplitude.0 > 0.0)?;
+        // Its mean is nothing.
+        let is_there = !frame.is_mean && signal.pixels > 0.0 && signal.amplitude.0 > 0.0;
+        let traps = frame.fixed(Stage::Telegraph).filter(|_| is_there)?;
         let events = frame.in_time(Stage::Telegraph).part(EVENTS);
         let time = frame.exposure.read_out_time(frame.sensor, frame.key.frame);
         Some(Self { signal, time, shutter: frame.sensor.shutter, rows: frame.size[1], traps, events })

@@ -50,7 +50,9 @@ pub(in crate::sensor) fn bloom(ccd: &Ccd, frame: &Frame<'_>, charge: &mut Charge
 /// has the wells before and after those of the pixels, too.
 pub(in crate::sensor) fn shift_out(ccd: &Ccd, frame: &Frame<'_>, charge: ChargePlane, passing: &[f32]) -> ChargePlane {
     let Overscan { prescan_columns, columns, rows } = ccd.overscan;
-    let stays_behind = |inefficiency: f64, stage| frame.temporal(stage).filter(|_| inefficiency > 0.0);
+    // Within, `None` for mean charge.
+    let stays_behind =
+        |inefficiency: f64, stage| (inefficiency > 0.0 && frame.stages.has(stage)).then(|| frame.temporal(stage));
 
     let vertical = stays_behind(ccd.vertical_inefficiency, Stage::VerticalTransfer);
     let shot_noise = frame.temporal(Stage::ShotNoise);
@@ -72,7 +74,7 @@ pub(in crate::sensor) fn shift_out(ccd: &Ccd, frame: &Frame<'_>, charge: ChargeP
                 }
             }
             if let Some(streams) = &vertical {
-                let random = |y| streams.pixel(x, y);
+                let random = |y| streams.map(|streams| streams.pixel(x, y));
                 transfer::shift_out(column, ccd.vertical_inefficiency, storage_rows + 1, random);
             }
         })
@@ -85,7 +87,7 @@ pub(in crate::sensor) fn shift_out(ccd: &Ccd, frame: &Frame<'_>, charge: ChargeP
     // The registers of several chips work side by side.
     charge.map_rows(prescan_columns, columns, |[first, step], y, line| {
         if let Some(streams) = &horizontal {
-            let random = |i| streams.pixel(first + i * step, y);
+            let random = |i| streams.map(|streams| streams.pixel(first + i * step, y));
             transfer::shift_out(line, ccd.horizontal_inefficiency, prescan_columns + 1, random);
         }
     })

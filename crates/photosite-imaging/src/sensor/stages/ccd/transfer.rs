@@ -13,23 +13,25 @@
 
 use photosite_core::math::philox::Philox;
 
-use crate::sensor::stages::shot_noise::binomial;
+use crate::sensor::stages::shot_noise::part_of;
 
 /// Shifts the packets of a line, of which the first is next to its end, until all are out: `line` holds packets before,
 /// and what arrives in their place after. Packet i is shifted `shifts + i` times, `shifts` of at least 1. Returns the
 /// electrons that arrive after the last packet.
 ///
-/// Only whole electrons stay behind: a fraction, or a negative charge, goes with its packet.
+/// Only whole electrons stay behind: a fraction, or a negative charge, goes with its packet. Without random numbers
+/// for a packet the mean of it stays behind.
 pub(in crate::sensor) fn shift_out(
     line: &mut [f64],
     inefficiency: f64,
     shifts: usize,
-    random: impl Fn(usize) -> Philox,
+    random: impl Fn(usize) -> Option<Philox>,
 ) -> f64 {
     let mut late = 0.0;
     // From the far end, so that electrons which were left behind already are not shifted again.
     for i in (0..line.len()).rev() {
-        let electrons = line[i].floor().max(0.0);
+        let mut random = random(i);
+        let electrons = if random.is_some() { line[i].floor() } else { line[i] }.max(0.0);
         if electrons == 0.0 {
             continue;
         }
@@ -38,15 +40,15 @@ pub(in crate::sensor) fn shift_out(
         let mut probability = log_all_succeed.exp();
         // Probability of arriving at k or later, and the electrons that do.
         let mut later = -log_all_succeed.exp_m1();
-        let mut random = random(i);
-        let mut behind = binomial(electrons, later, &mut random);
+        let mut behind = part_of(electrons, later, random.as_mut());
         line[i] -= behind;
         for k in 1.. {
             if behind == 0.0 {
                 break;
             }
             probability *= inefficiency * (n + k as f64 - 1.0) / k as f64;
-            let arrive = if probability < later { binomial(behind, probability / later, &mut random) } else { behind };
+            let arrive =
+                if probability < later { part_of(behind, probability / later, random.as_mut()) } else { behind };
             later -= probability;
             behind -= arrive;
             match line.get_mut(i + k) {
@@ -70,7 +72,7 @@ mod tests {
 
     /// Shifts a line, with random numbers of its own for each `trial`.
     fn shifted(mut line: Vec<f64>, inefficiency: f64, shifts: usize, trial: u64) -> (Vec<f64>, f64) {
-        let late = shift_out(&mut line, inefficiency, shifts, |i| Philox::new(trial, i as u64));
+        let late = shift_out(&mut line, inefficiency, shifts, |i| Some(Philox::new(trial, i as u64)));
         (line, late)
     }
 
