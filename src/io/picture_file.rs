@@ -46,7 +46,14 @@ pub fn read_picture_file(path: &Path, pixels: Pixels) -> Result<Picture> {
         "png" => |file, name| of_codes(file, name, "PNG"),
         "jpg" | "jpeg" => |file, name| of_codes(file, name, "JPEG"),
         "ppm" | "pnm" => of_pnm,
+        _ if path.is_dir() => {
+            return Err(Error::Usage {
+                message: format!("{} is a folder, and a picture is expected here", path.display()),
+                help: Some(format!("give a picture in it, for example {}", path.join("image.png").display()).into()),
+            });
+        }
         _ => {
+            input::metadata(path).map_err(|source| Error::io(path, "read", source))?;
             return Err(Error::Usage {
                 message: format!("{} is not a picture of a kind that photosite knows", path.display()),
                 help: Some("give a .exr, .hdr, .png, .tiff, .jpg, .ppm, .dng, .pgm, .pbm or .npy file".into()),
