@@ -140,6 +140,7 @@ impl FileKind {
     /// What is wrong with a file that a key of a capture names, as [`check`](Self::check) says it.
     pub(super) fn check_named(path: &Path, kinds: &[Self], wanted: &str) -> std::result::Result<(), Invalid> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        Self::check(path, kinds, wanted).map_err(|invalid| Invalid { message: format!("{name} {}", invalid.message), ..invalid })
+        Self::check(path, kinds, wanted)
+            .map_err(|invalid| Invalid { message: format!("{name} {}", invalid.message), ..invalid })
     }
 }

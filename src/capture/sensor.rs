@@ -232,7 +232,9 @@ fn named(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) ->
     }
     let Some(table) = presets::table(name) else {
         let file = FileKind::check_named(&folder.join(name), &[FileKind::Sensor], "a sensor file");
-        return Err(source.error(file.err().map_or_else(|| unknown_preset(name), |other| other.within("sensor.preset"))));
+        return Err(
+            source.error(file.err().map_or_else(|| unknown_preset(name), |other| other.within("sensor.preset")))
+        );
     };
     // A preset is known to be good; what can be wrong is what a capture file makes of it.
     let mut node =

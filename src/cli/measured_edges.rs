@@ -36,8 +36,7 @@ impl MeasuredEdge {
         Self {
             region,
             pixel_pitch_um: pitch_m.map(|pitch| pitch.map(|m| (m * 1e9).round() / 1e3)),
-            frequency_cy_per_mm: per_mm
-                .map(|per_mm| response.frequency_cy_per_px.iter().map(|f| f * per_mm).collect()),
+            frequency_cy_per_mm: per_mm.map(|per_mm| response.frequency_cy_per_px.iter().map(|f| f * per_mm).collect()),
             mtf50_cy_per_mm: in_mm(response.mtf50_cy_per_px),
             mtf10_cy_per_mm: in_mm(response.mtf10_cy_per_px),
             nyquist_cy_per_mm: in_mm(Some(0.5)),
@@ -167,7 +166,8 @@ impl PlotFormat {
 /// The modulation of edges over frequency, beside that of a square pixel alone.
 fn chart(edges: &[MeasuredEdge]) -> Chart {
     // In mm only where all of them are known.
-    let per_mm = edges.iter().map(|edge| edge.nyquist_cy_per_mm.map(|nyquist| 2.0 * nyquist)).collect::<Option<Vec<f64>>>();
+    let per_mm =
+        edges.iter().map(|edge| edge.nyquist_cy_per_mm.map(|nyquist| 2.0 * nyquist)).collect::<Option<Vec<f64>>>();
     let last = per_mm.as_ref().map_or(1.0, |all| all.iter().copied().fold(0.0, f64::max));
     let curve = |edge: &MeasuredEdge, label: &str| {
         let frequency = edge.frequency_cy_per_mm.as_ref().filter(|_| per_mm.is_some());
@@ -185,9 +185,5 @@ fn chart(edges: &[MeasuredEdge]) -> Chart {
     curves.push(Curve::new("a square pixel alone", Mark::Dashes, GREY, pixel.collect()));
     let most = edges.iter().flat_map(|edge| &edge.response.mtf).copied().fold(1.0, f64::max);
     let unit = if per_mm.is_some() { "cycles per mm" } else { "cycles per pixel" };
-    Chart {
-        x: Axis::linear(unit).within(0.0, last),
-        y: Axis::linear("modulation").within(0.0, 1.05 * most),
-        curves,
-    }
+    Chart { x: Axis::linear(unit).within(0.0, last), y: Axis::linear("modulation").within(0.0, 1.05 * most), curves }
 }

@@ -126,17 +126,25 @@ fn what_is_expected_is_said_in_plain_words(#[case] command: &str, #[case] ending
 #[case::lens_of_info("info lens.toml", "lens.toml: is a lens file", "photosite lens")]
 #[case::lens_as_set("dataset lens.toml -o x", "lens.toml: is a lens file", "photosite lens")]
 #[case::lens_as_sensor(
-    "render board.toml -o x --set sensor.preset=\"lens.toml\"", "sensor.preset: lens.toml is a lens file", "photosite lens"
+    "render board.toml -o x --set sensor.preset=\"lens.toml\"",
+    "sensor.preset: lens.toml is a lens file",
+    "photosite lens"
 )]
 #[case::capture_as_lens("lens board.toml", "board.toml: is a capture file, and a lens file", "photosite render")]
 #[case::capture_as_prescription(
-    "render board.toml -o x --set lens.prescription=\"board.toml\"", "board.toml is a capture file", "photosite render"
+    "render board.toml -o x --set lens.prescription=\"board.toml\"",
+    "board.toml is a capture file",
+    "photosite render"
 )]
 #[case::picture_as_sensor(
-    "render board.toml -o x --set sensor.preset=\"picture.png\"", "sensor.preset: picture.png is a picture", "expose"
+    "render board.toml -o x --set sensor.preset=\"picture.png\"",
+    "sensor.preset: picture.png is a picture",
+    "expose"
 )]
 #[case::folder_as_geometry(
-    "render board.toml -o x --set scene.geometry=[\"folder\"]", "folder is a folder", ".gltf, .glb, .obj"
+    "render board.toml -o x --set scene.geometry=[\"folder\"]",
+    "folder is a folder",
+    ".gltf, .glb, .obj"
 )]
 #[case::raw_as_descriptor("emva1288-report raw.dng", "raw.dng: is a raw file, and a folder of image sets", "develop")]
 fn the_kind_is_said(#[case] arguments: &str, #[case] message: &str, #[case] help: &str) {

@@ -194,9 +194,7 @@ fn response(spread: &EdgeSpread, slope: f64, is_vertical: bool) -> EdgeResponse 
         Complex64::new(cos, -sin) * (0.5 * window(k))
     };
     let inner = 1..mean.len() - 1;
-    let transform = |f: f64| -> Complex64 {
-        inner.clone().map(|k| factor(f, k) * (mean[k + 1] - mean[k - 1])).sum()
-    };
+    let transform = |f: f64| -> Complex64 { inner.clone().map(|k| factor(f, k) * (mean[k + 1] - mean[k - 1])).sum() };
     let sinc = |x: f64| if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) };
     let whole = transform(0.0).re;
     // The difference spans two bins, and each bin is a mean over its width.
@@ -210,7 +208,8 @@ fn response(spread: &EdgeSpread, slope: f64, is_vertical: bool) -> EdgeResponse 
             let term = |k: Option<usize>| k.filter(|k| inner.contains(k)).map_or(Complex64::ZERO, |k| factor(f, k));
             term(bin.checked_sub(1)) - term(Some(bin + 1))
         };
-        let change = |bin: usize| (phase * gain(f, bin)).re / whole - value.norm() * gain(0.0, bin).re / (whole * whole);
+        let change =
+            |bin: usize| (phase * gain(f, bin)).re / whole - value.norm() * gain(0.0, bin).re / (whole * whole);
         let sum: f64 = variance.iter().enumerate().map(|(bin, variance)| variance * change(bin).powi(2)).sum();
         sum.sqrt() / of_bins(f)
     };

@@ -244,7 +244,12 @@ mod tests {
         let places = [[62.0, 60.0, 35.0], [175.0, 60.0, 30.0], [120.0, 150.0, 32.0]];
         for (angle, noise) in [(5.0, 0.0), (-8.0, 0.0), (6.0, 0.01)] {
             let edges = slanted_edges(&squares(&places, angle, noise), SIZE);
-            assert_eq!(edges.len(), 4 * places.len(), "{angle}°: {:?}", edges.iter().map(|(r, _)| r).collect::<Vec<_>>());
+            assert_eq!(
+                edges.len(),
+                4 * places.len(),
+                "{angle}°: {:?}",
+                edges.iter().map(|(r, _)| r).collect::<Vec<_>>()
+            );
             assert_eq!(edges.iter().filter(|(_, edge)| edge.is_vertical).count(), 2 * places.len());
             for (region, edge) in &edges {
                 assert!((edge.angle_deg.abs() - f64::abs(angle)).abs() < 0.2, "{region:?}: {}°", edge.angle_deg);
@@ -260,7 +265,8 @@ mod tests {
 
     #[test]
     fn pictures_without_a_slanted_edge_have_none() {
-        for plane in [vec![0.5; SIZE[0] * SIZE[1]], squares(&[], 0.0, 0.1), squares(&[[120.0, 100.0, 50.0]], 0.0, 0.0)] {
+        for plane in [vec![0.5; SIZE[0] * SIZE[1]], squares(&[], 0.0, 0.1), squares(&[[120.0, 100.0, 50.0]], 0.0, 0.0)]
+        {
             assert!(slanted_edges(&plane, SIZE).is_empty());
         }
         assert!(slanted_edges(&[], [0, 0]).is_empty());

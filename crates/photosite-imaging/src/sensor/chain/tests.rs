@@ -80,7 +80,8 @@ fn effects_that_a_sensor_has_not_change_nothing_and_the_others_do() {
         }
         for map in NoiseMap::ALL.into_iter().filter(|&map| !sensor.has_map(map)) {
             let value = if map == NoiseMap::PrnuGain { 1.0 } else { 0.0 };
-            for plane in maps.planes.channels().iter().filter(|plane| plane.name.split('.').next() == Some(map.name())) {
+            for plane in maps.planes.channels().iter().filter(|plane| plane.name.split('.').next() == Some(map.name()))
+            {
                 assert!(plane.data.iter().all(|&v| v == value), "{} has {}", sensor.name, map.name());
             }
         }
