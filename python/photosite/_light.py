@@ -92,6 +92,13 @@ class Light:
         return self._compiled.trace_s()
 
     @cached_property
+    def noise_ratio(self) -> Optional[float]:
+        """Monte Carlo noise over the noise of the sensor at the exposure of the capture, root-mean-square over the picture,
+        as the command tells it: 0.1 is not seen, 1 is as much again. None in the dark and after a single sample of each
+        pixel."""
+        return self._compiled.noise_ratio()
+
+    @cached_property
     def truth(self) -> Layers:
         """Ground truth of the scene, as :attr:`Shot.truth`."""
         return truth_layers(self._compiled)
@@ -277,14 +284,19 @@ def render(
     progress: Progress = None,
     film_memory_gib: Optional[float] = None,
 ) -> Shot:
-    """Traces the light of a capture and exposes to it once: ``trace(capture, …).expose()``.
+    """Traces the light of a capture and exposes to it once: ``trace(capture, …).expose()``. A warning tells of Monte Carlo
+    noise that may be seen beside that of the sensor, as the command does; ``Shot.noise_ratio`` is its figure.
 
     Args and errors are those of :func:`trace`.
     """
     light = trace(
         capture, samples=samples, seed=seed, threads=threads, progress=progress, film_memory_gib=film_memory_gib
     )
-    return light.expose(threads=threads)
+    shot = light.expose(threads=threads)
+    seen = shot._compiled.seen_noise()
+    if seen is not None:
+        warn_all([seen])
+    return shot
 
 
 def render_into(
@@ -302,7 +314,8 @@ def render_into(
     """Renders a capture into a folder, with all pictures of its series, as the command ``photosite render`` does.
 
     What is interrupted leaves a checkpoint there, and the same call goes on from it. What is there already, made by the
-    same version of the same keys and files, is left as it is.
+    same version of the same keys and files, is left as it is. A warning tells of Monte Carlo noise that may be seen beside
+    that of the sensor.
 
     Args:
         folder: created where missing.

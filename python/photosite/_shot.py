@@ -213,6 +213,13 @@ class Shot:
         return self._compiled.exposure()[3]
 
     @cached_property
+    def noise_ratio(self) -> Optional[float]:
+        """Monte Carlo noise over the noise of the sensor at this exposure, root-mean-square over the picture, as the command
+        tells it: 0.1 is not seen, 1 is as much again. None in the dark, after a single sample of each pixel, and for light
+        that does not come from a scene."""
+        return self._compiled.noise_ratio()
+
+    @cached_property
     def report(self) -> "dict[str, Any]":
         """What ``capture.json`` of the command says of it, without files and timings."""
         report: "dict[str, Any]" = json.loads(self._compiled.report())
@@ -273,4 +280,5 @@ class Shot:
 
     def __repr__(self) -> str:
         shape = " × ".join(str(n) for n in self.raw.shape[1::-1])
-        return f"<photosite.Shot {shape} px, {self.time_s * 1e3:g} ms, {self.gain_db:g} dB>"
+        noise = "" if self.noise_ratio is None else f", Monte Carlo noise {self.noise_ratio:.2g} × the sensor's"
+        return f"<photosite.Shot {shape} px, {self.time_s * 1e3:g} ms, {self.gain_db:g} dB{noise}>"

@@ -318,6 +318,26 @@ def test_exposures_that_cannot_be_made_are_refused(room: Path, changes: "dict[st
     assert error.value.key == key
 
 
+def test_shots_tell_of_monte_carlo_noise_as_the_command_does(room: Path, tmp_path: Path, command: Command) -> None:
+    with pytest.warns(ps.PhotositeWarning, match=r"Monte Carlo noise is .* that of the sensor: .*; samples=8 would halve it") as told:
+        shot = ps.render(room, samples=2, seed=3)
+    assert len([one for one in told if "Monte Carlo" in str(one.message)]) == 1
+    command("render", room, "--quiet", "-o", tmp_path / "out", "--spp", "2", "--set", "render.seed=3")
+    expected = json.loads((tmp_path / "out" / "capture.json").read_text())["render"]["noise_ratio"]
+    assert shot.noise_ratio == pytest.approx(expected, rel=1e-12) and shot.noise_ratio is not None
+    assert f"Monte Carlo noise {shot.noise_ratio:.2g} ×" in repr(shot)
+    # At another exposure the sensor's noise is another, and so is its ratio: that of the shot, not that of the light.
+    light = ps.trace(room, samples=2, seed=3)
+    longer = light.expose(time_s=4 * shot.time_s)
+    assert light.noise_ratio == pytest.approx(expected, rel=1e-12)
+    assert longer.noise_ratio is not None and longer.noise_ratio > shot.noise_ratio
+    with pytest.warns(ps.PhotositeWarning, match="Monte Carlo noise is not known: .*; samples=2 does"):
+        single = ps.render(room, samples=1)
+    assert single.noise_ratio is None and "Monte Carlo" not in repr(single)
+    with pytest.warns(ps.PhotositeWarning, match="Monte Carlo noise is"):
+        ps.render_into(room, tmp_path / "into", samples=2)
+
+
 def test_results_outlive_what_they_were_made_from(room: Path) -> None:
     shot = ps.render(room)
     raw, depth = np.asarray(shot.raw), shot.truth["depth"]

@@ -29,6 +29,8 @@ pub(crate) enum FileKind {
     Light,
     /// A picture for the eye.
     Picture,
+    /// The surfaces of a lens.
+    Lens,
 }
 
 impl FileKind {
@@ -44,6 +46,7 @@ impl FileKind {
             "tif" | "tiff" | "pbm" | "pgm" | "ppm" | "pnm" | "npy" => Some(Self::Numbers),
             "exr" | "hdr" | "pic" => Some(Self::Light),
             "png" | "jpg" | "jpeg" | "webp" => Some(Self::Picture),
+            "zmx" | "seq" | "roa" => Some(Self::Lens),
             _ => None,
         }
     }
@@ -57,6 +60,9 @@ impl FileKind {
         // A sensor file has no tables of captures but those that mean something else in it.
         if keys.contains(&"adc") {
             return Some(Self::Sensor);
+        }
+        if keys.contains(&"surfaces") {
+            return Some(Self::Lens);
         }
         keys.iter().any(|key| SECTIONS.contains(key)).then_some(Self::Capture)
     }
@@ -82,6 +88,7 @@ impl FileKind {
             Self::Numbers => "a raw file, or a picture",
             Self::Light => "a picture of light",
             Self::Picture => "a picture",
+            Self::Lens => "a lens file",
         }
     }
 
@@ -101,6 +108,9 @@ impl FileKind {
                                             `photosite expose` takes light or, with --unit, a picture"
                 .to_owned(),
             Self::Picture => "`photosite expose` takes it with --unit, as light on the sensor".to_owned(),
+            Self::Lens => {
+                format!("a capture names it by [lens] prescription = {name:?}; `photosite lens` says what it does")
+            }
         }
     }
 
@@ -116,9 +126,21 @@ impl FileKind {
 
     /// Refuses a file that is certainly none of these kinds.
     pub(crate) fn expect(path: &Path, kinds: &[Self], wanted: &str) -> Result<()> {
+        Self::check(path, kinds, wanted).map_err(|invalid| invalid.in_file(path))
+    }
+
+    /// What is wrong with a file that is certainly none of these kinds.
+    pub(super) fn check(path: &Path, kinds: &[Self], wanted: &str) -> std::result::Result<(), Invalid> {
         match Self::of_file(path).filter(|kind| path.is_file() && !kinds.contains(kind)) {
-            Some(other) => Err(other.instead_of(wanted, path)),
+            Some(other) => Err(other.refusal(wanted, path)),
             None => Ok(()),
         }
+    }
+
+    /// What is wrong with a file that a key of a capture names, as [`check`](Self::check) says it.
+    pub(super) fn check_named(path: &Path, kinds: &[Self], wanted: &str) -> std::result::Result<(), Invalid> {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        Self::check(path, kinds, wanted)
+            .map_err(|invalid| Invalid { message: format!("{name} {}", invalid.message), ..invalid })
     }
 }

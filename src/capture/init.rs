@@ -42,7 +42,9 @@ pub struct InitialCapture {
 pub fn initial_capture(sandbox: &Sandbox, path: &Path, folder: &Path) -> Result<InitialCapture> {
     if !is_scene_file(path) {
         let invalid = Invalid::new("", "is not a scene file");
-        return Err(invalid.help("give a model (.gltf, .glb, .obj); a capture file needs no other").in_file(path));
+        return Err(invalid
+            .help("give a scene (.gltf, .glb, .obj, .ply, .stl); a capture file needs no other")
+            .in_file(path));
     }
     let capture = Capture::load_within(sandbox, path, &[])?;
     let mut warnings = capture.warnings();

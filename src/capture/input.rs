@@ -28,7 +28,9 @@ pub(super) fn read_source(path: &Path) -> Result<CaptureSource> {
     // Syntax errors help nobody who gave a file of another kind.
     let source = if is_of_kind("toml") { source? } else { source.map_err(|_| unknown_kind(path))? };
     match FileKind::of_keys(source.sections().map(|(key, _)| key)) {
-        Some(kind @ (FileKind::DataSet | FileKind::Sensor)) => Err(kind.instead_of("a capture file or a scene", path)),
+        Some(kind @ (FileKind::DataSet | FileKind::Sensor | FileKind::Lens)) => {
+            Err(kind.instead_of("a capture file or a scene", path))
+        }
         Some(_) | None => Ok(source),
     }
 }

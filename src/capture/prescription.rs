@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::colour::Finder;
+use super::file_kind::FileKind;
 use super::tables::LensTable;
 use crate::Invalid;
 use crate::sensor::SensorModel;
@@ -89,9 +90,19 @@ fn read(finder: &Finder<'_>, name: &str) -> Result<Reading, Invalid> {
         return Err(Invalid::new(KEY, message).help(help));
     }
     let path = finder.path(name).map_err(|invalid| invalid.within(KEY))?;
+    // Lenses have JSON files, too.
+    FileKind::check_named(&path, &[FileKind::Lens, FileKind::Report], "a lens file")
+        .map_err(|invalid| invalid.within(KEY))?;
     let bytes = input::read_at_most(&path, MOST_BYTES).map_err(|source| {
         Invalid::new(KEY, format!("cannot read {}: {source}", path.display()))
             .help("paths are relative to the file that contains them")
     })?;
-    files::read(&bytes, &path).map_err(|error| Invalid::new(KEY, error.to_string()))
+    files::read(&bytes, &path).map_err(|error| {
+        let help = miette::Diagnostic::help(&error).map(|help| help.to_string());
+        let invalid = Invalid::new(KEY, error.to_string());
+        match help {
+            Some(help) => invalid.help(help),
+            None => invalid,
+        }
+    })
 }

@@ -112,8 +112,11 @@ impl ReadScene {
         }
         // Found to be something else when it is read
         if !path.exists() || path.is_dir() {
-            let message = format!("there is no file {}", path.display());
-            let help = "paths are relative to the capture file";
+            let (message, help) = if path.is_dir() {
+                (format!("{} is a folder", path.display()), "name the .gltf, .glb, .obj, .ply or .stl file in it")
+            } else {
+                (format!("there is no file {}", path.display()), "paths are relative to the capture file")
+            };
             return Err(source.error(Invalid::new(key, message).help(help)));
         }
         self.models.read(file, key, source)

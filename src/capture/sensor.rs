@@ -255,7 +255,7 @@ fn named(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) ->
         })?;
         let mut node = source.add_file(&path, text)?;
         let kind = FileKind::of_keys(node.as_table().into_iter().flatten().map(|(key, _)| key.as_str()));
-        if let Some(kind @ (FileKind::Capture | FileKind::DataSet)) = kind {
+        if let Some(kind @ (FileKind::Capture | FileKind::DataSet | FileKind::Lens)) = kind {
             if path == source.path() {
                 return Err(kind.instead_of("a sensor file", &path));
             }
@@ -266,7 +266,12 @@ fn named(source: &mut CaptureSource, folder: &Path, name: &str, place: &Node) ->
         anchor_files(&mut node, path.parent().unwrap_or(Path::new("")));
         return Ok((node, path.file_stem().unwrap_or_default().to_string_lossy().into_owned()));
     }
-    let table = presets::table(name).ok_or_else(|| source.error(unknown_preset(name)))?;
+    let Some(table) = presets::table(name) else {
+        let file = FileKind::check_named(&folder.join(name), &[FileKind::Sensor], "a sensor file");
+        return Err(
+            source.error(file.err().map_or_else(|| unknown_preset(name), |other| other.within("sensor.preset")))
+        );
+    };
     // A preset is known to be good; what can be wrong is what a capture file makes of it.
     let mut node =
         parse(&table.to_string(), 0).map_err(|(_, message)| source.error(Invalid::new("sensor.preset", message)))?;

@@ -8,6 +8,7 @@ use super::figures_text::measured_text;
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out, refuse_existing, write_result};
 use crate::Result;
+use crate::capture::FileKind;
 use crate::emva1288::{MeasuredChannel, evaluate_descriptor, evaluate_sets};
 
 const EXAMPLES: &str = "\
@@ -44,6 +45,7 @@ pub(super) fn run(args: &Emva1288ReportArgs) -> Result<()> {
     let folder = if is_folder { &*args.input } else { args.input.parent().unwrap_or(Path::new("")) };
     let output = args.output.clone().unwrap_or_else(|| folder.join("report.html"));
     refuse_existing(&output, args.force)?;
+    FileKind::expect(&args.input, &[], "a folder of image sets or a descriptor of images (.txt)")?;
     let monitor = TerminalMonitor::new(args.quiet, args.json);
     let report = if is_folder { evaluate_sets(folder, &monitor)? } else { evaluate_descriptor(&args.input, &monitor)? };
     write_result(&output, args.force, |to| to.write_all(report.html().as_bytes()))?;

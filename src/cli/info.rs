@@ -113,7 +113,15 @@ fn facts(path: &Path, sandbox: &Sandbox, overrides: &[String]) -> Result<Map<Str
             facts.extend(map(json!({ "full_scale": picture.full_scale, "pixel_aspect": notes.pixel_aspect })));
             Ok(facts)
         }
-        _ => {
+        _ if path.is_dir() => {
+            let invalid = Invalid::new("", "is a folder");
+            Err(invalid.help("give a file in it, for example its capture.json").in_file(path))
+        }
+        ending => {
+            // A name without an ending may be that of a sensor.
+            if !ending.is_empty() {
+                input::metadata(path).map_err(|source| Error::io(path, "read", source))?;
+            }
             let help = "give a .toml, .json (a capture.json), .gltf, .glb, .obj, .ply, .stl, .dng, .tiff, .pbm, .pgm, .ppm, \
                         .npy, .exr, .hdr, .png or .jpg file, or a name that `photosite sensors` lists";
             let near = suggest::did_you_mean(&path.to_string_lossy(), presets::names());

@@ -8,6 +8,7 @@ use photosite_lens::files::{self, FirstNumber, Reading};
 
 use super::log::warning;
 use super::print::{print_json, println_out, refuse_existing, write_result};
+use crate::capture::FileKind;
 use crate::lens_figures::{LensFigures, Options, ShippedLens, html, shipped_lenses};
 use crate::{Error, Invalid, Result};
 
@@ -157,6 +158,8 @@ fn reading(lens: &Path, first_number: Option<FirstNumber>) -> Result<Reading> {
         let help = format!("name a lens file, or one of {}", suggest::list(&name, files::names()));
         return Err(Error::Usage { message, help: Some(help.into()) });
     }
+    // Lenses have JSON files, too.
+    FileKind::expect(lens, &[FileKind::Lens, FileKind::Report], "a lens file")?;
     let bytes = input::read_at_most(lens, MOST_BYTES).map_err(|reason| Error::io(lens, "read", reason))?;
     files::read_with(&bytes, lens, first_number)
 }

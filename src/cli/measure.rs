@@ -7,21 +7,24 @@ use glam::DVec3;
 use serde::Serialize;
 
 use super::log::warning;
-use super::print::{print_json, println_out};
+use super::measured_edges::{MeasuredEdge, PlotFormat, edges_text, noise_warning};
+use super::print::{print_json, println_out, refuse_existing, write_result};
 use crate::colour::{ColourSpace, cielab, difference};
 use crate::image::{Channel, NotFinite, Planes};
 use crate::io::linear_picture::{LinearFile, read_linear_picture};
 use crate::io::picture_file::read_picture_file;
 use crate::io::raw_file::refuse_staggered_rows;
-use crate::measure::{CheckerReport, EdgeResponse, Histogram, histogram, slanted_edge, ssim};
+use crate::measure::{CheckerReport, Histogram, histogram, slanted_edge, slanted_edges, ssim};
 use crate::pipeline::measure_checker;
 use crate::raw::Pixels;
+use crate::report::{pixel_pitch_m, stated_pitch_m};
 use crate::validation::Picture;
 use crate::{Error, Invalid, Result, Sandbox};
 
 const EXAMPLES: &str = "\
-Example:
-  photosite measure mtf out/image.png --region 100,80,40,60";
+Examples:
+  photosite measure mtf out/image.png --region 100,80,40,60
+  photosite measure mtf out/image.png --all --plot mtf.svg";
 
 /// Measure pictures: sharpness, colours, likeness, histograms.
 ///
@@ -35,17 +38,11 @@ pub(super) struct MeasureArgs {
 
 #[derive(Subcommand)]
 enum Measure {
-    /// Transfer function (MTF, SFR) from a slanted edge after ISO 12233.
-    Mtf {
-        #[command(flatten)]
-        picture: PictureArgs,
-        /// The part of the picture with the edge: column, row, columns, rows [default: all].
-        #[arg(long, value_name = "X,Y,W,H", value_delimiter = ',', num_args = 1)]
-        region: Option<Vec<usize>>,
-        /// The channel to measure [default: G, or the only one].
-        #[arg(long, value_name = "NAME")]
-        channel: Option<String>,
-    },
+    /// Transfer function (MTF, SFR) from slanted edges after ISO 12233.
+    ///
+    /// Frequencies are in cycles per pixel and, where the pixel pitch is known, in cycles (line pairs) per mm on the sensor: from
+    /// --pitch-um, a DNG file, or the capture.json beside the picture. The standard error is what the noise of the pixels leaves.
+    Mtf(MtfArgs),
     /// How often values occur in each channel.
     Histogram {
         #[command(flatten)]
@@ -70,6 +67,30 @@ enum Measure {
         /// The reference.
         b: PathBuf,
     },
+}
+
+#[derive(Args)]
+struct MtfArgs {
+    #[command(flatten)]
+    picture: PictureArgs,
+    /// The part of the picture with the edge: column, row, columns, rows [default: all].
+    #[arg(long, value_name = "X,Y,W,H", value_delimiter = ',', num_args = 1)]
+    region: Option<Vec<usize>>,
+    /// Find and measure every slanted edge of the picture.
+    #[arg(long, conflicts_with = "region")]
+    all: bool,
+    /// The channel to measure [default: G, or the only one].
+    #[arg(long, value_name = "NAME")]
+    channel: Option<String>,
+    /// Pixel pitch, µm: one number, or width and height [default: what the files say].
+    #[arg(long, value_name = "UM[,UM]", value_delimiter = ',', num_args = 1)]
+    pitch_um: Option<Vec<f64>>,
+    /// Plot the modulation over frequency: a .svg or .png file.
+    #[arg(long, value_name = "FILE")]
+    plot: Option<PathBuf>,
+    /// Overwrite the plot if it exists.
+    #[arg(long, requires = "plot")]
+    force: bool,
 }
 
 #[derive(Args)]
@@ -118,21 +139,7 @@ impl PictureArgs {
 
 pub(super) fn run(args: &MeasureArgs, sandbox: &Sandbox) -> Result<()> {
     match &args.measure {
-        Measure::Mtf { picture, region, channel } => {
-            refuse_staggered_rows(&picture.picture)?;
-            let planes = picture.read_linear(&picture.picture)?;
-            let plane = chosen(&planes, channel.as_deref()).map_err(usage)?;
-            let size = [planes.width(), planes.height()];
-            let region = region.as_deref().map_or(Ok([0, 0, size[0], size[1]]), |given| {
-                <[usize; 4]>::try_from(given).map_err(|_| {
-                    usage(
-                        Invalid::new("region", format!("{} numbers instead of 4", given.len()))
-                            .help("for example --region 100,80,40,60"),
-                    )
-                })
-            })?;
-            picture.print(&slanted_edge(&plane.data, size, region).map_err(usage)?, mtf_text)
-        }
+        Measure::Mtf(args) => mtf(args),
         Measure::Histogram { picture, bins } => {
             let read = picture.read()?;
             if let Some(found) = NotFinite::of(&read.mean) {
@@ -151,6 +158,51 @@ pub(super) fn run(args: &MeasureArgs, sandbox: &Sandbox) -> Result<()> {
     }
 }
 
+/// One edge, or all of them.
+fn mtf(args: &MtfArgs) -> Result<()> {
+    let path = &args.picture.picture;
+    let plot = args.plot.as_deref().map(|plot| Ok::<_, Error>((plot, PlotFormat::of(plot)?))).transpose()?;
+    plot.iter().try_for_each(|(plot, _)| refuse_existing(plot, args.force))?;
+    let stated = args.pitch_um.as_deref().map(stated_pitch_m).transpose().map_err(usage)?;
+    refuse_staggered_rows(path)?;
+    let planes = args.picture.read_linear(path)?;
+    let plane = chosen(&planes, args.channel.as_deref()).map_err(usage)?;
+    let size = [planes.width(), planes.height()];
+    let found = if args.all {
+        slanted_edges(&plane.data, size)
+    } else {
+        let region = args.region.as_deref().map_or(Ok([0, 0, size[0], size[1]]), region).map_err(usage)?;
+        vec![(region, slanted_edge(&plane.data, size, region).map_err(usage)?)]
+    };
+    if found.is_empty() {
+        return Err(Error::Usage {
+            message: format!("{}: no slanted edge is found", path.display()),
+            help: Some(
+                "an edge is found where it is straight, at least 24 pixels long, 1° to 40° off the pixels, and 8 pixels from                  others; --region measures the one that it holds"
+                    .into(),
+            ),
+        });
+    }
+    let pitch_m = stated.map_or_else(|| pixel_pitch_m(path, size), |pitch| Ok(Some(pitch)))?;
+    let edges: Vec<MeasuredEdge> = found.into_iter().map(|found| MeasuredEdge::new(found, pitch_m)).collect();
+    noise_warning(&edges).iter().for_each(|what| warning!("{}: {what}", path.display()));
+    if let Some((plot, format)) = plot {
+        write_result(plot, args.force, |to| to.write_all(&format.file(&edges)))?;
+    }
+    match &edges[..] {
+        [edge] if !args.all => args.picture.print(edge, |_| edges_text(&edges)),
+        _ => args.picture.print(&edges, |all| edges_text(all)),
+    }
+}
+
+/// The four numbers of a region.
+fn region(given: &[usize]) -> std::result::Result<[usize; 4], Invalid> {
+    <[usize; 4]>::try_from(given).map_err(|_| {
+        Invalid::new("region", format!("{} numbers instead of 4", given.len()))
+            .help("for example --region 100,80,40,60")
+    })
+}
+
 /// What does not fit together is the command line.
 fn usage(Invalid { key, message, help }: Invalid) -> Error {
     let message = if key.is_empty() { message } else { format!("{key}: {message}") };
@@ -166,22 +218,6 @@ fn chosen<'a>(planes: &'a Planes, name: Option<&str>) -> std::result::Result<&'a
         Invalid::new("channel", format!("the picture has no channel {}", wanted.unwrap_or_default()))
             .help(format!("it has {}; choose one by --channel", names.join(", ")))
     })
-}
-
-fn mtf_text(edge: &EdgeResponse) -> String {
-    let frequency = |f: Option<f64>| f.map_or("not reached".to_owned(), |f| format!("{f:.4} cycles per pixel"));
-    let run = if edge.is_vertical { "columns" } else { "rows" };
-    let mut text = format!(
-        "edge {:.2}° off the {run}\nMTF50  {}\nMTF10  {}\nat half a cycle per pixel  {:.4}\n\ncycles per pixel  MTF",
-        edge.angle_deg,
-        frequency(edge.mtf50_cy_per_px),
-        frequency(edge.mtf10_cy_per_px),
-        edge.at_nyquist
-    );
-    for (f, m) in edge.frequency_cy_per_px.iter().zip(&edge.mtf).step_by(5).filter(|(f, _)| **f <= 0.5) {
-        text += &format!("\n{f:>16.2}  {m:.4}");
-    }
-    text
 }
 
 fn histogram_text(histograms: &[Histogram]) -> String {

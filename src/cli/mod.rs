@@ -26,6 +26,7 @@ mod listing;
 mod log;
 mod man;
 mod measure;
+mod measured_edges;
 mod merge;
 mod merge_hdr;
 mod monitor;

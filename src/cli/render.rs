@@ -15,8 +15,7 @@ use super::shorthands::Shorthands;
 use super::tev::{TevAddress, TevMonitor};
 use crate::capture::{Capture, relative_path};
 use crate::pipeline::{FilmMemory, LightSource, Monitor, Place, Rendered, Request, render_into};
-use crate::report::noise_words::{UNSEEN, times, together};
-use crate::report::{REPORT, RenderReport, Report, Timings};
+use crate::report::{REPORT, RenderNoise, Report, Timings};
 use crate::{Result, Sandbox};
 use photosite_core::sandbox::trust;
 
@@ -138,26 +137,8 @@ fn summarise(report: &Report, timings: &Timings, folder: &Path) {
         files.join(", "),
         folder.display()
     );
-    if let Some(words) = traced.render.as_ref().and_then(noise_in_words) {
+    let noise = traced.render.as_ref().and_then(|render| RenderNoise::new(render, |n| format!("--spp {n}")));
+    if let Some(RenderNoise { words, .. }) = noise {
         say!("{words}");
     }
-}
-
-/// How the noise that rendering leaves compares with the sensor's own, and what would lessen it.
-fn noise_in_words(render: &RenderReport) -> Option<String> {
-    let Some(ratio) = render.noise_ratio else {
-        let is_single = render.samples_per_pixel == 1;
-        let words = "Monte Carlo noise is not known: a single sample of each pixel does not tell it; --spp 2 does";
-        return is_single.then(|| words.to_owned());
-    };
-    let said = format!("Monte Carlo noise is {} that of the sensor", times(ratio));
-    if ratio <= UNSEEN {
-        return Some(format!("{said}: it is not seen"));
-    }
-    let remedy = match &render.noise {
-        // As many as its target asks for, or as its limits allow.
-        Some(_) => String::new(),
-        None => format!("; --spp {} would halve it", render.samples_per_pixel.saturating_mul(4)),
-    };
-    Some(format!("{said}: {}{remedy}", together(ratio)))
 }

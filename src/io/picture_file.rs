@@ -57,7 +57,15 @@ impl PictureFile {
             "png" => |file, name, _| of_codes(file, name, "PNG", picture_notes::of_png),
             "jpg" | "jpeg" => |file, name, _| of_codes(file, name, "JPEG", |bytes| Ok(picture_notes::of_jpeg(bytes))),
             "ppm" | "pnm" => |file, name, _| of_pnm(file, name).map(Self::silent),
+            _ if path.is_dir() => {
+                let example = path.join("image.png");
+                return Err(Error::Usage {
+                    message: format!("{} is a folder, and a picture is expected here", path.display()),
+                    help: Some(format!("give a picture in it, for example {}", example.display()).into()),
+                });
+            }
             _ => {
+                input::metadata(path).map_err(|source| Error::io(path, "read", source))?;
                 return Err(Error::Usage {
                     message: format!("{} is not a picture of a kind that photosite knows", path.display()),
                     help: Some("give a .exr, .hdr, .png, .tiff, .jpg, .ppm, .dng, .pgm, .pbm or .npy file".into()),

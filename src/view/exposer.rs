@@ -20,7 +20,7 @@ use crate::io::developable::Developable;
 use crate::locked::locked;
 use crate::pipeline::{Light, Prepared, Shot, StoredRender};
 use crate::raw::RawImage;
-use crate::sensor::{NoiseMap, presets};
+use crate::sensor::{NoiseMap, Stage, presets};
 use crate::{Error, Result};
 
 /// Pictures that stay in memory: two that are looked at side by side.
@@ -242,10 +242,13 @@ impl Made {
         let mut settings: Map<String, Value> = of_exposure(ready, &self.shot.exposure);
         settings.extend(of_development(develop));
         let warnings = [ready.warnings(), &self.shot.warnings].concat();
+        let (sensor, ..) = ready.settings();
+        let stages: Vec<Stage> = Stage::ALL.into_iter().filter(|&stage| sensor.has_stage(stage)).collect();
         json!({
             "light": light,
-            "planes": Plane::all(&self.shot, beside),
+            "planes": Plane::all(&self.shot, sensor, beside),
             "settings": settings,
+            "stages": stages,
             "sensors": **sensors,
             "anew": anew,
             "raw": levels(&self.shot.raw),

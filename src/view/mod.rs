@@ -46,7 +46,7 @@
 //! description has `plane`, `width`, `height`, and where these pixels lie: `full` (columns and rows of the whole picture), `at` (the first
 //! column and row), `step` (columns and rows from one to the next) and `is_mean`; `channels` (names), `type` ("u8", "u16", "f32"), `unit`; `light`, the
 //! number of the light (see [`Status`]); `planes`, all that there are; `settings`, by the keys of the controls, as they
-//! are; `sensors`, the presets that the light tells of without tracing anew; `anew`, keys of controls for which it is traced anew; `raw` with `black_dn`, `white_dn`, `bits`, `active` (column, row, columns and rows of the pixels that see light)
+//! are; `stages`, those that the sensor has, which alone can be left out to some effect; `sensors`, the presets that the light tells of without tracing anew; `anew`, keys of controls for which it is traced anew; `raw` with `black_dn`, `white_dn`, `bits`, `active` (column, row, columns and rows of the pixels that see light)
 //! and `tile` (names of the filters, rows of them); `warnings`; and `seconds` that it took. The values of `developed` are
 //! the codes of `image.png`.
 

@@ -7,7 +7,7 @@ use super::picture::Picture;
 use crate::calibration::truth::TruthLayer;
 use crate::image::Planes;
 use crate::pipeline::Shot;
-use crate::sensor::{MapUnit, NoiseMap};
+use crate::sensor::{MapUnit, NoiseMap, SensorModel};
 
 /// What can be looked at.
 #[derive(Clone, Debug, PartialEq)]
@@ -80,12 +80,12 @@ impl Plane {
         }
     }
 
-    /// All that there are of a shot: those that light and ground truth have, too.
-    pub(super) fn all(shot: &Shot, beside: Vec<Self>) -> Vec<String> {
+    /// All that there are of a shot of a sensor: those that light and ground truth have, too.
+    pub(super) fn all(shot: &Shot, sensor: &SensorModel, beside: Vec<Self>) -> Vec<String> {
         let channels = |planes: &Planes| planes.channels().iter().map(|c| c.name.clone()).collect::<Vec<_>>();
         let electrons = channels(&shot.electrons.mean).into_iter().map(Self::Electrons);
         let sigmas = channels(&shot.electrons.variance).into_iter().map(Self::Sigma);
-        let noise = NoiseMap::ALL.into_iter().map(Self::Noise);
+        let noise = NoiseMap::ALL.into_iter().filter(|&map| sensor.has_map(map)).map(Self::Noise);
         let all = [Self::Developed, Self::Raw].into_iter().chain(electrons).chain(sigmas).chain(noise).chain(beside);
         all.map(|plane| plane.name()).collect()
     }

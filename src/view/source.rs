@@ -74,7 +74,14 @@ impl Input {
                 refuse_overrides(path, overrides)?;
                 OpenFile::open(path, None).map(Self::File)
             }
-            Some(FileKind::Capture | FileKind::DataSet | FileKind::Sensor | FileKind::Report | FileKind::Model)
+            Some(
+                FileKind::Capture
+                | FileKind::DataSet
+                | FileKind::Sensor
+                | FileKind::Report
+                | FileKind::Model
+                | FileKind::Lens,
+            )
             | None => Ok(Self::Scene(Box::new(Capture::load_within(sandbox, path, overrides)?))),
         }
     }

@@ -95,6 +95,49 @@ fn what_has_no_counterpart_is_refused_by_name_or_listed(#[case] from: &str, #[ca
     parsed(&std::fs::read_to_string(folder.path("out/scene.xml")).expect("scene.xml"));
 }
 
+/// Every type of material: its keys, and what is said of it; nothing where Mitsuba has the same.
+const TYPES: [(&str, &str, &str); 11] = [
+    ("diffuse", "reflectance = 0.5", ""),
+    ("conductor", "metal = 'Au'", ""),
+    ("dielectric", "index = 1.5", ""),
+    ("metallic-roughness", "base_colour = [0.5, 0.5, 0.5]\nroughness = 0.3", "the \"metallic-roughness\" model of"),
+    ("oren-nayar", "reflectance = 0.5\nroughness = 0.3", "of the type \"oren-nayar\""),
+    ("plastic", "reflectance = 0.5", "the \"plastic\" model of"),
+    ("thin-dielectric", "index = 1.5", ""),
+    ("translucent", "reflectance = 0.3\ntransmittance = 0.3", "of the type \"translucent\""),
+    ("phong", "diffuse = 0.3\nspecular = 0.3\nexponent = 20", "Phong's lobe of"),
+    ("retroreflective", "retroreflectance = 0.3\nreflectance = 0.1", "of the type \"retroreflective\""),
+    (
+        "mix",
+        "first = { type = 'diffuse', reflectance = 0.5 }\nsecond = { type = 'plastic', reflectance = 0.2 }\nweight = 0.5",
+        "the \"plastic\" model of",
+    ),
+];
+
+#[test]
+fn every_type_of_material_is_named_as_its_capture_names_it() {
+    let schema: serde_json::Value =
+        serde_json::from_str(include_str!("../../assets/capture.schema.json")).expect("JSON");
+    let all = schema["$defs"]["TypedMaterialTable"]["oneOf"].as_array().expect("types");
+    let all: Vec<&str> = all.iter().filter_map(|one| one["properties"]["type"]["const"].as_str()).collect();
+    assert_eq!(all, TYPES.map(|(kind, ..)| kind), "the table has every type");
+    for (kind, keys, said) in TYPES {
+        let folder = triangle();
+        let material = format!("type = \"{kind}\"\n{keys}\n");
+        folder.add("capture.toml", CAPTURE.replace("type = \"diffuse\"\nreflectance = 0.5\n", &material));
+        let outcome = folder.succeed("export-mitsuba capture.toml -o out --approximate");
+        let told: Vec<&str> = outcome.stderr.lines().filter(|line| line.contains("paint")).collect();
+        assert_eq!(told.is_empty(), said.is_empty(), "{kind}: {}", outcome.stderr);
+        assert!(outcome.text().contains(said), "{kind}: {}", outcome.stderr);
+        // Mitsuba's own names stand behind a colon.
+        let ours = told.iter().map(|line| line.rsplit_once(": ").map_or(*line, |(ours, _)| ours)).collect::<String>();
+        let is_part = |other: &str| other == kind || kind == "mix" && other == "plastic";
+        let names = TYPES.map(|(other, ..)| other).into_iter().filter(|other| !is_part(other));
+        let named: Vec<&str> = names.filter(|other| ours.contains(&format!("{other:?}"))).collect();
+        assert!(named.is_empty(), "{kind}: {named:?} in {}", outcome.stderr);
+    }
+}
+
 #[test]
 fn everything_of_a_room_can_be_approximated() {
     let folder = room("[render]\nsamples_per_pixel = 1");

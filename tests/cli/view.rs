@@ -119,6 +119,29 @@ const CASES: [(&str, &str); 10] = [
     ("develop.sharpening=1.5&exposure.time_s=0.01", "--set develop.sharpening=1.5 --set exposure.time_s=0.01"),
 ];
 
+/// Effects of CCDs are offered for CCDs alone, as stages and as planes.
+#[test]
+fn effects_are_those_of_the_sensor_that_is_chosen() {
+    let folder = room(SETTINGS);
+    let server = Server::start(&folder, "capture.toml");
+    server.wait_for("done");
+    for (preset, has, has_not) in [
+        ("generic-cmos-color", "dark-current", &["smear", "blooming", "vertical-transfer", "photon-counting"][..]),
+        ("onsemi-kai-02170-mono", "smear", &["row-noise", "column-noise", "low-gain-read-noise", "photon-counting"]),
+        ("swissspad2", "photon-counting", &["smear", "blooming", "read-noise"]),
+    ] {
+        let facts = server.picture(&format!("sensor.preset={preset}")).facts;
+        let names = |key: &str| -> Vec<&str> {
+            facts[key].as_array().expect(key).iter().filter_map(serde_json::Value::as_str).collect()
+        };
+        let (stages, planes) = (names("stages"), names("planes"));
+        assert!(stages.contains(&has), "{preset}: {stages:?}");
+        assert!(has_not.iter().all(|stage| !stages.contains(stage)), "{preset}: {stages:?}");
+        assert_eq!(planes.contains(&"noise:smear_e"), has == "smear", "{preset}: {planes:?}");
+        assert!(planes.contains(&"noise:photo_electrons_e"), "{preset}: {planes:?}");
+    }
+}
+
 /// Light that is traced for the page, coarse first, and light that a render has stored.
 #[rstest]
 #[case::traced("capture.toml")]

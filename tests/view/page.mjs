@@ -113,7 +113,12 @@ async function everyControl(page, errors) {
       // Stages one by one, all others staying off.
       const none = page.getByRole("button", { name: `${label}: none` });
       await changed(control, () => none.click());
-      for (const { name } of control.options) await changed(control, () => page.getByRole("checkbox", { name, exact: true }).check());
+      const stages = await page.evaluate(() => window.state.picture.stages);
+      for (const { name } of control.options) {
+        const box = page.getByRole("checkbox", { name, exact: true }), has = stages.includes(name);
+        check(await box.isVisible() === has, `${name} is ${has ? "not " : ""}offered`);
+        if (has) await changed(control, () => box.check());
+      }
     }
     await reset();
   }
@@ -301,6 +306,37 @@ async function rawFile(chromium) {
   console.log("a raw file has the bytes of photosite develop, and controls of nothing else");
 }
 
+/** Effects are those of the sensor that is chosen, the panel holds names of any length, and light of files is not said to be
+ * traced again. */
+async function storedLight(chromium) {
+  const long = "a sensor whose name says all of its figures and does not end before the panel does";
+  const out = join(here, "long"), keys = ["render.samples_per_pixel=2", "sensor.resolution_px=[48,36]", "output.electrons=true", `sensor.name=${JSON.stringify(long)}`];
+  photosite(program, "render", capture, "-o", out, "--quiet", ...sets(keys));
+  const server = await view(program, [out]);
+  const { page, errors } = await open(chromium, server.address);
+  await page.waitForFunction(() => window.state.picture);
+  for (const group of await page.locator("#panel details").all()) await group.evaluate(details => { details.open = true; });
+  const box = page.getByRole("combobox", { name: "Sensor", exact: true });
+  check(await box.inputValue() === long && await box.getAttribute("title") === long, await box.inputValue());
+  const [wide, shown] = await page.evaluate(() => { const panel = document.getElementById("panel"); return [panel.scrollWidth, panel.clientWidth]; });
+  check(wide <= shown, `the panel holds ${wide} px, and shows ${shown}`);
+  const offered = async name => page.getByRole("checkbox", { name, exact: true }).isVisible();
+  check(await offered("read-noise") && !await offered("smear") && !await offered("vertical-transfer"), "effects of a CCD are offered for a CMOS sensor");
+  const planes = await page.locator("#plane option").evaluateAll(options => options.map(option => option.value));
+  check(planes.includes("noise:read_noise_e") && !planes.includes("noise:smear_e"), `planes: ${planes}`);
+  await box.selectOption("textbook-ccd");
+  await page.locator("#readout.bad").waitFor();
+  const said = await page.locator("#readout").textContent();
+  check(!/trace again|keep the spectrum/i.test(said) && /output\.irradiance/.test(said), said);
+  await page.getByRole("button", { name: "Keys" }).click();
+  const help = await page.locator("#keys").innerText();
+  check(!/trac|camera|focus/i.test(help) && /zoom/.test(help), help);
+  check(!errors.length, errors.join("\n"));
+  await page.close();
+  await server.end("SIGTERM");
+  console.log("light of files: effects of its sensor, a panel that holds its name, and no word of tracing");
+}
+
 /** What people look at: dark, light, and as narrow as a phone. */
 async function looks(chromium, address) {
   for (const [name, options] of Object.entries({
@@ -340,6 +376,7 @@ try {
   check(!server.log().includes("panicked"), server.log());
   await server.end("SIGTERM");
   await rawFile(chromium);
+  await storedLight(chromium);
   await longTrace(chromium);
   await lost(chromium);
 } finally {

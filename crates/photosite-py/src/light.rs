@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 
 use crate::array::{Numbers, of_pixels, of_stack};
 use crate::capture::Capture;
-use crate::shot::{Shot, Source, report_of};
+use crate::shot::{Shot, Source, report_of, seen_noise};
 use crate::work::{How, work};
 
 /// Light that was traced, with the scene that it comes from.
@@ -77,7 +77,9 @@ pub(crate) fn render_to(
             monitor,
             is_timed: true,
         };
-        Ok(report_of(render_into(LoadedCapture::clone(capture), &request, &mut place, Timings::default())?))
+        let report = report_of(render_into(LoadedCapture::clone(capture), &request, &mut place, Timings::default())?);
+        seen_noise(&report).iter().for_each(|words| monitor.report(Event::Warning(words)));
+        Ok(report)
     })?;
     Ok(serde_json::to_string(&report).expect("plain values"))
 }
@@ -118,6 +120,11 @@ impl Light {
 
     fn trace_s(&self) -> f64 {
         self.light.trace_s
+    }
+
+    /// Monte Carlo noise over that of the sensor at the exposure of the capture, where it is known.
+    fn noise_ratio(&self) -> Option<f64> {
+        self.prepared.noise_ratio(&self.light)
     }
 
     /// Pose and intrinsics as a report has them, as JSON.

@@ -9,7 +9,7 @@ use photosite::image::{Estimate, Planes};
 use photosite::pipeline::{
     self, Carried, Event, ExposedRender, FilmMemory, LightSource, Monitor, OutputFolder, Prepared, Rendered, Request,
 };
-use photosite::report::Report;
+use photosite::report::{RenderNoise, Report};
 use photosite::sensor::NoiseMap;
 use photosite::{Invalid, Picture};
 use pyo3::prelude::*;
@@ -146,6 +146,21 @@ impl Shot {
         Ok((of_stack(py, mean)?, variance))
     }
 
+    /// Monte Carlo noise over that of the sensor, where it is known.
+    fn noise_ratio(&self) -> Option<f64> {
+        match &self.source {
+            Source::Traced { prepared, light } => prepared.noise_ratio(light),
+            Source::Stored(_) => None,
+        }
+    }
+
+    /// What is said of Monte Carlo noise that may be seen.
+    fn seen_noise(&self, py: Python<'_>) -> PyResult<Option<String>> {
+        let Source::Traced { prepared, light } = &self.source else { return Ok(None) };
+        let report = prepared.report(light, &self.whole(), self.frame).map_err(|error| raise(py, error))?;
+        Ok(seen_noise(&report))
+    }
+
     /// Develops the raw image as its capture says.
     fn image<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let picture = work(py, How::default(), |_| {
@@ -211,6 +226,13 @@ impl Shot {
         })?;
         Ok(serde_json::to_string(&report).expect("plain values"))
     }
+}
+
+/// What is said of Monte Carlo noise that may be seen.
+pub(crate) fn seen_noise(report: &Report) -> Option<String> {
+    let render = report.traced.render.as_ref()?;
+    let noise = RenderNoise::new(render, |samples| format!("samples={samples}"))?;
+    noise.is_seen.then_some(noise.words)
 }
 
 /// The report of a picture, which is all that is rendered here.

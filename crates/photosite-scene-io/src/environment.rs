@@ -36,8 +36,14 @@ pub fn decode_environment(bytes: &[u8], name: String, warnings: &mut Warnings) -
     let read = decode_linear(bytes).unwrap_or_else(|| {
         let line = bytes.split(|byte| b"\r\n".contains(byte)).next().unwrap_or_default();
         let line = String::from_utf8_lossy(line.get(..16).unwrap_or(line)).into_owned();
-        let message =
-            format!("is neither Radiance HDR, which begins with #?RADIANCE, nor OpenEXR: it begins with {line:?}");
+        let begins = match line.as_str() {
+            "" if bytes.is_empty() => "it is empty".to_owned(),
+            text if !text.is_empty() && text.chars().all(|c| !c.is_control() && c != char::REPLACEMENT_CHARACTER) => {
+                format!("it begins with {text:?}")
+            }
+            _ => "it begins with bytes of another kind".to_owned(),
+        };
+        let message = format!("is neither Radiance HDR, which begins with #?RADIANCE, nor OpenEXR: {begins}");
         Err(Invalid::new("", message).help("pictures of 8 or 16 bits hold no sun; use a .hdr or .exr picture"))
     });
     let of_file = |invalid| in_picture(invalid, &name);

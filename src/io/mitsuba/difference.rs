@@ -89,12 +89,13 @@ differences! {
     FurtherBounces { material: String } =
         "light that bounces more than once between the microfacets of {material} (energy_compensation): it is lost",
     Dispersion { material: String } = "the dispersion of {material}: its index is that at 589.3 nm",
-    Relief { material: String } = "the relief of {material}: it becomes \"diffuse\"",
+    Relief { material: String } = "the roughness of {material}, of the type \"oren-nayar\": it becomes \"diffuse\"",
     PhongLobe { material: String } = "Phong's lobe of {material}: it is left out",
-    Translucence { material: String } = "the light that passes {material}: it is left out",
+    Translucence { material: String } =
+        "the light that passes {material}, of the type \"translucent\": it is left out",
     Absorption { material: String } = "the absorption of {material}: it is left out",
     Retroreflection { material: String } =
-        "the retroreflection of {material}, for which it has no plugin: it is left out",
+        "the retroreflection of {material}, of the type \"retroreflective\", for which it has no plugin: it is left out",
     Model { kind: &'static str, material: String } = "the \"{kind}\" model of {material}: it becomes \"principled\"",
     Extension { extension: &'static str, material: String } = "the {extension} of {material}: it is left out",
     MaskBetweenTexels { material: String } =

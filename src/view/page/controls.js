@@ -81,7 +81,7 @@ export class Controls {
       show = v => {
         // A sensor of a file of its own has another name.
         if (v && ![...select.options].some(option => option.value === v)) select.prepend(element("option", { value: v, textContent: v, disabled: true }));
-        select.value = v;
+        select.value = select.title = v;
       };
       head.append(select);
       root.append(head);
@@ -95,21 +95,26 @@ export class Controls {
       const all = on => element("button", { type: "button", textContent: on ? "All" : "None", ariaLabel: `${label}: ${on ? "all" : "none"}`, onclick: () => changed(on ? [] : boxes.map(box => box.value)) });
       const list = element("fieldset", {}, element("legend", { textContent: label }), element("div", { className: "row" }, all(true), all(false)),
         ...boxes.map((box, i) => element("label", { className: "check", title: control.options[i].about }, box, control.options[i].name.replaceAll("-", " "))));
-      show = off => boxes.forEach(box => { box.checked = !(off ?? []).includes(box.value); });
+      // Those that the sensor does not have keep their ticks, for a sensor that has them.
+      show = (off, offered) => boxes.forEach(box => {
+        box.checked = !(off ?? []).includes(box.value);
+        box.parentElement.hidden = !(offered ?? [box.value]).includes(box.value);
+      });
       head.replaceChildren(undo);
       root.append(element("details", {}, element("summary", { textContent: label }), list, head));
     }
     return { root, show, undo, anew };
   }
 
-  /** Shows values as they are and which of them are changed; hides what has no value, and groups of nothing else. */
-  show(settings, changed) {
+  /** Shows values as they are and which of them are changed; hides what has no value, groups of nothing else, and stages that are
+   * not among those of the sensor. */
+  show(settings, changed, stages) {
     for (const [key, made] of this.controls) {
       const is = Object.hasOwn(changed, key);
       made.undo.hidden = !is;
       made.root.classList.toggle("changed", is);
       made.root.hidden = !Object.hasOwn(settings, key);
-      if (!made.root.hidden) made.show(is ? changed[key] : settings[key]);
+      if (!made.root.hidden) made.show(is ? changed[key] : settings[key], stages);
     }
     for (const group of this.groups.values()) {
       group.hidden = ![...group.querySelectorAll(".control")].some(control => !control.hidden);

@@ -69,7 +69,10 @@ export function lookCloser() {
   }, 80);
 }
 
-export const UNTOLD = { message: "this sensor responds to light differently from the one that it was traced for", help: "trace again for this sensor, or keep the spectrum, which serves all sensors", needs_trace: true };
+/** Why a side does not show the sensor that is chosen, and what can be done about it: light of files cannot be traced anew. */
+export const untold = side => isScene(side)
+  ? { message: "this sensor responds to light differently from the one that it was traced for", help: "trace again for this sensor, or keep the spectrum, which serves all sensors", needs_trace: true }
+  : { message: "this sensor responds to light differently from the one that it was rendered for", help: "view a folder that was rendered with output.irradiance = true, which serves all sensors, or the capture itself", needs_trace: false };
 
 /** Whether the light of a side does not tell what the sensor sees that is chosen. */
 export const needsTrace = ({ settings, picture }) => Boolean(settings["sensor.preset"] && picture?.sensors && !picture.sensors.includes(settings["sensor.preset"]) && picture.trace === session.traced);
@@ -102,7 +105,7 @@ export function showSettings({ picture, settings }) {
   const anew = picture.anew ?? [];
   for (const key of session.controls.keys()) if (key !== "sensor.preset") session.controls.mark(key, anew.includes(key));
   const traced = Object.fromEntries(Object.entries(session.anew).filter(([key]) => anew.includes(key)));
-  session.controls.show(picture.settings, { ...traced, ...settings });
+  session.controls.show(picture.settings, { ...traced, ...settings }, picture.stages);
 }
 
 export const tellZoom = () => { $("zoom").value = `${readable(stage.scale * 100, 3)} %`; };

@@ -19,7 +19,7 @@ export function tellStatus() {
   $("progress").value = status.expected_paths ? Math.min(status.paths / status.expected_paths, 1) : 0;
   $("pause").textContent = status.phase === "paused" ? "Continue" : "Pause";
   $("pause").disabled = $("stop").disabled = !isTraced;
-  $("trace-buttons").hidden = $("camera-group").hidden = isStored;
+  for (const part of [$("trace-buttons"), $("camera-group"), ...document.querySelectorAll(".of-trace")]) part.hidden = isStored;
   $("frame-anew").hidden = status.frame === null;
   for (const tool of ["focus", "orbit"]) [...$("tool").options].find(option => option.value === tool).disabled = !status.camera || status.camera.moves;
 }

@@ -3,7 +3,7 @@ import { drawLegend } from "./colours.js";
 import { Controls } from "./controls.js";
 import { measure, pick } from "./inspect.js";
 import { camera, connect, traceAnew } from "./light.js";
-import { UNTOLD, lookCloser, needsTrace, refresh, show, showSettings } from "./pictures.js";
+import { lookCloser, needsTrace, refresh, show, showSettings, untold } from "./pictures.js";
 import { approach, fit, markCorner, move, pickByTool, turn, zoom } from "./pointer.js";
 import * as server from "./server.js";
 import { $, hasOwnLight, query, refuse, session, sides, stage, state } from "./session.js";
@@ -32,7 +32,7 @@ function change(key, value) {
   if (key === "develop.white_balance" && value !== "temperature") { delete settings["develop.temperature_k"]; delete settings["develop.tint"]; }
   if (key === "develop.white_balance" && value === "temperature") settings["develop.temperature_k"] ??= 5500;
   showSettings(side);
-  if (needsTrace(side)) return refuse(new server.Refused(UNTOLD, 409));
+  if (needsTrace(side)) return refuse(new server.Refused(untold(side), 409));
   refresh([session.edited]);
 }
 

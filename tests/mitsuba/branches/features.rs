@@ -41,7 +41,7 @@ features! {
     // Surfaces.
     Matt, Mirror, RoughConductor = "the correlated shadowing", Grooves = "the correlated shadowing",
     Glass, GroundGlass = "the correlated shadowing", FurtherBounces = "light that bounces more than once", Dispersive = "the dispersion of", Pane,
-    TintedPane = "the absorption of", OrenNayar = "the relief of", Phong = "Phong's lobe of",
+    TintedPane = "the absorption of", OrenNayar = "the roughness of", Phong = "Phong's lobe of",
     Translucent = "the light that passes", Retroreflective = "the retroreflection of", Mix,
     Layers = "it becomes \"principled\"", Metallic = "it becomes \"principled\"", Transmission = "the transmission of",
     Volume = "the volume of", DiffuseTransmission = "the diffuse transmission of", Film = "the iridescence of",

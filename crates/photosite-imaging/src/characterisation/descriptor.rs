@@ -106,6 +106,11 @@ impl Descriptor {
     fn read_line(&mut self, line: &str) -> Result<(), Invalid> {
         let (key, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         let rest = rest.trim();
+        let is_binary = |c: char| c == char::REPLACEMENT_CHARACTER || c.is_control() && c != '\t';
+        if line.contains(is_binary) {
+            return Err(Invalid::new("", "is no text, and a descriptor of images is expected here")
+                .help("lines begin with v, n, b, d or i, or # for a comment"));
+        }
         let wrong = |help: &str| Err(Invalid::new(key, format!("cannot read {line:?}")).help(help));
         // Some programs write decimal commas.
         let numbers: Option<Vec<f64>> =

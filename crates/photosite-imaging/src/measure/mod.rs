@@ -6,9 +6,13 @@
 mod checker;
 mod histogram;
 mod mtf;
+mod slanted_edges;
 mod ssim;
+#[cfg(test)]
+mod test_pictures;
 
 pub use checker::{CheckerReport, PatchReport, checker};
 pub use histogram::{Histogram, histogram};
 pub use mtf::{EdgeResponse, slanted_edge};
+pub use slanted_edges::{FoundEdge, slanted_edges};
 pub use ssim::ssim;

@@ -5,15 +5,22 @@
 //! spread function four times finer than the pixels are. The Fourier transform of its derivative is the transfer
 //! function, after what the bins and the finite difference take from it is put back. That of the pixels' own area
 //! stays, since it is part of what is measured.
+//!
+//! Noise of the pixels is what they differ by from the edge spread function at their distance. The modulation is a linear
+//! function of the bins, up to a phase, so that its standard error follows from the variances of their means. Pixels are
+//! taken to be independent: where a filter or demosaicking has mixed neighbours, the error is larger than is said.
 
 use std::f64::consts::PI;
 
+use rustfft::num_complex::Complex64;
 use serde::Serialize;
 
 use photosite_core::Invalid;
 
 /// Bins a pixel.
 const OVERSAMPLING: f64 = 4.0;
+/// Bins to each side that tell the variance of one.
+const POOLED: usize = 4;
 
 /// What an edge tells of sharpness.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -32,6 +39,19 @@ pub struct EdgeResponse {
     pub mtf10_cy_per_px: Option<f64>,
     /// Modulation at half a cycle per pixel.
     pub at_nyquist: f64,
+    /// Standard error that the noise of the pixels leaves in each modulation.
+    pub standard_error: Vec<f64>,
+    /// That at a quarter of a cycle per pixel, half the Nyquist frequency.
+    pub standard_error_at_half_nyquist: f64,
+}
+
+impl EdgeResponse {
+    /// Cycles per mm of a cycle per pixel across this edge, for pixels so wide and so high.
+    pub fn cycles_per_mm(&self, pitch_m: [f64; 2]) -> f64 {
+        let [across, along] = if self.is_vertical { pitch_m } else { [pitch_m[1], pitch_m[0]] };
+        let (sin, cos) = self.angle_deg.to_radians().sin_cos();
+        f64::hypot(cos / across, sin / along) * 1e-3
+    }
 }
 
 /// The response of an edge within the region (column, row, columns, rows) of a plane of linear values. The edge must
@@ -58,8 +78,7 @@ pub fn slanted_edge(
         (0..columns).map(|x| (0..rows).map(|y| at(x, y)).collect()).collect()
     };
     let (offset, slope) = fit_edge(&lines)?;
-    let spread = edge_spread(&lines, offset, slope)?;
-    Ok(response(&spread, slope, is_vertical))
+    Ok(response(&EdgeSpread::new(&lines, offset, slope)?, slope, is_vertical))
 }
 
 fn no_edge(message: &str) -> Invalid {
@@ -105,51 +124,95 @@ fn fit_edge(lines: &[Vec<f64>]) -> Result<(f64, f64), Invalid> {
     Ok((offset, slope))
 }
 
-/// Mean value in each bin of distance from the edge.
-fn edge_spread(lines: &[Vec<f64>], offset: f64, slope: f64) -> Result<Vec<f64>, Invalid> {
-    let cosine = 1.0 / (1.0 + slope * slope).sqrt();
-    // As far as the edge is from the sides in every line.
-    let ends = [offset, offset + slope * (lines.len() - 1) as f64];
-    let columns = lines[0].len() as f64;
-    let reach = ends.iter().map(|x| x.min(columns - 1.0 - x)).fold(f64::INFINITY, f64::min) * cosine;
-    let half = (reach * OVERSAMPLING).floor() as isize;
-    let mut sums = vec![(0.0, 0u32); 2 * half.max(0) as usize + 1];
-    for (y, line) in lines.iter().enumerate() {
-        for (x, value) in line.iter().enumerate() {
-            let distance = (x as f64 - offset - slope * y as f64) * cosine;
-            let bin = (distance * OVERSAMPLING).round() as isize + half;
-            if let Some((sum, count)) = usize::try_from(bin).ok().and_then(|bin| sums.get_mut(bin)) {
-                (*sum, *count) = (*sum + value, *count + 1);
-            }
-        }
-    }
-    if sums.iter().any(|(_, count)| *count == 0) || sums.len() < 16 {
-        return Err(no_edge("the edge is too short, or too steep, to fill every quarter of a pixel"));
-    }
-    Ok(sums.into_iter().map(|(sum, count)| sum / f64::from(count)).collect())
+/// The edge spread function.
+struct EdgeSpread {
+    /// Mean value in each bin of distance from the edge.
+    mean: Vec<f64>,
+    /// Variance of each of these means.
+    variance: Vec<f64>,
 }
 
-fn response(spread: &[f64], slope: f64, is_vertical: bool) -> EdgeResponse {
-    let middle = (spread.len() / 2) as f64;
+impl EdgeSpread {
+    fn new(lines: &[Vec<f64>], offset: f64, slope: f64) -> Result<Self, Invalid> {
+        let cosine = 1.0 / (1.0 + slope * slope).sqrt();
+        // As far as the edge is from the sides in every line.
+        let ends = [offset, offset + slope * (lines.len() - 1) as f64];
+        let columns = lines[0].len() as f64;
+        let reach = ends.iter().map(|x| x.min(columns - 1.0 - x)).fold(f64::INFINITY, f64::min) * cosine;
+        let half = (reach * OVERSAMPLING).floor().max(0.0);
+        let bins = 2 * half as usize + 1;
+        // Values with their places, in bins.
+        let pixels = || {
+            let of_line = |(y, line): (usize, &Vec<f64>)| {
+                let place = move |x: usize| (x as f64 - offset - slope * y as f64) * cosine * OVERSAMPLING + half;
+                line.iter().enumerate().map(move |(x, &value)| (place(x), value)).collect::<Vec<_>>()
+            };
+            let of_bin = |(place, value): (f64, f64)| {
+                let bin = place.round();
+                (bin >= 0.0 && bin < bins as f64).then_some((bin as usize, place, value))
+            };
+            lines.iter().enumerate().flat_map(of_line).filter_map(of_bin)
+        };
+        let mut sums = vec![(0.0, 0u32); bins];
+        for (bin, _, value) in pixels() {
+            sums[bin].0 += value;
+            sums[bin].1 += 1;
+        }
+        if sums.iter().any(|(_, count)| *count == 0) || bins < 16 {
+            return Err(no_edge("the edge is too short, or too steep, to fill every quarter of a pixel"));
+        }
+        let mean: Vec<f64> = sums.iter().map(|(sum, count)| sum / f64::from(*count)).collect();
+        let mut squares = vec![0.0; bins];
+        for (bin, place, value) in pixels() {
+            // Along a straight line from bin to bin, so that the rise of the edge within a bin is no noise.
+            let left = (place.floor().max(0.0) as usize).min(bins - 2);
+            let expected = mean[left] + (mean[left + 1] - mean[left]) * (place - left as f64);
+            squares[bin] += (value - expected).powi(2);
+        }
+        // A few pixels in a bin tell their variance badly; within a pixel it changes little.
+        let variance = (0..bins).map(|bin| {
+            let near = bin.saturating_sub(POOLED)..(bin + POOLED + 1).min(bins);
+            let count: u32 = sums[near.clone()].iter().map(|(_, count)| count).sum();
+            let freedom = count.saturating_sub(near.len() as u32).max(1);
+            squares[near].iter().sum::<f64>() / f64::from(freedom) / f64::from(sums[bin].1)
+        });
+        Ok(Self { variance: variance.collect(), mean })
+    }
+}
+
+fn response(spread: &EdgeSpread, slope: f64, is_vertical: bool) -> EdgeResponse {
+    let EdgeSpread { mean, variance } = spread;
+    let middle = (mean.len() / 2) as f64;
     // A Tukey window that leaves the middle half alone takes noise away from the ends and nothing from the edge.
     let window = |k: usize| {
         let part = ((k as f64 - middle) / middle).abs();
         if part < 0.5 { 1.0 } else { 0.5 + 0.5 * (PI * (part - 0.5) / 0.5).cos() }
     };
-    let derivative: Vec<(f64, f64)> = (1..spread.len() - 1)
-        .map(|k| ((k as f64 - middle) / OVERSAMPLING, 0.5 * (spread[k + 1] - spread[k - 1]) * window(k)))
-        .collect();
-    let transform = |f: f64| {
-        let (re, im) = derivative.iter().fold((0.0, 0.0), |(re, im), (d, v)| {
-            let (sin, cos) = (2.0 * PI * f * d).sin_cos();
-            (re + v * cos, im + v * sin)
-        });
-        f64::hypot(re, im)
+    // The terms of the derivative's transform are window(k)·e^(−2πi·f·d)·(mean[k + 1] − mean[k − 1])/2.
+    let factor = |f: f64, k: usize| {
+        let (sin, cos) = (2.0 * PI * f * (k as f64 - middle) / OVERSAMPLING).sin_cos();
+        Complex64::new(cos, -sin) * (0.5 * window(k))
     };
+    let inner = 1..mean.len() - 1;
+    let transform = |f: f64| -> Complex64 { inner.clone().map(|k| factor(f, k) * (mean[k + 1] - mean[k - 1])).sum() };
     let sinc = |x: f64| if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) };
-    let whole = transform(0.0);
+    let whole = transform(0.0).re;
     // The difference spans two bins, and each bin is a mean over its width.
-    let modulation = |f: f64| transform(f) / whole / (sinc(2.0 * f / OVERSAMPLING) * sinc(f / OVERSAMPLING));
+    let of_bins = |f: f64| sinc(2.0 * f / OVERSAMPLING) * sinc(f / OVERSAMPLING);
+    let modulation = |f: f64| transform(f).norm() / whole.abs() / of_bins(f);
+    let standard_error = |f: f64| {
+        let value = transform(f);
+        let phase = value.conj() / value.norm().max(f64::MIN_POSITIVE);
+        // What the transform gains by the mean of a bin, which is in the differences of both its neighbours.
+        let gain = |f: f64, bin: usize| {
+            let term = |k: Option<usize>| k.filter(|k| inner.contains(k)).map_or(Complex64::ZERO, |k| factor(f, k));
+            term(bin.checked_sub(1)) - term(Some(bin + 1))
+        };
+        let change =
+            |bin: usize| (phase * gain(f, bin)).re / whole - value.norm() * gain(0.0, bin).re / (whole * whole);
+        let sum: f64 = variance.iter().enumerate().map(|(bin, variance)| variance * change(bin).powi(2)).sum();
+        sum.sqrt() / of_bins(f)
+    };
     let frequency: Vec<f64> = (0..=100).map(|i| f64::from(i) / 100.0).collect();
     let mtf: Vec<f64> = frequency.iter().map(|f| modulation(*f)).collect();
     let falls_to = |level: f64| {
@@ -163,6 +226,8 @@ fn response(spread: &[f64], slope: f64, is_vertical: bool) -> EdgeResponse {
         mtf50_cy_per_px: falls_to(0.5),
         mtf10_cy_per_px: falls_to(0.1),
         at_nyquist: modulation(0.5),
+        standard_error: frequency.iter().map(|f| standard_error(*f)).collect(),
+        standard_error_at_half_nyquist: standard_error(0.25),
         frequency_cy_per_px: frequency,
         mtf,
     }
@@ -170,15 +235,11 @@ fn response(spread: &[f64], slope: f64, is_vertical: bool) -> EdgeResponse {
 
 #[cfg(test)]
 mod tests {
+    use super::super::test_pictures::{Even, normal, truth};
     use super::*;
 
     const WIDTH: usize = 80;
     const HEIGHT: usize = 100;
-
-    /// The standard normal distribution.
-    fn normal(x: f64) -> f64 {
-        0.5 * (1.0 + libm::erf(x / std::f64::consts::SQRT_2))
-    }
 
     /// An edge blurred by a Gaussian, averaged over each pixel's area by 16 × 16 points.
     fn edge(angle_deg: f64, sigma: f64) -> Vec<f32> {
@@ -194,13 +255,6 @@ mod tests {
             (0.1 + 0.7 * sum / 256.0) as f32
         };
         (0..WIDTH * HEIGHT).map(value).collect()
-    }
-
-    /// What it must be: the Gaussian's transform times those of the pixel's sides, seen along the normal.
-    fn truth(f: f64, angle_deg: f64, sigma: f64) -> f64 {
-        let (sin, cos) = angle_deg.to_radians().sin_cos();
-        let sinc = |x: f64| if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) };
-        (-2.0 * (PI * sigma * f).powi(2)).exp() * sinc(f * cos) * sinc(f * sin)
     }
 
     #[test]
@@ -222,6 +276,52 @@ mod tests {
                 assert!((ratio - 1.0).abs() < 0.01, "{angle}° σ {sigma}: MTF50 {ratio} of what it must be");
             }
         }
+    }
+
+    /// The predicted standard error beside the spread of many pictures that differ in their noise alone.
+    #[test]
+    fn the_standard_error_is_the_spread_of_repeated_measurements() {
+        const REPEATS: usize = 200;
+        let clean = edge(6.0, 0.5);
+        let of = |plane: &[f32]| slanted_edge(plane, [WIDTH, HEIGHT], [4, 2, 72, 96]).expect("an edge");
+        // What is left without noise is the curvature of the edge within bins: a tenth of what is warned of.
+        assert!(of(&clean).standard_error_at_half_nyquist < 2e-3, "{}", of(&clean).standard_error_at_half_nyquist);
+        for (noise, falls) in [(0.01, false), (0.03, true)] {
+            let mut random = Even(7);
+            let mut found = vec![Vec::new(); 3];
+            let mut predicted = [0.0; 3];
+            for _ in 0..REPEATS {
+                let noisy = |&value: &f32| (if falls { 1.0 - value } else { value }) + noise * random.next() as f32;
+                let noisy: Vec<f32> = clean.iter().map(noisy).collect();
+                let response = of(&noisy);
+                for (i, frequency) in [10, 25, 40].into_iter().enumerate() {
+                    found[i].push(response.mtf[frequency]);
+                    predicted[i] += response.standard_error[frequency] / REPEATS as f64;
+                }
+            }
+            for (found, predicted) in found.iter().zip(predicted) {
+                let mean = found.iter().sum::<f64>() / REPEATS as f64;
+                let variance = found.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (REPEATS - 1) as f64;
+                // The standard deviation of n values has the relative standard error 1/√(2n), 0.05; three of it, and 0.1 for
+                // the line that is fitted to the noisy edge, which the prediction takes as given.
+                assert!((variance.sqrt() / predicted - 1.0).abs() < 0.25, "{} for {predicted}", variance.sqrt());
+            }
+        }
+    }
+
+    #[test]
+    fn frequencies_in_mm_are_those_along_the_normal() {
+        let response = |is_vertical, angle_deg: f64| EdgeResponse {
+            angle_deg,
+            is_vertical,
+            ..slanted_edge(&edge(5.0, 0.5), [WIDTH, HEIGHT], [4, 2, 72, 96]).expect("an edge")
+        };
+        // A square pixel of 5 µm has 200 of them in a mm, in every direction.
+        for (is_vertical, angle) in [(true, 5.0), (false, -12.0), (true, 40.0)] {
+            assert!((response(is_vertical, angle).cycles_per_mm([5e-6; 2]) - 200.0).abs() < 1e-9);
+        }
+        assert!((response(true, 0.0).cycles_per_mm([4e-6, 8e-6]) - 250.0).abs() < 1e-9);
+        assert!((response(false, 0.0).cycles_per_mm([4e-6, 8e-6]) - 125.0).abs() < 1e-9);
     }
 
     #[test]

@@ -5,3 +5,5 @@ mod noise_maps;
 
 pub use expose::{Exposed, expose, expose_after, expose_with_maps};
 pub use noise_maps::NoiseMaps;
+#[cfg(test)]
+mod tests;

@@ -13,6 +13,7 @@ mod converter;
 mod crosstalk;
 mod defects;
 mod description;
+mod effects;
 mod flicker;
 mod format;
 mod frame_grabber;
