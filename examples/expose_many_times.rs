@@ -23,7 +23,6 @@ impl Monitor for Counter {
             }
             Event::TraceBegins { .. }
             | Event::PassEnds { .. }
-            | Event::PictureGrows(_)
             | Event::TraceEnds
             | Event::SetBegins { .. }
             | Event::PictureFails { .. }

@@ -305,7 +305,6 @@ class Dataset(Sequence[Frame]):
         threads: Optional[int] = None,
         frames: Optional[Iterable[int]] = None,
         split: str = "frames",
-        layouts: Optional[Mapping[str, Path]] = None,
         retries: int = 3,
         keep_going: bool = False,
         progress: Progress = None,
@@ -330,8 +329,6 @@ class Dataset(Sequence[Frame]):
             frames: numbers of frames to make; without, all of this data set.
             split: "frames", or "samples" where pictures are few and large: tasks are then samples of one frame, and
                 take disk for as many films, at most 16 or so a picture, until it is whole.
-            layouts: folders for shards that workers write as soon as the frames of one are all there, by their format:
-                ``{"webdataset": "shards", "parquet": "rows", "mcap": "bags"}``; the last ones are written at the end.
             retries: further tries of what fails for a reason that may pass, such as a full disk, and of frames whose
                 worker dies.
             keep_going: whether frames that cannot be made are in the result, rather than in an error at the end.
@@ -368,7 +365,6 @@ class Dataset(Sequence[Frame]):
             workers=workers,
             threads=threads or self._threads,
             split=split,
-            layouts=[[name, os.path.abspath(path_of("layouts", folder))] for name, folder in (layouts or {}).items()],
             retries=retries,
             keep_going=keep_going,
         )

@@ -255,6 +255,11 @@ class Raw:
         return Cfa(self._compiled.cfa(), tuple(cfa["channels"]), rows)
 
     @property
+    def active_cfa(self) -> str:
+        """The colour filter array of ``active``, as :attr:`Cfa.pattern` has it."""
+        return self._compiled.active_cfa()
+
+    @property
     def bits(self) -> int:
         """Bits of the digital numbers, 1–16."""
         bits: int = self._known["bits"]

@@ -450,18 +450,6 @@ def test_errors_of_a_worker_end_the_run_unless_they_may_pass(monkeypatch: pytest
         drive(1, FramePlan([0, 1], 3), lambda task: Outcome("there", fault="Traceback"))
 
 
-def test_workers_write_shards_for_training(file: Path, tmp_path: Path, command: Command) -> None:
-    dataset = ps.Dataset(file, output=tmp_path / "out")
-    dataset.run(workers=2, threads=1, layouts={"webdataset": tmp_path / "shards", "mcap": tmp_path / "bags"})
-    for name, folder in (("webdataset", "shards"), ("mcap", "bags")):
-        command("layout", tmp_path / "out", "--format", name, "-o", tmp_path / f"later-{folder}", "-q")
-        assert contents(tmp_path / folder) == contents(tmp_path / f"later-{folder}")
-    with pytest.raises(ps.InputError, match="expected 'webdataset', 'parquet' or 'mcap', got 'coco'"):
-        dataset.run(layouts={"coco": tmp_path / "coco"})
-    with pytest.raises(ps.InputError, match="this is a store"):
-        ps.Dataset(file).run("s3://bucket/set", layouts={"mcap": tmp_path / "m"})
-
-
 @pytest.mark.parametrize("seed", range(20))
 def test_parts_cover_each_sample_once_whatever_was_there(seed: int) -> None:
     luck = random.Random(seed)

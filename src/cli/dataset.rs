@@ -13,7 +13,6 @@ use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out};
 use super::scene_args::SceneArgs;
-use super::shards::LayoutsArgs;
 use crate::capture::DatasetFile;
 use crate::dataset::{
     DataSet, DatasetFolder, Forecast, FrameList, Frames, Made, MakeOptions, SetNoise, Shard, picture_name,
@@ -51,7 +50,7 @@ pub(super) struct DatasetArgs {
     shard: Option<Shard>,
     /// Trace only these samples of every pixel: from A up to, but not including, B. `photosite merge` makes one data set of
     /// the folders of all parts.
-    #[arg(long, value_name = "A..B", value_parser = parse_range, conflicts_with = "layouts")]
+    #[arg(long, value_name = "A..B", value_parser = parse_range)]
     samples: Option<Range<u32>>,
     /// Continue after frames that cannot be made, and end with status 1 if there were any.
     #[arg(long)]
@@ -62,11 +61,11 @@ pub(super) struct DatasetArgs {
     jobs: Option<u16>,
     /// Make no pictures: check the keys of every frame, and estimate the time, memory and disk space that the missing
     /// pictures would take.
-    #[arg(long, conflicts_with_all = ["samples", "index_only", "verify", "layouts"])]
+    #[arg(long, conflicts_with_all = ["samples", "index_only", "verify"])]
     dry_run: bool,
     /// Make no pictures: write manifest.jsonl, calibration/ and README.md again, and end with status 1 if a picture
     /// is missing.
-    #[arg(long, conflicts_with_all = ["samples", "layouts"])]
+    #[arg(long, conflicts_with = "samples")]
     index_only: bool,
     /// Read every file of the existing pictures, and make damaged ones again; with --index-only, name them and end
     /// with status 1.
@@ -80,8 +79,6 @@ pub(super) struct DatasetArgs {
     /// Maximum memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
-    #[command(flatten)]
-    layouts: LayoutsArgs,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -128,11 +125,7 @@ pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
         return report.index(&set, &frames, &folder, damaged);
     }
     let light = |_: &str, _| Ok(args.samples.clone().map_or(LightSource::Traced, LightSource::Part));
-    let layouts = args.layouts.open(&folder, count, args.quiet)?;
-    let lines = report.listening(&monitor);
-    let layouts = layouts.beside(&lines);
-    let made = layouts.unless_failed(set.make(&frames, &folder, &layouts, options, light))?;
-    layouts.finish(args.quiet)?;
+    let made = set.make(&frames, &folder, &report.listening(&monitor), options, light)?;
     if args.samples.is_none() {
         return report.finish(&set, &folder, &made);
     }
@@ -257,7 +250,6 @@ impl Monitor for PictureLines<'_> {
             | Event::TraceBegins { .. }
             | Event::Traced(_)
             | Event::PassEnds { .. }
-            | Event::PictureGrows(_)
             | Event::TraceEnds
             | Event::PictureEnds(None)
             | Event::Waiting { .. }

@@ -178,7 +178,7 @@ fn mtf(args: &MtfArgs) -> Result<()> {
         return Err(Error::Usage {
             message: format!("{}: no slanted edge is found", path.display()),
             help: Some(
-                "an edge is found where it is straight, at least 24 pixels long, 1° to 40° off the pixels, and 8 pixels from                  others; --region measures the one that it holds"
+                "an edge is found where it is straight, at least 24 pixels long, 1° to 40° off the pixels, and 8 pixels from others; --region measures the one that it holds"
                     .into(),
             ),
         });

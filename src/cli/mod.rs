@@ -41,7 +41,6 @@ mod run_args;
 mod scene_args;
 mod schema;
 mod sensors;
-mod shards;
 mod shorthands;
 mod signals;
 mod status;
@@ -49,7 +48,6 @@ mod submit;
 mod target;
 #[cfg(test)]
 mod tests;
-mod tev;
 #[cfg(feature = "view")]
 mod view;
 

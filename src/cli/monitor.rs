@@ -201,11 +201,7 @@ impl Monitor for TerminalMonitor {
                 *locked(&self.progress) = None;
                 self.log("set_ends", json!({}));
             }
-            Event::Warning(_)
-            | Event::Waiting { .. }
-            | Event::Traced(_)
-            | Event::PassEnds { .. }
-            | Event::PictureGrows(_) => {}
+            Event::Warning(_) | Event::Waiting { .. } | Event::Traced(_) | Event::PassEnds { .. } => {}
         }
     }
 

@@ -12,9 +12,8 @@ use super::print::{print_json, rounded};
 use super::run_args::{OutcomeArgs, RunArgs};
 use super::scene_args::SceneArgs;
 use super::shorthands::Shorthands;
-use super::tev::{TevAddress, TevMonitor};
 use crate::capture::{Capture, relative_path};
-use crate::pipeline::{FilmMemory, LightSource, Monitor, Place, Rendered, Request, render_into};
+use crate::pipeline::{FilmMemory, LightSource, Place, Rendered, Request, render_into};
 use crate::report::{REPORT, RenderNoise, Report, Timings};
 use crate::{Result, Sandbox};
 use photosite_core::sandbox::trust;
@@ -47,9 +46,6 @@ pub(super) struct RenderArgs {
     /// Maximum memory for the film, GiB: a picture of which it needs more is traced in strips, one after the other.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
-    /// Show the picture as it grows in the image viewer tev, which listens at 127.0.0.1:14158 by default.
-    #[arg(long, value_name = "HOST:PORT", value_parser = TevAddress::parse)]
-    tev: Option<TevAddress>,
     #[command(flatten)]
     outcome: OutcomeArgs,
 }
@@ -68,22 +64,15 @@ pub(super) fn run(args: &RenderArgs, sandbox: &Sandbox) -> Result<()> {
         Place::Free(folder) => folder,
         Place::Done(rendered) => return finish_again(&rendered, &path, *quiet, *json),
     };
-    let tev = args.tev.as_ref().map(|address| {
-        let whole = std::path::absolute(folder.path()).unwrap_or_default();
-        let name = whole.file_name().map_or_else(|| "photosite".into(), |name| name.to_string_lossy());
-        TevMonitor::new(terminal, (address, *quiet), &name, &capture.develop)
-    });
-    let monitor: &dyn Monitor = tev.as_ref().map_or(terminal, |tev| tev);
     let request = Request {
         input: &args.input,
         named: relative_path(&args.input, folder.path()),
         light,
         film_memory: args.film_memory,
-        monitor,
+        monitor: terminal,
         is_timed: true,
     };
     let rendered = render_into(capture, &request, &mut folder, timings)?;
-    tev.iter().for_each(TevMonitor::finish);
     finish(&rendered, folder.path(), *quiet, *json)
 }
 

@@ -12,7 +12,6 @@ use super::log::{say, warning};
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_out, refuse_existing, write_result};
 use super::scene_args::SceneArgs;
-use super::shards::LayoutsArgs;
 use crate::capture::DatasetFile;
 use crate::dataset::{DataSet, Forecast, IDENTITY, MakeOptions};
 use crate::io::output::create_folder;
@@ -120,8 +119,6 @@ struct CommonArgs {
     /// photosite on the hosts, a name or a path [default: this program].
     #[arg(long, value_name = "PROGRAM")]
     program: Option<String>,
-    #[command(flatten)]
-    layouts: LayoutsArgs,
     /// Change a key of the capture file in all frames.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
@@ -276,7 +273,6 @@ impl CommonArgs {
             input: absolute(&self.input)?,
             output: absolute(output)?,
             arguments: shared.iter().cloned().chain(film).chain(jobs).chain(set).collect(),
-            layouts: self.layouts.words()?,
         };
         Ok(Some(Plan { forecast, job, tasks, about }))
     }

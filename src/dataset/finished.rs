@@ -47,19 +47,6 @@ pub(super) fn refuse_resampled(folder: &Path, shot: &Shot) -> Result<()> {
     Err(invalid.help(help).in_file(&folder.join(&shot.folder).join(REPORT)))
 }
 
-/// How many frames a data set has in the end, as its manifest says, which may be of a time when few were there.
-pub(super) fn frames_of_manifest(folder: &Path) -> Result<u32> {
-    let path = folder.join(MANIFEST);
-    let text = input::read_text(&path, input::TABLE_BYTES).unwrap_or_default();
-    let line = text.lines().find_map(|line| serde_json::from_str::<Line>(line).ok());
-    line.map(|line| line.frames).ok_or_else(|| {
-        let message = format!("its {MANIFEST} does not say yet how many frames it will have");
-        let help = "run `photosite dataset` with --index-only, which writes it when the first picture is there; or with \
-                    --layout, which writes shards while the data set grows";
-        Invalid::new("", message).help(help).in_file(folder)
-    })
-}
-
 /// Reads those pictures of a data set that are there.
 pub fn read_present(folder: &Path) -> Result<PictureSet> {
     read(folder).map(|(set, _)| set)

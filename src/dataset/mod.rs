@@ -30,7 +30,6 @@ mod rig;
 mod said;
 mod selection;
 mod shapes;
-mod shards;
 mod sheet;
 mod status;
 mod varied;
@@ -61,7 +60,6 @@ pub use parts::PartFolder;
 pub use presence::name as picture_name;
 pub use rectify::{RectifiedReport, RectifySettings, disparity_scale, rectify};
 pub use selection::{FrameList, Shard};
-pub use shards::{Progress, ShardFormat, ShardSize, Shards};
 pub use sheet::{Sheet, SheetPicture};
 pub use status::{PictureState, PictureStatus, Status};
 

@@ -90,7 +90,6 @@ impl Monitor for OfOnePicture<'_> {
             Event::TraceBegins { .. } | Event::TraceEnds => self.monitor.report(event),
             Event::Traced(_)
             | Event::PassEnds { .. }
-            | Event::PictureGrows(_)
             | Event::SetBegins { .. }
             | Event::PictureEnds(_)
             | Event::PictureFails { .. }

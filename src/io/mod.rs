@@ -33,7 +33,6 @@ pub mod raw_file;
 pub mod spectral_exr;
 mod stated_colours;
 pub mod target_file;
-pub mod tev;
 pub mod truth;
 pub mod unfinished;
 

@@ -107,9 +107,8 @@ impl Prepared {
         let start = Instant::now();
         let camera = self.camera();
         let chain = self.chain();
-        let is_watched = options.monitor.picture_interval().is_some();
         let settings = settings_of_frame(&self.capture.render, self.frame);
-        let strips = options.film_memory.strips(&self.capture, self.responses.len(), [true, false, is_watched])?;
+        let strips = options.film_memory.strips(&self.capture, self.responses.len(), [true, false])?;
         let traced = Trace {
             capture: &self.capture,
             settings: &settings,

@@ -61,7 +61,7 @@ pub use focusing::{place_camera, standalone_camera, standalone_recording_camera}
 pub use lens_corrections::{LensSeen, Resampled, image_grid};
 pub use light::Light;
 pub(crate) use monitor::go_on;
-pub use monitor::{Event, GrowingPicture, MadeIn, Monitor, PictureOfFrame, Silent};
+pub use monitor::{Event, MadeIn, Monitor, PictureOfFrame, Silent};
 pub use options::Options;
 pub use output_folder::OutputFolder;
 pub use parts::{Parts, check_samples};

@@ -1,12 +1,9 @@
 //! What a caller hears of work that takes long, and how it stops it.
 
 use std::path::Path;
-use std::time::Duration;
 
 use crate::Error;
 use crate::film::Film;
-use crate::image::Planes;
-use crate::raw::RawImage;
 use crate::report::Timings;
 
 /// Watches work under way. One method takes everything that is reported, the other is asked whether to stop.
@@ -22,12 +19,6 @@ pub trait Monitor: Sync {
     /// Whether the work shall stop.
     fn is_cancelled(&self) -> bool {
         false
-    }
-
-    /// How long to wait at least from one [`Event::PictureGrows`] to the next; `None` where nobody wants them. Whether
-    /// there are any is decided when tracing begins, and before each picture again.
-    fn picture_interval(&self) -> Option<Duration> {
-        None
     }
 }
 
@@ -59,9 +50,6 @@ pub enum Event<'a> {
         /// is traced in strips it is the strip under way.
         film: &'a Film,
     },
-    /// The picture as far as its light is traced, between two passes and when all is traced. For monitors that
-    /// [ask for it](Monitor::picture_interval).
-    PictureGrows(&'a GrowingPicture<'a>),
     /// Tracing is over, or broken off.
     TraceEnds,
     /// So many pictures of a data set are to be made.
@@ -87,16 +75,6 @@ pub enum Event<'a> {
     },
     /// All pictures of it are there, or the work is broken off.
     SetEnds,
-}
-
-/// A picture under way, as the sensor would record it if no more light were traced. Making it takes at most a twentieth
-/// of the time of tracing.
-#[derive(Clone, Copy, Debug)]
-pub struct GrowingPicture<'a> {
-    /// Mean electrons of each of the sensor's channels, e⁻.
-    pub electrons: &'a Planes,
-    /// What the sensor makes of them as the first frame.
-    pub raw: &'a RawImage,
 }
 
 /// Which picture of a data set it is that is there.

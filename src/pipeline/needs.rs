@@ -69,13 +69,10 @@ impl<'a> Needs<'a> {
 
     /// What tracing takes beside film and rows: pictures of the state so far, how many samples pixels are to have, and light
     /// that has not landed yet.
-    /// Where it `is_watched`, the monitor keeps a picture, and develops another.
-    pub(super) fn beside_film(&self, is_watched: bool) -> u64 {
+    pub(super) fn beside_film(&self) -> u64 {
         let shown = self.channels() * FLOAT;
         let raw = self.samples() * NUMBER + self.developing();
-        let preview = if is_watched {
-            2 * (2 * shown + raw)
-        } else if self.settings.output.preview_interval.is_some() {
+        let preview = if self.settings.output.preview_interval.is_some() {
             shown + (shown + self.reading_out()).max(raw)
         } else {
             0

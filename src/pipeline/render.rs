@@ -77,8 +77,7 @@ impl<'a> ReadyRender<'a> {
         let is_exposed = !matches!(request.light, LightSource::Part(_));
         let strips_of = |capture: &Capture| {
             let channels = super::responses::responses(capture).len();
-            let is_watched = request.monitor.picture_interval().is_some();
-            request.film_memory.strips(capture, channels, [is_exposed, true, is_watched])
+            request.film_memory.strips(capture, channels, [is_exposed, true])
         };
         // A scene that is there already takes no more memory.
         let has_scene = earlier.as_ref().is_some_and(|earlier| earlier.is_of(&capture.scene));
@@ -113,7 +112,7 @@ impl Prepared {
     ///
     /// As [`render_into`].
     pub fn expose_into(&self, request: &Request<'_>, folder: &mut OutputFolder) -> Result<Rendered> {
-        let strips = request.film_memory.strips(&self.capture, self.responses.len(), [true, false, false])?;
+        let strips = request.film_memory.strips(&self.capture, self.responses.len(), [true, false])?;
         record_into(self, request, &strips, folder, Timings::default())
     }
 }

@@ -30,12 +30,12 @@ impl FilmMemory {
 
     /// The strips of a picture whose film has so many channels. What there is of memory makes them smaller than was
     /// asked for, and refuses a picture that takes more in strips of the fewest rows, too. `is_exposed` unless sums alone
-    /// are kept; `is_filed` where the rows of several strips lie in a file; `is_watched` where a monitor sees the picture grow.
+    /// are kept; `is_filed` where the rows of several strips lie in a file.
     pub(super) fn strips(
         self,
         capture: &Capture,
         channels: usize,
-        [is_exposed, is_filed, is_watched]: [bool; 3],
+        [is_exposed, is_filed]: [bool; 2],
     ) -> Result<Strips> {
         let [width, height] = pixels(capture).map(|n| n as usize);
         let with_pilot = match capture.render.noise_target {
@@ -48,7 +48,7 @@ impl FilmMemory {
         }
         needs::check_scene(&capture.scene, &capture.source)?;
         let (needs, left) = (Needs::of(capture), memory::left());
-        let beside = needs::of_scene(&capture.scene).saturating_add(needs.beside_film(is_watched));
+        let beside = needs::of_scene(&capture.scene).saturating_add(needs.beside_film());
         let rows = if is_exposed { needs.rows(channels) } else { 0 };
         let film = (row * height) as u64;
         let whole = beside.saturating_add(film).saturating_add(rows);

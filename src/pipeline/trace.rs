@@ -24,7 +24,7 @@ use super::camera::pixels;
 use super::chain::Chain;
 use super::checkpoint::{Checkpoints, Resumed};
 use super::completed_rows::CompletedRows;
-use super::monitor::{Event, GrowingPicture, Monitor, UntilTraceEnds, cancelled};
+use super::monitor::{Event, Monitor, UntilTraceEnds, cancelled};
 use super::output_folder::OutputFolder;
 use super::strips::Strips;
 use super::throttle::Throttle;
@@ -244,8 +244,6 @@ struct Interim<'a> {
     /// Whether rows that are done lie in a file.
     is_filed: bool,
     preview: Throttle,
-    /// When the monitor is shown the picture again.
-    watched: Throttle,
     /// Electron rates as far as they are known, if they are shown.
     seen: Option<Planes>,
     /// Whether it was said that something could not be written.
@@ -256,11 +254,9 @@ struct Interim<'a> {
 impl<'a> Interim<'a> {
     fn new(t: &'a Trace<'a>, checkpoints: Option<Checkpoints<'a>>, is_filed: bool) -> Self {
         let preview = Throttle::every(t.folder.and(t.capture.output.preview_interval));
-        let watched = Throttle::every(t.monitor.picture_interval());
         let [width, height] = pixels(t.capture).map(|n| n as usize);
-        let is_shown = !(preview.is_never() && watched.is_never());
-        let seen = is_shown.then(|| Planes::zeros(width, height, t.chain.channels()));
-        Self { t, checkpoints, is_filed, preview, watched, seen, is_said: false, failure: None }
+        let seen = (!preview.is_never()).then(|| Planes::zeros(width, height, t.chain.channels()));
+        Self { t, checkpoints, is_filed, preview, seen, is_said: false, failure: None }
     }
 
     /// Writes what it is time for. What cannot be written is said once, as the render needs none of it; where its
@@ -304,9 +300,6 @@ impl<'a> Interim<'a> {
     /// The rows of a film are kept.
     fn finish(&mut self, film: &Film, elapsed: Duration) -> Result<()> {
         self.see(film);
-        if film.picture_rows().end == pixels(self.t.capture)[1] as usize && self.is_watched() {
-            self.show_seen(false, true)?;
-        }
         match self.checkpoints.as_mut().filter(|_| self.is_filed) {
             Some(checkpoints) => checkpoints.keep_rows(film.picture_rows().end, elapsed),
             None => Ok(()),
@@ -323,24 +316,11 @@ impl<'a> Interim<'a> {
         }
     }
 
-    /// Whether the monitor wants to see the picture.
-    fn is_watched(&self) -> bool {
-        !self.watched.is_never() && self.t.monitor.picture_interval().is_some()
-    }
-
-    /// Shows the picture where it is time for that.
+    /// Writes a preview of the picture where it is time for that.
     fn show(&mut self, film: &Film) -> Result<()> {
-        let [is_due, is_watched] = [self.preview.is_now(), self.watched.is_now() && self.is_watched()];
-        if is_due || is_watched {
-            self.see(film);
-            self.show_seen(is_due, is_watched)?;
-        }
-        Ok(())
-    }
-
-    /// Shows what is seen of the picture: in a file, to the monitor.
-    fn show_seen(&mut self, in_file: bool, to_monitor: bool) -> Result<()> {
+        let Some(folder) = self.t.folder.filter(|_| self.preview.is_now()) else { return Ok(()) };
         let start = Instant::now();
+        self.see(film);
         let Some(mean) = self.seen.clone() else { return Ok(()) };
         let chain = self.t.chain;
         // No picture needs the variance.
@@ -348,19 +328,9 @@ impl<'a> Interim<'a> {
         // Too little light for an exposure yet is no failure: there is nothing to show.
         let Ok(exposed) = chain.expose(Estimate { mean, variance }, Seconds(1.0), None) else { return Ok(()) };
         let raw = chain.read_out(&exposed, 0)?;
-        if to_monitor {
-            let picture = GrowingPicture { electrons: &exposed.electrons.mean, raw: &raw };
-            self.t.monitor.report(Event::PictureGrows(&picture));
-            self.watched.done_since(start);
-        }
         drop(exposed);
-        match self.t.folder.filter(|_| in_file) {
-            Some(folder) => {
-                let written = folder.write_preview(&chain.develop(&raw)?);
-                self.preview.done_since(start);
-                written
-            }
-            None => Ok(()),
-        }
+        let written = folder.write_preview(&chain.develop(&raw)?);
+        self.preview.done_since(start);
+        written
     }
 }

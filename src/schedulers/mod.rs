@@ -49,8 +49,6 @@ pub struct Job {
     pub output: PathBuf,
     /// More arguments of `photosite dataset`, as changes to the capture.
     pub arguments: Vec<String>,
-    /// More arguments of those that make pictures: what they lay out meanwhile.
-    pub layouts: Vec<String>,
 }
 
 /// The tasks of a data set, with what they ask for.

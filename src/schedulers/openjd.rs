@@ -21,7 +21,7 @@ exec "$@" --frames "${chunk%%-*}..$((${chunk##*-} + 1))"
 /// The template, as JSON, which is YAML, too. What it names are values of its parameters, which whoever submits it may
 /// change, and which mean themselves whatever characters they hold.
 pub fn template(job: &Job, tasks: &Tasks, about: &[String]) -> String {
-    let Job { name, program, input, output, arguments, layouts } = job;
+    let Job { name, program, input, output, arguments } = job;
     let mut parameters = vec![
         parameter("Program", "The command of photosite.", program),
         parameter("Input", "The data set file, where the hosts see it.", &input.to_string_lossy()),
@@ -39,11 +39,6 @@ pub fn template(job: &Job, tasks: &Tasks, about: &[String]) -> String {
     let mut render = ["{{Task.File.Run}}", "{{Task.Param.Frame}}", "{{Param.Program}}"].map(str::to_owned).to_vec();
     render.extend(command.iter().cloned());
     render.extend(["--threads", "{{Param.Threads}}", "--keep-going"].map(str::to_owned));
-    for (index, argument) in layouts.iter().enumerate() {
-        let name = format!("Layout{index}");
-        parameters.push(parameter(&name, "What those who make pictures lay out meanwhile.", argument));
-        render.push(format!("{{{{Param.{name}}}}}"));
-    }
     command.extend(["--index-only", "--keep-going"].map(str::to_owned));
     let memory = tasks.memory_mib.map(|mib| json!({ "name": "amount.worker.memory", "min": mib }));
     let amounts: Vec<Value> =

@@ -28,9 +28,8 @@ pub struct Site {
 
 /// The script.
 pub fn script(job: &Job, tasks: &Tasks, about: &[String], site: &Site) -> String {
-    let Job { name, program, input, output, arguments, layouts } = job;
+    let Job { name, program, input, output, arguments } = job;
     let Site { directives, setup, retries } = site;
-    let layouts = all_quoted(layouts);
     let [input, output] = [input, output].map(|path| path.to_string_lossy().into_owned());
     let command = [program.as_str(), "dataset", &input, "-o", &output];
     let command = all_quoted(command.into_iter().chain(arguments.iter().map(String::as_str)));
@@ -58,7 +57,6 @@ pub fn script(job: &Job, tasks: &Tasks, about: &[String], site: &Site) -> String
 {directives}
 set -u
 {setup}photosite=({command})
-layouts=({layouts})
 if [[ ${{1-}} == {INDEX} ]]; then
     exec "${{photosite[@]}}" --index-only --keep-going
 fi
@@ -92,7 +90,7 @@ run() {{
 
 status=0
 for ((tries = 0; tries <= most_tries; tries++)); do
-    run "${{photosite[@]}}" --frames "${{frames[SLURM_ARRAY_TASK_ID]}}" --threads {threads} --keep-going ${{layouts[@]+"${{layouts[@]}}"}}
+    run "${{photosite[@]}}" --frames "${{frames[SLURM_ARRAY_TASK_ID]}}" --threads {threads} --keep-going
     if [[ -n $ended_by ]]; then break; fi
     case $status in
         # Killed (memory, somebody), or ended: it goes on here at once. Slurm would wait for two minutes.

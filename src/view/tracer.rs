@@ -312,8 +312,7 @@ impl Monitor for Job<'_> {
                 self.show(film);
             }
             Event::Warning(words) => self.tell(|status| status.warnings.push(words.to_owned())),
-            Event::PictureGrows(_)
-            | Event::TraceEnds
+            Event::TraceEnds
             | Event::SetBegins { .. }
             | Event::PictureFails { .. }
             | Event::PictureEnds(_)

@@ -66,7 +66,6 @@ mod strips;
 mod submit;
 mod surroundings;
 mod targets;
-mod tev;
 mod together;
 mod tracks;
 mod truth;

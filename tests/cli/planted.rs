@@ -217,9 +217,6 @@ const OF_TRUTH: &str = "out/right/000000/truth.exr";
 #[case("dataset set.toml -o out TRUTH --verify", &[REPORT, PICTURE])]
 #[case("dataset set.toml -o out TRUTH --index-only", &[REPORT])]
 #[case("dataset set.toml -o out TRUTH --dry-run", &["set.toml", "board.toml"])]
-#[case("dataset set.toml -o out TRUTH --layout webdataset=shards", &[PICTURE, OF_TRUTH])]
-#[case("dataset set.toml -o out TRUTH --layout parquet=shards", &[PICTURE, OF_TRUTH])]
-#[case("dataset set.toml -o out TRUTH --layout mcap=shards", &[PICTURE, OF_TRUTH])]
 #[case("submit slurm set.toml -o out TRUTH --tasks 1 --write job.sh", &["set.toml", "out/dataset.json"])]
 #[case("status out", &["out", "out/dataset.json", REPORT, PICTURE, OF_TRUTH])]
 #[case("layout out --format colmap -o laid", &[MANIFEST, REPORT, PICTURE])]
@@ -228,7 +225,6 @@ const OF_TRUTH: &str = "out/right/000000/truth.exr";
 #[case("layout out --format bop -o laid", &[MANIFEST, REPORT, PICTURE, OF_TRUTH])]
 #[case("layout out --format nerfstudio -o laid", &[MANIFEST, REPORT, PICTURE, OF_TRUTH])]
 #[case("layout out --format coco -o laid", &[MANIFEST, REPORT, PICTURE, OF_TRUTH])]
-#[case("layout out --format webdataset -o laid", &[REPORT, PICTURE, OF_TRUTH])]
 #[case("rectify out -o rectified", &[MANIFEST, REPORT, PICTURE, OF_TRUTH])]
 fn data_sets_hold_nothing_from_outside(#[case] command: &str, #[case] wanted: &[&str]) {
     refuse(&set(""), &command.replace("TRUTH", TRUTH), wanted);
@@ -237,9 +233,7 @@ fn data_sets_hold_nothing_from_outside(#[case] command: &str, #[case] wanted: &[
 #[cfg(unix)]
 #[test]
 fn what_is_made_of_data_sets_holds_nothing_from_outside() {
-    let folder = set("--layout webdataset=shards");
-    let shards = format!("dataset set.toml -o out {TRUTH} --layout webdataset=shards");
-    refuse(&folder, &shards, &["shards", "shards/shard-000000.tar"]);
+    let folder = set("");
     folder.succeed("rectify out -o rectified -q");
     let map = "rectified/left/000000/truth.exr";
     let depth = format!("depth {map} --channel disparity --rectified rectified -o z.exr");

@@ -183,9 +183,7 @@ fn a_script_makes_the_set_and_its_index() {
     folder.succeed("dataset set.toml -o whole --set exposure.gain_db=6");
     folder.add("it's \"here\" $HOME/set.toml", fs::read(folder.path("set.toml")).expect("read"));
     folder.add("it's \"here\" $HOME/board.toml", fs::read(folder.path("board.toml")).expect("read"));
-    let mut command = folder.command(
-        "submit slurm --tasks 2 --threads 1 --quiet --set exposure.gain_db=6 --layout webdataset=shards --shard-frames 4 --write",
-    );
+    let mut command = folder.command("submit slurm --tasks 2 --threads 1 --quiet --set exposure.gain_db=6 --write");
     command.arg(folder.path("a b/job.sh")).arg("it's \"here\" $HOME/set.toml").arg("-o").arg("the out");
     let output = command.output().expect("the binary runs");
     assert!(output.status.success(), "{output:?}");
@@ -200,8 +198,6 @@ fn a_script_makes_the_set_and_its_index() {
     }
     assert!(run(&["index"], "0").status.success());
     assert!(files(&folder, "whole") == files(&folder, "the out"));
-    folder.succeed("layout whole --format webdataset -o later --shard-frames 4");
-    assert!(files(&folder, "later") == files(&folder, "shards"));
 }
 
 #[test]

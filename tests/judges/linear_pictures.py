@@ -11,7 +11,7 @@
 
 Exit status 0 where all is well, 1 otherwise.
 
-Needs: pip install -r requirements-tev.txt.
+Needs: pip install -r requirements-exr.txt.
 """
 
 import subprocess

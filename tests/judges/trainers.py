@@ -1,9 +1,9 @@
 """Judges the layouts for training programs by the packages that those use: webdataset, datasets, mcap with ROS 2's messages,
 rosbags; Nerfstudio by its documented conventions and OpenCV. Every array must be that of the data set's own files, and every
-pose and lens must put the corners of a target where capture.json has them. Shards that two workers write while they make the
-data set must have the bytes of those that one process writes of the finished one.
+pose and lens must put the corners of a target where capture.json has them. Shards that two processes write together must have
+the bytes of those that one writes.
 
-Usage: trainers.py PHOTOSITE
+Usage: trainers.py PHOTOSITE, with Python that has photosite[train]
 """
 
 import io
@@ -101,6 +101,7 @@ RATIONAL = "lens.distortion={ model = 'brown-conrady', k = [-0.1, 0.02, 0.003, 0
 FISHEYE = "lens.distortion={ model = 'kannala-brandt', k = [0.05, 0.01, -0.002, 0.0004] }"
 ROLLING = "sensor.shutter={ kind = 'rolling', row_time_us = 800 }"
 MONO = "sensor.preset=sony-imx249-mono"
+TRAIN = (sys.executable, "-m", "photosite.train")
 
 
 def run(*command, status=0):
@@ -165,6 +166,10 @@ class Set:
         out = self.folder.with_name(f"{self.folder.name}-{kind}")
         return out, run(self.photosite, "layout", self.folder, "--format", kind, "-o", out, *arguments)
 
+    def shards(self, kind, *arguments):
+        out = self.folder.with_name(f"{self.folder.name}-{kind}")
+        return out, run(*TRAIN, kind, self.folder, "-o", out, *arguments)
+
 
 def project(points, rotation, translation, matrix, model, coefficients):
     rotation, _ = cv2.Rodrigues(np.ascontiguousarray(rotation, float))
@@ -181,7 +186,7 @@ def is_skewed(made):
 
 
 def webdataset_shards(made):
-    out, _ = made.layout("webdataset", "--shard-frames", "2")
+    out, _ = made.shards("webdataset", "--shard-frames", "2")
     paths = sorted(out.glob("*.tar"))
     assert [path.name for path in paths] == [f"shard-{i:06}.tar" for i in range(3)]
     samples = list(webdataset.WebDataset([str(path) for path in paths], shardshuffle=False).decode("rgb8"))
@@ -209,7 +214,7 @@ def webdataset_shards(made):
 
 
 def parquet(made):
-    out, warned = made.layout("parquet", "--shard-frames", "3")
+    out, warned = made.shards("parquet", "--shard-frames", "3")
     assert "without normal, position, uv" in warned
     with tempfile.TemporaryDirectory() as cache:
         files = str(out / "part-*.parquet")
@@ -280,7 +285,7 @@ def decoded_by_rosbags(paths):
 
 
 def mcap_files(made, model, encoding):
-    out, warned = made.layout("mcap", "--shard-frames", "2")
+    out, warned = made.shards("mcap", "--shard-frames", "2")
     paths = sorted(out.glob("*.mcap"))
     assert len(paths) == 3
     for decode in (decoded_by_mcap, decoded_by_rosbags):
@@ -402,30 +407,21 @@ def bytes_of(folder):
     return {path.name: path.read_bytes() for path in folder.iterdir()}
 
 
-def growing(made):
-    """Two workers make the set again and write shards meanwhile; one process writes those of the finished one."""
-    again = made.folder.with_name("again")
-    kinds = ("webdataset", "parquet", "mcap")
-    shards = {kind: again.with_name(f"again-{kind}") for kind in kinds}
-    layouts = [word for kind, out in shards.items() for word in ("--layout", f"{kind}={out}")]
-    command = [made.photosite, "dataset", made.toml, "-o", again, "--quiet", *made.overrides, *layouts, "--shard-frames", "2"]
-    run(*command, "--frames", "1..3")
-    assert not list(shards["webdataset"].glob("*.tar")), "no shard's frames are all there"
-    stderr = run(made.photosite, "layout", again, "--format", "webdataset", "-o", shards["webdataset"], "--growing")
-    assert "wrote 0 shards; 0 of 3 are in" in stderr
-    workers = [subprocess.Popen([str(word) for word in command]) for _ in range(2)]
-    assert [worker.wait(timeout=60) for worker in workers] == [0, 0]
-    for kind, out in shards.items():
-        alone = made.folder.with_name(f"alone-{kind}")
-        run(made.photosite, "layout", again, "--format", kind, "-o", alone, "--shard-frames", "2")
-        assert bytes_of(out) == bytes_of(alone), f"{kind}: not the same bytes"
-        assert len(bytes_of(out)) == (5 if kind == "webdataset" else 4)
-    # A shard that is lost is written again, with the same bytes.
-    lost = shards["parquet"] / "part-000001.parquet"
-    wanted = lost.read_bytes()
-    lost.unlink()
-    run(made.photosite, "layout", again, "--format", "parquet", "-o", shards["parquet"])
-    assert lost.read_bytes() == wanted
+def together(made):
+    """Two processes write the shards of a set; one writes those of the same set; a lost one is written again."""
+    for kind in ("webdataset", "parquet", "mcap"):
+        folders = [made.folder.with_name(f"{name}-{kind}") for name in ("together", "alone")]
+        command = [sys.executable, "-m", "photosite.train", kind, made.folder, "--shard-frames", "2", "-o"]
+        workers = [subprocess.Popen([str(word) for word in (*command, folders[0])]) for _ in range(2)]
+        assert [worker.wait(timeout=120) for worker in workers] == [0, 0]
+        run(*command, folders[1])
+        wanted = bytes_of(folders[1])
+        assert bytes_of(folders[0]) == wanted, f"{kind}: not the same bytes"
+        assert len(wanted) == (5 if kind == "webdataset" else 4)
+        lost = sorted(folders[0].iterdir())[-1]
+        lost.unlink()
+        run(*command, folders[0])
+        assert bytes_of(folders[0]) == wanted
 
 
 def main():
@@ -453,8 +449,8 @@ def main():
                 stderr = run(photosite, "layout", made.folder, "--format", "nerfstudio", "-o", out, status=1)
                 assert "Nerfstudio" in stderr and not out.exists()
             print(f"{made.folder.name}: {count} pictures by webdataset, datasets, mcap, rosbags")
-        growing(sets[0][0])
-        print("growing: the same bytes by two workers as by one process")
+        together(sets[0][0])
+        print("together: the same bytes by two processes as by one")
 
 
 main()

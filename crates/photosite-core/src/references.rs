@@ -440,13 +440,6 @@
 //! Q. Wu, J. Martinez Esturo, A. Mirzaei, N. Moenne-Loccoz, Z. Gojcic, "3DGUT: Enabling Distorted Cameras and Secondary
 //! Rays in Gaussian Splatting", CVPR (2025).
 //!
-//! ## WebDataset
-//! WebDataset, <https://github.com/webdataset/webdataset>; the index is that of its module `wids`.
-//!
-//! ## RosMessages
-//! ROS 2, packages `std_msgs`, `geometry_msgs`, `sensor_msgs`, `tf2_msgs`; REP 103, 105, 118; MCAP,
-//! "Well-known encodings", <https://mcap.dev/spec/registry>.
-//!
 //! ## Brown71
 //! D. C. Brown, "Close-Range Camera Calibration", Photogrammetric Engineering 37(8), 855–866 (1971).
 //!

@@ -1,21 +1,20 @@
 //! Data sets: their frames, made where they are missing, and their files.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 
 use photosite::capture::DatasetFile;
-use photosite::dataset::{DataSet, Made, MakeOptions, PartFolder, ShardFormat, ShardSize, Shards};
+use photosite::dataset::{DataSet, Made, MakeOptions, PartFolder};
 use photosite::io::exr::read_exr_file;
 use photosite::io::picture_file::read_picture_file;
 use photosite::io::truth::by_layer;
 use photosite::pipeline::{Event, FilmMemory, LightSource, Monitor};
 use photosite::raw::Pixels;
-use photosite::{Error, Invalid, Sandbox};
+use photosite::Sandbox;
 use pyo3::prelude::*;
 
 use crate::array::{of_pixels, of_planes};
-use crate::error::PYTHON;
 use crate::work::{How, work};
 
 /// A data set file with all that it needs.
@@ -133,37 +132,6 @@ impl Dataset {
         })
     }
 
-    /// Writes shards for training programs, `(format, folder)`, those of these frames that can be written; at the end of a
-    /// run all. What they leave out is returned.
-    fn lay_out(
-        &self,
-        py: Python<'_>,
-        folder: PathBuf,
-        frames: Vec<u32>,
-        layouts: Vec<(String, PathBuf)>,
-        is_end: bool,
-    ) -> PyResult<Vec<String>> {
-        let warnings = Arc::new(Mutex::new(Vec::new()));
-        work(py, How::default(), |_| {
-            for (name, to) in layouts {
-                let format = ShardFormat::of_name(&name).ok_or_else(|| unknown_format(&name))?;
-                let said = Arc::clone(&warnings);
-                let warn = move |what: &str| {
-                    said.lock().unwrap_or_else(PoisonError::into_inner).push(what.to_owned());
-                };
-                let count = Some(self.0.frame_count());
-                let shards = Shards::open(&folder, count, format, &to, ShardSize::default(), warn)?;
-                frames.iter().try_for_each(|&frame| shards.frame_done(frame))?;
-                if is_end {
-                    shards.finish()?;
-                }
-            }
-            Ok(())
-        })?;
-        let said = std::mem::take(&mut *warnings.lock().unwrap_or_else(PoisonError::into_inner));
-        Ok(said)
-    }
-
     /// Writes the summary of pictures of which the folder holds the reports alone, and counts them.
     fn write_index_of_reports(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Summary> {
         let index = work(py, How::default(), |_| self.0.write_index(&self.0.open(&folder)?.of_reports()))?;
@@ -180,12 +148,6 @@ impl Dataset {
 
 /// How many pictures are there, why calibration files are left out, and what the pictures' reports warn of.
 type Summary = (usize, Vec<String>, Vec<String>);
-
-fn unknown_format(name: &str) -> Error {
-    let known: Vec<&str> = ShardFormat::ALL.into_iter().map(ShardFormat::name).collect();
-    let message = format!("{name:?} is not a layout that workers write");
-    Invalid::new("layouts", message).help(format!("there are {}", known.join(", "))).in_file(Path::new(PYTHON))
-}
 
 /// Past frames that cannot be made. A worker that dies loses no more than the picture that it is at.
 /// The driver of the run reads the reports of all.

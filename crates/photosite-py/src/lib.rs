@@ -14,6 +14,7 @@ mod raw;
 mod sensor;
 mod shot;
 mod target;
+mod training;
 mod work;
 
 use photosite_simd::Heap;
@@ -49,6 +50,8 @@ mod _photosite {
     use super::shot::Shot;
     #[pymodule_export]
     use super::target::{Target, project, unproject};
+    #[pymodule_export]
+    use super::training::shots;
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {

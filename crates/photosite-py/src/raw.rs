@@ -95,6 +95,11 @@ impl Raw {
         self.0.cfa.to_string()
     }
 
+    /// That of the pixels that see light.
+    fn active_cfa(&self) -> String {
+        self.0.active_cfa().to_string()
+    }
+
     /// Black levels of all numbers, row by row, DN.
     fn black_levels_dn<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let RawImage { height, width, cfa, black_level_dn, .. } = &*self.0;

@@ -67,7 +67,7 @@ impl Monitor for Watch {
                 self.done.fetch_add(paths, Ordering::Relaxed);
             }
             Event::PassEnds { expected, .. } => self.all.store(expected, Ordering::Relaxed),
-            Event::PictureGrows(_) | Event::TraceEnds | Event::Waiting { .. } | Event::SetEnds => {}
+            Event::TraceEnds | Event::Waiting { .. } | Event::SetEnds => {}
         }
     }
 

@@ -72,16 +72,7 @@ class Folder:
                 self._remove_parts(dataset, folders, task.frames)
         else:
             told = dataset.make(self.path, task.frames, job.threads)
-        warnings = told[1]
-        if job.layouts and task.samples is None:
-            warnings = warnings + self.lay_out(dataset, job.layouts, task.frames)
-        return failures_of(told[0]), warnings
-
-    def lay_out(
-        self, dataset: "_photosite.Dataset", layouts: "list[list[str]]", frames: "Optional[list[int]]" = None
-    ) -> "list[str]":
-        """Writes shards of these frames, or in the end all that are not there."""
-        return dataset.lay_out(self.path, frames or [], [(name, to) for name, to in layouts], frames is None)
+        return failures_of(told[0]), told[1]
 
     def finish(self, dataset: "_photosite.Dataset") -> "list[str]":
         _, left_out, warnings = dataset.write_index(self.path)

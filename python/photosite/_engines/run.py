@@ -54,7 +54,6 @@ class Request:
     split: str
     retries: int
     keep_going: bool
-    layouts: "list[list[str]]"
 
 
 def run(
@@ -77,7 +76,6 @@ def run(
             frame_count=dataset.frame_count(),
             output=request.output,
             threads=threads,
-            layouts=request.layouts,
         )
         engine = _engine(request, job, workers)
         try:
@@ -85,8 +83,6 @@ def run(
         finally:
             engine.close()
         lost = engine.lost_workers
-    if request.layouts and isinstance(output, Folder):
-        warn_all(output.lay_out(dataset, request.layouts))
     warn_all(output.finish(dataset))
     made = len(missing) - len(plan.failed)
     result = EngineRun(made, len(request.frames) - len(missing), plan.failed, lost, time.monotonic() - begun)
@@ -97,11 +93,6 @@ def run(
 
 def _check(request: Request) -> None:
     """Refuses what no place has to be taken for."""
-    for name, _ in request.layouts:
-        if name not in ("webdataset", "parquet", "mcap"):
-            raise invalid("layouts", f"expected 'webdataset', 'parquet' or 'mcap', got {name!r}")
-    if request.layouts and "://" in request.output:
-        raise invalid("layouts", "shards are written from pictures in a folder, and this is a store", "give a folder")
     if request.split not in ("frames", "samples"):
         raise invalid("split", f"expected 'frames' or 'samples', got {request.split!r}")
     if request.engine not in ("local", "ray", "dask"):

@@ -20,7 +20,6 @@ class Job:
         frame_count: how many frames the file asks for.
         output: a folder, or the URL of a place in a store.
         threads: threads of a worker.
-        layouts: formats for training programs, with the folders of their shards.
     """
 
     version: str
@@ -30,7 +29,6 @@ class Job:
     frame_count: int
     output: str
     threads: int
-    layouts: "list[list[str]]" = field(default_factory=lambda: [])
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ fn halved(rgb: [f32; 3]) -> (f32, [f32; 3]) {
 }
 
 /// The content of `assets/spectra/jakob-hanika-srgb.bin`, fitted anew, and the largest error of a channel relative to
-/// its colour's largest channel; for `examples/fit_upsampling.rs`.
+/// its colour's largest channel; for `tests/tools/fit_upsampling.rs`.
 #[doc(hidden)]
 pub fn fit_table() -> (Vec<u8>, f64) {
     table::fit_all()
