@@ -70,21 +70,21 @@ pub fn picture_electrons(
 /// The planes of light, in which numbers below 0 are 0; those that are not finite are refused.
 pub fn without_negative(picture: &Planes, warnings: &mut Vec<String>) -> Result<Planes, Invalid> {
     let (width, height) = (picture.width(), picture.height());
-    let (alpha, mut channels): (Vec<Channel>, Vec<Channel>) =
+    let (alpha, channels): (Vec<Channel>, Vec<Channel>) =
         picture.clone().into_channels().into_iter().partition(|channel| channel.name == "A");
     if !alpha.is_empty() {
         warnings.push("transparency (A) is not part of the light and is ignored".to_owned());
     }
+    let mut light = Planes::new(width, height, channels)?;
+    NotFinite::refuse(&light)?;
     let mut negative = 0u64;
-    for value in channels.iter_mut().flat_map(|channel| &mut channel.data).filter(|value| **value < 0.0) {
+    for value in light.channels_mut().iter_mut().flat_map(|channel| &mut channel.data).filter(|value| **value < 0.0) {
         *value = 0.0;
         negative += 1;
     }
     if negative > 0 {
         warnings.push(format!("{negative} numbers below 0 cannot be light and count as 0"));
     }
-    let light = Planes::new(width, height, channels)?;
-    NotFinite::refuse(&light)?;
     Ok(light)
 }
 
@@ -285,7 +285,7 @@ mod tests {
         for (message, expected) in [
             (
                 refused(&[("Y", f32::NAN)], PictureUnit::Lux, 1.0),
-                "1 number is not finite: it is NaN, of Y in column 0, row 0",
+                "6 numbers are not finite: the first is NaN, of Y in column 0, row 0",
             ),
             (refused(&[("Y", 1.0)], PictureUnit::Lux, 0.0), "above 0"),
             (refused(&[("Y", 1.0)], PictureUnit::Lux, f64::INFINITY), "above 0"),

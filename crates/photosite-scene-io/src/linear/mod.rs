@@ -24,6 +24,7 @@
 //! All else in a header says nothing of what the numbers mean.
 
 pub mod colours;
+mod decode;
 mod openexr;
 #[cfg(test)]
 mod openexr_tests;
@@ -31,13 +32,10 @@ mod radiance;
 #[cfg(test)]
 mod radiance_tests;
 
-use std::io::Cursor;
-
 use photosite_core::Invalid;
 use photosite_core::image::{Channel, NotFinite, Planes};
 
-use crate::exr::read_exr;
-
+pub(crate) use decode::decode_linear;
 pub use openexr::of_exr;
 pub use radiance::{decode_radiance, is_radiance};
 
@@ -56,17 +54,6 @@ pub struct LinearPicture {
     pub mapping: Mapping,
     /// What of the file is left out, filled in or assumed.
     pub warnings: Vec<String>,
-}
-
-/// First bytes of an OpenEXR file.
-const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
-
-/// Linear light of a file that begins as OpenEXR or Radiance HDR do; `None` of others.
-pub(crate) fn decode_linear(bytes: &[u8]) -> Option<Result<LinearPicture, Invalid>> {
-    if bytes.starts_with(&EXR_MAGIC) {
-        return Some(read_exr(Cursor::new(bytes)).and_then(of_exr));
-    }
-    is_radiance(bytes).then(|| decode_radiance(bytes))
 }
 
 /// How a picture shows what is around.

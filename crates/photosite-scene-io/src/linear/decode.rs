@@ -1,0 +1,20 @@
+//! Linear light of files, recognised by what they begin with.
+
+use std::io::Cursor;
+
+use super::LinearPicture;
+use super::openexr::of_exr;
+use super::radiance::{decode_radiance, is_radiance};
+use crate::exr::read_exr;
+use photosite_core::Invalid;
+
+/// First bytes of an OpenEXR file.
+const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
+
+/// Linear light of a file that begins as OpenEXR or Radiance HDR do; `None` of others.
+pub(crate) fn decode_linear(bytes: &[u8]) -> Option<Result<LinearPicture, Invalid>> {
+    if bytes.starts_with(&EXR_MAGIC) {
+        return Some(read_exr(Cursor::new(bytes)).and_then(of_exr));
+    }
+    is_radiance(bytes).then(|| decode_radiance(bytes))
+}
