@@ -61,7 +61,7 @@ COVERAGE = [
     ("a thin lens at f/1.4, far out of focus in front and behind", ["thin-lens"]),
     ("point, spot and directional lights with spectra", ["lights-without-surface"]),
     ("constant and HDR-picture environment", ["environment-constant", "environment-picture", "picture-of-lux"]),
-    ("a sky with and without its sun", ["sky-with-sun", "sky-without-sun"]),
+    ("a sky with and without its sun, and its ground", ["sky-with-sun", "sky-without-sun"]),
     ("mixes of paints, with rough gold and ground glass", ["mixes", "mixes-rough"]),
     ("panes", ["panes"]),
     ("smooth and rough conductors, Au, Ag, Cu, Al, isotropic and anisotropic",
