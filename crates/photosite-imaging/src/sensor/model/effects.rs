@@ -65,6 +65,7 @@ impl SensorModel {
             | NoiseMap::ClippingDn
             | NoiseMap::QuantisationDn
             | NoiseMap::RoundingDn
+            | NoiseMap::RawClean
             | NoiseMap::Saturated => true,
             NoiseMap::CrosstalkE => has(Stage::Crosstalk),
             NoiseMap::SmearE => has(Stage::Smear),
