@@ -11,7 +11,7 @@ use photosite_scene_io::linear::NotFinite;
 use serde_json::{Map, Value, json};
 
 use super::listing::listing;
-use super::print::{print_json, println_out, rounded};
+use super::print::{print_json, println_text, rounded};
 use super::scene_args::SceneArgs;
 use crate::capture::{Capture, ExposureTime, Extent, read_sensor_file, subject};
 use crate::image::Planes;
@@ -56,7 +56,7 @@ pub(super) fn run(args: &InfoArgs, sandbox: &Sandbox) -> Result<()> {
     if let Some(Value::Array(objects)) = facts.get_mut("objects") {
         shorten(objects);
     }
-    println_out(&listing(&facts))
+    println_text(&listing(&facts))
 }
 
 /// Leaves the first objects of many in a list for people.

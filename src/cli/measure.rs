@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::log::warning;
 use super::picture_warnings::warn_of;
-use super::print::{print_json, println_out};
+use super::print::{print_json, println_text};
 use crate::colour::{ColourSpace, cielab, difference};
 use crate::image::{Channel, Planes};
 use crate::io::linear_picture::read_linear_picture;
@@ -114,7 +114,7 @@ impl PictureArgs {
     }
 
     fn print<T: Serialize>(&self, report: &T, text: impl FnOnce(&T) -> String) -> Result<()> {
-        if self.json { print_json(report) } else { println_out(&text(report)) }
+        if self.json { print_json(report) } else { println_text(&text(report)) }
     }
 }
 
