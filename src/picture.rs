@@ -10,7 +10,7 @@ use crate::image::Planes;
 use crate::io::developable::{Developable, Light};
 use crate::io::developed::{PictureFormat, PictureNumbers, numbers, write_developed};
 use crate::io::output::write_whole;
-use crate::raw::{Orientation, RawImage};
+use crate::raw::{Orientation, PixelArea, RawImage};
 use crate::{Invalid, Result};
 
 /// A developed picture.
@@ -56,6 +56,13 @@ impl Picture {
             Developable::Raw(raw) => {
                 assumed = assumption(path, &raw, settings);
                 warnings.extend(raw.metadata.left_out.iter().cloned());
+                if let Some(area) = raw.metadata.default_crop.filter(|_| settings.default_crop) {
+                    let PixelArea { width, height, .. } = raw.active();
+                    warnings.push(format!(
+                        "{}: DefaultCropSize leaves {area} of {width} × {height} pixels; develop.default_crop = false keeps all",
+                        path.display()
+                    ));
+                }
                 develop_linear(&raw, settings)
             }
             Developable::Light(Light { planes, pixel_aspect, orientation, warnings: of_file }) => {

@@ -85,7 +85,7 @@ class ChannelFigures:
         not_measured: what the images do not tell, and why.
         wavelengths: ``wavelength_nm`` with the ``expected`` and ``measured`` quantum efficiency of each.
         temperatures: ``temperature_c`` with the ``expected`` dark current, and those ``from_mean`` and
-            ``from_variance``, e⁻/s.
+            ``from_variance``, e⁻/s; None where they are not told apart from 0.
         doubling_temperature_k: rise of temperature that doubles the dark current, expected and measured, K.
     """
 

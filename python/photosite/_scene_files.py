@@ -59,7 +59,7 @@ class SceneFiles:
             elements = cast("Sequence[Any]", value)
             return [self.plain(item, f"{path}[{i}]") for i, item in enumerate(elements)]
         if isinstance(value, float) and not np.isfinite(value):
-            raise invalid(path, f"{value} is not a number that a capture can hold")
+            raise invalid(path, f"must be finite, got {value}")
         if isinstance(value, (bool, int, float, str)):
             return value
         if value is None:

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::compare_report::text;
 use super::log::warning;
-use super::print::{print_json, println_out, refuse_existing};
+use super::print::{print_json, println_text, refuse_existing};
 use super::remedies::in_options;
 use crate::develop::EncodedPicture;
 use crate::image::NotFinite;
@@ -133,7 +133,7 @@ pub(super) fn run(args: &CompareArgs) -> Result<bool> {
     if args.json {
         print_json(&report)?;
     } else if !args.quiet {
-        println_out(&text(&report))?;
+        println_text(&text(&report))?;
     }
     Ok(report.failures.is_empty())
 }

@@ -9,7 +9,7 @@ use photosite_core::counted;
 use super::arguments::positive;
 use super::figures_text::expected_text;
 use super::monitor::TerminalMonitor;
-use super::print::{print_json, println_out};
+use super::print::{print_json, println_text};
 use crate::capture::{NamedSensor, read_named_sensor};
 use crate::characterisation::effects_left_out;
 use crate::emva1288::{SetPlan, SetRequest, refuse_image_sets};
@@ -141,8 +141,8 @@ pub(super) fn run(args: &Emva1288Args, sandbox: &Sandbox) -> Result<()> {
     } else if args.quiet {
         Ok(())
     } else {
-        println_out(&expected_text(&sets))?;
-        println_out(&format!("\n{} in {}", counted(plan.images(), ["image", "images"]), output.display()))
+        println_text(&expected_text(&sets))?;
+        println_text(&format!("\n{} in {}", counted(plan.images(), ["image", "images"]), output.display()))
     }
 }
 

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::figures_text::measured_text;
 use super::monitor::TerminalMonitor;
-use super::print::{print_json, println_out, refuse_existing, write_result};
+use super::print::{print_json, println_text, refuse_existing, write_result};
 use crate::Result;
 use crate::capture::FileKind;
 use crate::emva1288::{MeasuredChannel, evaluate_descriptor, evaluate_sets};
@@ -54,7 +54,7 @@ pub(super) fn run(args: &Emva1288ReportArgs) -> Result<()> {
     } else if args.quiet {
         Ok(())
     } else {
-        println_out(&measured_text(&report))?;
-        println_out(&format!("\nthe curves are in {}", output.display()))
+        println_text(&measured_text(&report))?;
+        println_text(&format!("\nthe curves are in {}", output.display()))
     }
 }

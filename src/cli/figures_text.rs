@@ -18,10 +18,10 @@ pub(super) fn expected_text(sets: &ImageSets) -> String {
 /// Rows of figures side by side.
 fn table(heads: &[String], columns: &[Vec<Row>]) -> String {
     let Some(first) = columns.first() else { return String::new() };
-    let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |x| rounded(x, 5).to_string());
+    let cell = |row: Row| row.cell(|x| rounded(x, 5).to_string());
     let mut grid = vec![[vec![String::new(); 3], heads.to_vec()].concat()];
     for (i, Row { name, symbol, unit, .. }) in first.iter().enumerate() {
-        let values = columns.iter().map(|column| cell(column[i].value));
+        let values = columns.iter().map(|column| cell(column[i]));
         grid.push([name, symbol, unit].iter().map(|s| (**s).to_owned()).chain(values).collect());
     }
     aligned(&grid)
@@ -45,22 +45,24 @@ fn aligned(grid: &[Vec<String>]) -> String {
 /// What image sets show, beside what they are expected to show.
 pub(super) fn measured_text(report: &Report) -> String {
     let channel = |channel: &ChannelReport| {
-        let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |x| rounded(x, 5).to_string());
+        let cell = |row: Row| row.cell(|x| rounded(x, 5).to_string());
         let mut lines = vec![["", "", "", "measured", "expected", "deviation"].map(str::to_owned).to_vec()];
         for line in channel.lines() {
-            let Row { name, symbol, unit, value } = line.measured;
+            let Row { name, symbol, unit, .. } = line.measured;
+            let expected = Row { value: line.expected, bound: None, ..line.measured };
             lines.push(vec![
                 name.to_owned(),
                 symbol.to_owned(),
                 unit.to_owned(),
-                cell(value),
-                cell(line.expected),
+                cell(line.measured),
+                cell(expected),
                 line.deviation(),
             ]);
         }
         let missing = channel.evaluation.not_measured().into_iter();
         let missing: String = missing.map(|n| format!("\nnot measured: {}; {}", n.figure, n.reason)).collect();
-        format!("{}\n{}{missing}", channel.title, aligned(&lines))
+        let notes: String = channel.notes().into_iter().map(|note| format!("\n{note}")).collect();
+        format!("{}\n{}{missing}{notes}", channel.title, aligned(&lines))
     };
     report.channels.iter().map(channel).collect::<Vec<_>>().join("\n\n")
 }

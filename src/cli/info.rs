@@ -10,7 +10,7 @@ use photosite_core::{input, suggest};
 use serde_json::{Map, Value, json};
 
 use super::listing::listing;
-use super::print::{print_json, println_out, rounded};
+use super::print::{print_json, println_text, rounded};
 use super::scene_args::SceneArgs;
 use crate::capture::{Capture, ExposureTime, Extent, read_sensor_file, subject};
 use crate::image::{NotFinite, Planes};
@@ -55,7 +55,7 @@ pub(super) fn run(args: &InfoArgs, sandbox: &Sandbox) -> Result<()> {
     if let Some(Value::Array(objects)) = facts.get_mut("objects") {
         shorten(objects);
     }
-    println_out(&listing(&facts))
+    println_text(&listing(&facts))
 }
 
 /// Leaves the first objects of many in a list for people.
@@ -384,7 +384,8 @@ fn of_raw(raw: &RawImage) -> Map<String, Value> {
         "camera_serial": raw.metadata.camera_serial,
         "pixel_pitch_um": raw.metadata.pixel_pitch_m.map(|pitch| pitch.map(|m| round(m * 1e6))),
         "exposure_time_s": raw.metadata.exposure_time_s,
-        "falloff_correction": falloff_in_words(&raw.metadata.gain_maps),
+        "falloff_correction": falloff_in_words(&raw.metadata),
+        "default_crop_px": raw.metadata.default_crop.map(|area| [area.x, area.y, area.width, area.height]),
         "distortion_correction": raw.metadata.distortion.is_some(),
         "iso": raw.metadata.iso,
         "f_number": raw.metadata.f_number,
@@ -394,9 +395,10 @@ fn of_raw(raw: &RawImage) -> Map<String, Value> {
     facts
 }
 
-fn falloff_in_words(maps: &[GainMap]) -> Option<String> {
+fn falloff_in_words(metadata: &RawMetadata) -> Option<String> {
+    let maps: Vec<&GainMap> = metadata.gain_maps().collect();
     let first = maps.first()?;
-    let largest = maps.iter().flat_map(GainMap::gains).copied().fold(0.0, f32::max);
+    let largest = maps.iter().flat_map(|map| map.gains()).copied().fold(0.0, f32::max);
     let points = format!("{} × {} points", first.columns(), first.rows());
     let of = if maps.len() == 1 { points } else { format!("{} maps, the first of {points}", maps.len()) };
     Some(format!("gains up to {}, {of}", round(largest.into())))

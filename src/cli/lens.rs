@@ -7,7 +7,7 @@ use photosite_core::{input, suggest};
 use photosite_lens::files::{self, FirstNumber, Reading};
 
 use super::log::warning;
-use super::print::{print_json, println_out, refuse_existing, write_result};
+use super::print::{print_json, println_out, println_text, refuse_existing, write_result};
 use crate::capture::FileKind;
 use crate::lens_figures::{LensFigures, Options, ShippedLens, html, shipped_lenses};
 use crate::{Error, Invalid, Result};
@@ -96,7 +96,7 @@ pub(super) fn run(args: &LensArgs) -> Result<()> {
     }
     match figures {
         Some(figures) if args.json => print_json(&figures),
-        Some(figures) if !args.quiet => println_out(&figures.text()),
+        Some(figures) if !args.quiet => println_text(&figures.text()),
         Some(_) | None => Ok(()),
     }
 }

@@ -1,5 +1,6 @@
 //! A JSON object as text for people: a line for each key, lists and tables indented behind it.
 
+use photosite_core::shorten::shorten_name;
 use serde_json::{Map, Value};
 
 use super::print::rounded;
@@ -9,9 +10,11 @@ const LONGEST_LINE: usize = 90;
 
 /// The text, without a line break at its end.
 pub(super) fn listing(facts: &Map<String, Value>) -> String {
-    let width = facts.keys().map(|key| key.chars().count()).max().unwrap_or(0);
+    let width = facts.keys().map(|key| shorten_name(key).chars().count()).max().unwrap_or(0);
     let indented = format!("\n{:width$}  ", "");
-    let line = |(key, value): (&String, &Value)| format!("{key:width$}  {}", text(key, value).replace('\n', &indented));
+    let line = |(key, value): (&String, &Value)| {
+        format!("{:width$}  {}", shorten_name(key), text(key, value).replace('\n', &indented))
+    };
     facts.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
@@ -43,8 +46,8 @@ fn text(key: &str, value: &Value) -> String {
 fn table(rows: &[Value]) -> String {
     let rows: Vec<&Map<String, Value>> = rows.iter().filter_map(Value::as_object).collect();
     let columns = rows[0].keys().map(|key| {
-        let cells = rows.iter().map(|row| row.get(key).map_or_else(String::new, |cell| text("", cell)));
-        let cells: Vec<String> = std::iter::once(key.clone()).chain(cells).collect();
+        let cells = rows.iter().map(|row| row.get(key).map_or_else(String::new, |cell| shorten_name(&text("", cell))));
+        let cells: Vec<String> = std::iter::once(shorten_name(key)).chain(cells).collect();
         let width = cells.iter().map(|cell| cell.chars().count()).max().unwrap_or(0);
         let is_number = rows.iter().all(|row| row.get(key).is_some_and(Value::is_number));
         let aligned = |cell: &String| if is_number { format!("{cell:>width$}") } else { format!("{cell:width$}") };

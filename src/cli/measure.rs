@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::log::warning;
 use super::measured_edges::{MeasuredEdge, PlotFormat, edges_text, noise_warning};
-use super::print::{print_json, println_out, refuse_existing, write_result};
+use super::print::{print_json, println_text, refuse_existing, write_result};
 use crate::colour::{ColourSpace, cielab, difference};
 use crate::image::{Channel, NotFinite, Planes};
 use crate::io::linear_picture::{LinearFile, read_linear_picture};
@@ -133,7 +133,7 @@ impl PictureArgs {
     }
 
     fn print<T: Serialize>(&self, report: &T, text: impl FnOnce(&T) -> String) -> Result<()> {
-        if self.json { print_json(report) } else { println_out(&text(report)) }
+        if self.json { print_json(report) } else { println_text(&text(report)) }
     }
 }
 

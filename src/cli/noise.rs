@@ -8,11 +8,11 @@ use photosite_core::counted;
 use super::arguments::positive;
 use super::log::{say, warning};
 use super::noise_add::{self, NoiseAddArgs};
-use super::print::{print_json, println_out, refuse_existing, write_result};
+use super::print::{print_json, println_text, refuse_existing, write_result};
 use crate::characterisation::noise::{Request, figures};
 use crate::characterisation::report::{NoiseReport, PlaneNoise};
 use crate::io::noise_series::{NoiseSeries, sigma_map_format, write_sigma_map};
-use crate::io::output::Sink;
+use crate::io::output::{Sink, create_folders};
 use crate::raw::Pixels;
 use crate::{Error, Result};
 
@@ -120,10 +120,10 @@ fn run_estimate(args: &EstimateArgs) -> Result<()> {
         let plots: Vec<(PathBuf, Vec<u8>)> =
             report.png_plots().into_iter().map(|(name, png)| (folder.join(format!("{name}.png")), png)).collect();
         plots.iter().try_for_each(|(path, _)| refuse_existing(path, args.force))?;
-        std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, "create", error))?;
+        create_folders(folder).map_err(|error| Error::io(folder, "create", error))?;
         plots.iter().try_for_each(|(path, png)| write(path, &|to| to.write_all(png)))?;
     }
-    if args.json { print_json(&report) } else { println_out(&text(&report)) }
+    if args.json { print_json(&report) } else { println_text(&text(&report)) }
 }
 
 fn text(report: &NoiseReport) -> String {

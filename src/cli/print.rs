@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use photosite_core::shorten::shorten_lines;
+
 use crate::Error;
 use crate::io::output::{Sink, write_new, write_whole};
 use crate::io::pretty_json::pretty_json;
@@ -40,6 +42,11 @@ pub(super) fn print_json(value: &impl serde::Serialize) -> crate::Result<()> {
 /// Prints a line on standard output. A reader that has seen enough and went away, as `head` does, is no error.
 pub(super) fn println_out(text: &str) -> crate::Result<()> {
     print_out(format!("{text}\n").as_bytes())
+}
+
+/// Prints a text for people, in which words that files hold are cut as in messages.
+pub(super) fn println_text(text: &str) -> crate::Result<()> {
+    println_out(&shorten_lines(text))
 }
 
 /// Prints bytes on standard output, likewise.

@@ -7,7 +7,7 @@ use photosite_core::counted;
 use serde_json::{Value, json};
 
 use super::exit_status::{DONE, FAILED};
-use super::print::println_out;
+use super::print::{println_out, println_text};
 use crate::Result;
 use crate::dataset::{PictureState, PictureStatus, Status};
 use crate::schedulers::{all_quoted, quoted};
@@ -53,7 +53,7 @@ pub(super) fn run(args: &StatusArgs) -> Result<u8> {
         }
         println_out(&event("end", json!(whole(&status, &counts))))?;
     } else {
-        println_out(&words(&status, &counts))?;
+        println_text(&words(&status, &counts))?;
     }
     Ok(counts.exit_status())
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
-use super::print::{println_out, refuse_existing};
+use super::print::{println_text, refuse_existing};
 use crate::Result;
 use crate::calibration::targets::TargetKind;
 use crate::capture::read_target;
@@ -64,5 +64,5 @@ pub(super) fn run(args: &TargetArgs) -> Result<()> {
     // Whole micrometres.
     let mm = |x: f64| (x * 1e3).round() / 1e3;
     let (path, kind, points) = (args.output.display(), args.kind.name(), target.points.len());
-    println_out(&format!("{path}: {kind}, {} × {} mm, points: {points}", mm(size.x), mm(size.y)))
+    println_text(&format!("{path}: {kind}, {} × {} mm, points: {points}", mm(size.x), mm(size.y)))
 }

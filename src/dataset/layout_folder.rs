@@ -13,7 +13,7 @@ use crate::image::Planes;
 use crate::io::exr::{ExrPicture, read_exr};
 use crate::io::lock::Lock;
 use crate::io::npy::write_planes;
-use crate::io::output::{create_folder, write_unsynced};
+use crate::io::output::{create_folder, create_folders, write_unsynced};
 use crate::io::plain_png::{is_grey, picture_size, read_grey, write_grey8, write_grey16};
 use crate::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
 use crate::report::{ObjectsReport, REPORT, Report};
@@ -95,7 +95,7 @@ impl LayoutFolder {
     pub(super) fn place(&self, name: &str) -> Result<PathBuf> {
         let path = self.folder.path().join(name);
         if let Some(folder) = path.parent() {
-            fs::create_dir_all(folder).map_err(|reason| Error::io(folder, "create the folder", reason))?;
+            create_folders(folder).map_err(|reason| Error::io(folder, "create the folder", reason))?;
         }
         Ok(path)
     }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::characterisation::report::{ChannelReport, Report, SpectralPoint, ThermalPoint};
-use crate::characterisation::{Figures, doubling_temperature, evaluate, responsivity};
+use crate::characterisation::{Figures, bound_at_95_percent, doubling_temperature, evaluate, responsivity};
 use crate::io::image_sets::{CONTENTS, ChannelSets, ImageSets, MeasuredSet, read_set};
 use crate::pipeline::{Event, Monitor, go_on};
 use crate::{Invalid, Result};
@@ -107,14 +107,16 @@ fn of_channel(folder: &Path, sets: &ChannelSets, monitor: &dyn Monitor) -> Resul
         let MeasuredSet { points, more_dark, .. } = read(&set.descriptor)?;
         let evaluation = evaluate(points, &more_dark, None).map_err(unfit(&set.descriptor))?;
         let Some(fit) = evaluation.dark_current else { continue };
+        let told_apart = |slope: f64, error: f64| bound_at_95_percent(slope, error).is_none().then_some(slope);
+        let from_variance = fit.variance.and_then(|line| told_apart(line.slope, fit.variance_error));
         report.thermal.push(ThermalPoint {
             temperature_c: set.temperature_c,
             expected: set.dark_current_e_per_s,
-            from_mean: fit.mean.slope / gain,
-            from_variance: fit.variance.map(|line| line.slope / (gain * gain)),
+            from_mean: told_apart(fit.mean.slope, fit.mean_error).map(|slope| slope / gain),
+            from_variance: from_variance.map(|slope| slope / (gain * gain)),
         });
     }
-    let currents = report.thermal.iter().map(|p| (p.temperature_c, p.from_mean));
+    let currents = report.thermal.iter().filter_map(|p| Some((p.temperature_c, p.from_mean?)));
     report.doubling_temperature_k = sets.doubling_temperature_k.zip(doubling_temperature(currents)).map(Into::into);
     Ok((report, bits))
 }

@@ -10,7 +10,7 @@ use crate::characterisation::{Figures, NotMeasured};
 pub struct MeasuredChannel<'a> {
     /// Its title in the report.
     pub channel: &'a str,
-    /// Its figures.
+    /// Its figures, with the standard errors of dark currents; `not_measured` names those that are not told apart from 0.
     pub measured: Figures,
     /// What the images do not tell, and why.
     pub not_measured: Vec<NotMeasured>,
@@ -18,7 +18,7 @@ pub struct MeasuredChannel<'a> {
     pub expected: Option<Figures>,
     /// Quantum efficiencies at other wavelengths.
     pub wavelengths: &'a [SpectralPoint],
-    /// Dark currents at several temperatures.
+    /// Dark currents at several temperatures; null where they are not told apart from 0.
     pub temperatures: &'a [ThermalPoint],
     /// Expected and measured.
     pub doubling_temperature_k: Option<[f64; 2]>,

@@ -12,7 +12,7 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use super::cleanup::Cleanup;
-use super::output::folder_of;
+use super::output::{create_folders, folder_of};
 use crate::{Error, Invalid, Result};
 
 /// The lock of a folder, a file in it.
@@ -48,7 +48,7 @@ impl Lock {
     pub fn of_folder(folder: &Path) -> Result<Self> {
         let path = folder.join(IN_FOLDER);
         loop {
-            fs::create_dir_all(folder).map_err(|reason| Error::io(folder, "create the folder", reason))?;
+            create_folders(folder).map_err(|reason| Error::io(folder, "create the folder", reason))?;
             match Self::take(&path, File::try_lock) {
                 Ok(Some(lock)) => return Ok(lock),
                 Ok(None) => return Err(busy(folder, "folder")),

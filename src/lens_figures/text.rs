@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use photosite_core::shorten::shorten_name;
+
 use super::figures::{ABSORPTION, FieldFigures, LensFigures, PositionFigures};
 use super::mtf::TOLD_PER_MM;
 
@@ -186,7 +188,9 @@ fn modulation(field: &FieldFigures, frequency_per_mm: f64) -> String {
 /// Rows below a line of names; columns of numbers to the right.
 fn table(text: &mut String, head: &[&str], rows: &[Vec<String>]) {
     let head: Vec<String> = head.iter().map(|&cell| cell.to_owned()).collect();
-    let all: Vec<&Vec<String>> = std::iter::once(&head).chain(rows).collect();
+    // A long name would make all rows as long.
+    let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(|cell| shorten_name(cell)).collect()).collect();
+    let all: Vec<&Vec<String>> = std::iter::once(&head).chain(&rows).collect();
     let width = |i: usize| all.iter().map(|row| row.get(i).map_or(0, |cell| cell.chars().count())).max().unwrap_or(0);
     let is_number =
         |cell: &String| cell.starts_with(|c: char| c.is_ascii_digit() || c == '-' || c == '–') || cell == "flat";

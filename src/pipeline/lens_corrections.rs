@@ -4,7 +4,7 @@ use crate::calibration::camera_files::{FittedLens, Models};
 use crate::capture::{Capture, OutputSettings, RawFormat};
 use crate::develop::{DevelopSettings, Resampling};
 use crate::optics::{Camera, Falloff, Intrinsics, LensDescription, LensKind, Projection};
-use crate::raw::{Distortion, GainMap, LensModel, PixelArea, RawMetadata, Warp};
+use crate::raw::{Distortion, GainMap, LensModel, Opcode, PixelArea, RawMetadata, Warp};
 use crate::sensor::{BinningMethod, RegionOfInterest, SensorModel, Stage, Stages};
 use glam::DVec2;
 use photosite_core::image_grid::ImageGrid;
@@ -134,7 +134,7 @@ impl<'a> LensSeen<'a> {
             Falloff::None if self.lens.stops.is_empty() => None,
             Falloff::None | Falloff::Cos4 => known.gain_map(self),
         };
-        metadata.gain_maps = map.into_iter().collect();
+        metadata.opcodes[1] = map.into_iter().map(Opcode::GainMap).collect();
         metadata.distortion = self.model().map(Distortion::Lens);
     }
 
@@ -459,7 +459,7 @@ mod tests {
         let (lens, camera) = camera(Projection::Perspective, 22.0, [6e-6; 2]);
         let mut metadata = RawMetadata::default();
         seen(&lens, &camera, RegionOfInterest::WHOLE, [6e-6; 2]).write_to(&mut metadata, &KnownCorrections::default());
-        let map = metadata.gain_maps.first().expect("falloff");
+        let map = metadata.gain_maps().next().expect("falloff");
         for (x, y) in [(0.0, 0.0), (0.5, 0.5), (1.0, 0.25), (0.73, 0.4)] {
             let across = DVec2::new((x - 0.5) * 640.0, (y - 0.5) * 480.0) * 6e-6 / 0.004;
             let gain = (1.0 + across.length_squared()).powi(2);

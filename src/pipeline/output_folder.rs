@@ -21,7 +21,7 @@ use crate::io::film_file::{write_compressed, write_samples};
 use crate::io::light_rows::{LightRows, Store};
 use crate::io::lock::Lock;
 use crate::io::noise_maps::{NoiseFormat, write_noise_exr, write_noise_npy};
-use crate::io::output::{Sink, Stamp, remove_leftovers, write_stamped, write_unsynced};
+use crate::io::output::{Sink, Stamp, create_folders, remove_leftovers, write_stamped, write_unsynced};
 use crate::io::raw_exr::write_raw_exr;
 use crate::io::spectral_exr::write_irradiance;
 use crate::io::truth::{TruthFormat, write_truth_exr, write_truth_npy, write_truth_png};
@@ -90,7 +90,7 @@ impl OutputFolder {
         }
         let created: Vec<_> = path.ancestors().take_while(|part| !part.exists()).map(Path::to_owned).collect();
         let mut folder = Self::inside(path, force, created);
-        fs::create_dir_all(path).map_err(|reason| unusable(path, format!("cannot create the folder: {reason}")))?;
+        create_folders(path).map_err(|reason| unusable(path, format!("cannot create the folder: {reason}")))?;
         // Whether files can be made here shows now rather than after an hour of tracing.
         tempfile::tempfile_in(path)
             .map_err(|reason| unusable(path, format!("cannot write into the folder: {reason}")))?;

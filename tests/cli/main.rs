@@ -37,6 +37,7 @@ mod light_paths;
 mod limits;
 mod linear_pictures;
 mod log;
+mod long_names;
 mod memory;
 mod merge;
 mod motion;

@@ -258,3 +258,77 @@ fn image_sets_hold_nothing_from_outside() {
     refuse(&folder, "emva1288-report sets", &wanted);
     refuse(&folder, "emva1288-report sets/G/emva1288.txt -o page.html", &wanted[2..]);
 }
+
+/// Commands with the folder or file that they write.
+#[cfg(unix)]
+#[rstest]
+#[case("render capture.toml -o", "r")]
+#[case("develop raw.dng -o", "d.png")]
+#[case("develop raw.dng -o", "d.exr")]
+#[case("expose electrons -o", "e")]
+#[case("noise add raw.dng --set gaussian.sigma=4 -o", "n.tiff")]
+#[case("merge-hdr raw.dng long.dng -o", "hdr.exr")]
+#[case("export-mitsuba capture.toml --approximate -o", "m")]
+#[case("init room.obj -o", "i.toml")]
+#[case("camera capture.toml --format opencv -o", "c.yaml")]
+#[case("lens own.zmx -o", "l.toml")]
+#[case("dataset set.toml -o", "set")]
+#[case("emva1288 generic-cmos-color --channels G --size 12x8 --steps 5 --spatial 3 -o", "sets")]
+#[case("noise raw.dng --plots", "plots")]
+fn nothing_is_written_through_links(#[case] command: &str, #[case] output: &str) {
+    let folder = room("[render]\nsamples_per_pixel = 1\nmax_depth = 1\n[output]\nraw = ['dng']\n");
+    folder.add("own.zmx", ZMX);
+    folder.add("set.toml", "capture = 'capture.toml'\nframes = 1\n");
+    folder.succeed("render capture.toml -o electrons -q");
+    folder.succeed("render capture.toml -o long -q --set exposure.time_s=0.0008");
+    fs::rename(folder.path("long/raw.dng"), folder.path("long.dng")).expect("moved");
+    fs::copy(folder.path("electrons/raw.dng"), folder.path("raw.dng")).expect("copied");
+    let outside = Folder::new([("private", b"private".to_vec())]);
+    let link = |to: &str, name: &str| std::os::unix::fs::symlink(outside.path(to), folder.path(name)).expect("linked");
+    let before = outside.contents();
+    // A folder on the way to the output.
+    link("", "out");
+    let outcome = folder.run(&format!("--sandbox . {command} out/{output}"));
+    assert!(outcome.status == Some(1) && outcome.text().contains("sandbox"), "{command}: {outcome:?}");
+    assert_eq!(outside.contents(), before, "{command} writes through a folder's link");
+    // The output itself: replaced, or refused.
+    link("private", output);
+    for force in ["", "--force"] {
+        let outcome = folder.run(&format!("--sandbox . {command} {output} {force}"));
+        assert!(outcome.status != Some(101), "{command} {force}: {outcome:?}");
+        assert_eq!(outside.contents(), before, "{command} {force} writes through a file's link");
+    }
+    fs::remove_file(folder.path(output)).or_else(|_| fs::remove_dir_all(folder.path(output))).expect("removed");
+    link("absent", output);
+    folder.run(&format!("--sandbox . {command} {output} --force"));
+    assert_eq!(outside.contents(), before, "{command} writes through a link to nothing");
+}
+
+/// Links in place of each file that a command writes into a folder of its own.
+#[cfg(unix)]
+#[rstest]
+#[case("render capture.toml -o r --force", "r")]
+#[case("expose electrons -o e --force", "e")]
+#[case("export-mitsuba capture.toml --approximate -o m --force", "m")]
+fn links_among_outputs_are_replaced(#[case] command: &str, #[case] output: &str) {
+    let more = "raw = ['dng', 'tiff']\ntruth = ['depth']\nobjects = true\npreview_interval_s = 0\n";
+    let folder = room(&format!("[render]\nsamples_per_pixel = 1\nmax_depth = 1\n[output]\n{more}"));
+    folder.succeed("render capture.toml -o electrons -q");
+    folder.succeed(command);
+    let outside = Folder::new([("private", b"private".to_vec())]);
+    let before = outside.contents();
+    for name in names(&folder).into_iter().filter(|name| name.starts_with(output) && name != Path::new(output)) {
+        let path = folder.path("").join(&name);
+        let is_file = path.is_file();
+        if is_file { fs::remove_file(&path) } else { fs::remove_dir_all(&path) }.expect("removed");
+        let to = outside.path(if is_file { "private" } else { "" });
+        std::os::unix::fs::symlink(to, &path).expect("linked");
+        let outcome = folder.run(&format!("--sandbox . {command}"));
+        assert!(outcome.status != Some(101), "{name:?}: {outcome:?}");
+        assert_eq!(outside.contents(), before, "{command} writes through {name:?}: {outcome:?}");
+        if path.is_symlink() {
+            fs::remove_file(&path).expect("removed");
+            folder.succeed(command);
+        }
+    }
+}

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use photosite::io::output::{create_folder, write_whole};
 use photosite::projection::{BrownConrady, Intrinsics, Projection};
 use photosite::raw::{
-    BlackLevel, Cfa, ColourCalibration, Distortion, DngCompression, GainMap, LensModel, LightSource, PixelArea,
+    BlackLevel, Cfa, ColourCalibration, Distortion, DngCompression, GainMap, LensModel, LightSource, Opcode, PixelArea,
     RawImage, RawMetadata, write_compressed_dng, write_npy, write_pgm, write_tiff,
 };
 
@@ -97,7 +97,11 @@ fn masked(raw: RawImage) -> Result<RawImage, photosite::Invalid> {
         Projection::BrownConrady(BrownConrady { k, p: [1e-3, 0.0], ..BrownConrady::default() })
     };
     let metadata = RawMetadata {
-        gain_maps: vec![GainMap::new(3, 3, vec![1.5, 1.25, 1.5, 1.25, 1.0, 1.25, 1.5, 1.25, 1.5])?],
+        opcodes: [
+            vec![],
+            vec![Opcode::GainMap(GainMap::new(3, 3, vec![1.5, 1.25, 1.5, 1.25, 1.0, 1.25, 1.5, 1.25, 1.5])?)],
+            vec![],
+        ],
         distortion: Some(Distortion::Lens(LensModel { intrinsics, projection, max_angle_rad: None })),
         ..raw.metadata
     };

@@ -25,7 +25,7 @@ pub mod projection;
 pub mod references;
 pub mod sandbox;
 pub mod schema_range;
-mod shorten;
+pub mod shorten;
 pub mod spectrum;
 pub mod suggest;
 pub mod text;

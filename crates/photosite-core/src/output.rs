@@ -13,6 +13,7 @@ use tempfile::NamedTempFile;
 
 use crate::cleanup::Cleanup;
 use crate::fail_point;
+use crate::sandbox;
 use crate::{Error, Invalid, Result};
 
 /// What names of files begin and end with that are being written.
@@ -109,6 +110,7 @@ impl Temporary {
         // Its reasons do not name the temporary file, which nobody knows.
         let open = |path: &Path| File::options().read(true).write(true).create_new(true).open(path);
         let folder = folder_of(path)?;
+        sandbox::written(folder).map_err(failed)?;
         sweep_once(folder);
         let begin = || -> io::Result<NamedTempFile> {
             loop {
@@ -234,8 +236,18 @@ pub fn folder_of(path: &Path) -> Result<&Path> {
 /// Creates a folder and its parents.
 pub fn create_folder(path: &Path) -> Result<()> {
     let created: Vec<&Path> = path.ancestors().take_while(|part| !part.exists()).collect();
-    fs::create_dir_all(path).map_err(|reason| Error::io(path, "create the folder", reason))?;
+    create_folders(path).map_err(|reason| Error::io(path, "create the folder", reason))?;
     created.into_iter().try_for_each(|folder| folder_of(folder).and_then(sync_folder))
+}
+
+/// Creates a folder and its parents, not synced, where no link leads out of the sandbox.
+///
+/// # Errors
+///
+/// Such a link, or what the system says.
+pub fn create_folders(path: &Path) -> io::Result<()> {
+    sandbox::written(path)?;
+    fs::create_dir_all(path)
 }
 
 /// Makes sure that names in a folder are what they are after a power cut, too.

@@ -88,6 +88,16 @@ pub fn opened(path: &Path) -> io::Result<PathBuf> {
     WALLS.get().map_or_else(|| Ok(path.to_owned()), |walls| walls.opened(path))
 }
 
+/// Refuses to write into a folder that lies in the sandbox by its name, but not really: a link leads out. A link in the
+/// place of a file that is written whole is replaced, not followed.
+///
+/// # Errors
+///
+/// A folder that a link leads to, outside of the sandbox, if there is one.
+pub fn written(folder: &Path) -> io::Result<()> {
+    WALLS.get().map_or(Ok(()), |walls| walls.written(folder))
+}
+
 /// The error of the first file that this process was refused: what had asked may have gone on without it.
 ///
 /// # Errors
@@ -109,6 +119,19 @@ impl Walls {
         }
     }
 
+    fn written(&self, folder: &Path) -> io::Result<()> {
+        let whole = without_steps_back(&absolute(folder)?);
+        let is_inside = |path: &Path| real(path).is_some_and(|real| real.starts_with(&self.folder));
+        if is_inside(&whole) || !whole.ancestors().skip(1).any(is_inside) {
+            return Ok(());
+        }
+        let message = format!(
+            "a link leads out of the sandbox {}; remove the link, or give a sandbox that it is in if you trust it",
+            self.folder.display()
+        );
+        Err(io::Error::new(ErrorKind::PermissionDenied, message))
+    }
+
     fn opened(&self, path: &Path) -> io::Result<PathBuf> {
         // What is not there is told as such by who opens it.
         let allowed = real(path).filter(|real| {
@@ -125,6 +148,19 @@ impl Walls {
             io::Error::new(ErrorKind::PermissionDenied, message)
         })
     }
+}
+
+/// A path as it reads, with each `..` taken for the folder above.
+fn without_steps_back(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        if part == Component::ParentDir {
+            plain.pop();
+        } else {
+            plain.push(part);
+        }
+    }
+    plain
 }
 
 /// The path that a file really has, or would have where it is not there. `None` where steps back follow what is not
@@ -172,6 +208,28 @@ mod tests {
         assert!(sandbox.check(Path::new("/etc/passwd")).is_err());
         assert_eq!(Sandbox::default().check(Path::new("/etc/passwd")), Ok(()));
         assert!(Sandbox::new(&at("out")).is_err() && Sandbox::new(&at("absent")).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn nothing_is_written_through_a_link() {
+        use std::os::unix::fs::symlink;
+        let place = tempfile::tempdir().expect("a folder");
+        let at = |name: &str| place.path().join(name);
+        for name in ["in/deep", "out"] {
+            fs::create_dir_all(at(name)).expect("made");
+        }
+        for (to, link) in [("out", "in/link"), ("nowhere", "in/dangling"), ("in/deep", "in/fine"), ("in", "to-in")] {
+            symlink(at(to), at(link)).expect("linked");
+        }
+        let folder = at("in").canonicalize().expect("a folder").into();
+        let walls = Walls { folder, trusted: Mutex::default(), refused: Mutex::default() };
+        for name in ["in", "in/deep", "in/absent/too", "in/fine", "to-in/deep", "out", "out/absent", "in/../out"] {
+            assert!(walls.written(&at(name)).is_ok(), "{name}");
+        }
+        for name in ["in/link", "in/link/deep", "in/dangling", "in/dangling/a", "in/deep/../link", "to-in/link"] {
+            assert!(walls.written(&at(name)).is_err(), "{name}");
+        }
     }
 
     #[cfg(unix)]

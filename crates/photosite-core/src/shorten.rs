@@ -4,11 +4,13 @@
 const KEPT: usize = 60;
 /// Bytes of the longest word that stays: paths are long, and of use only as a whole.
 const LONGEST_WORD: usize = 400;
+/// Characters of the longest name in a table: that of a file.
+const LONGEST_NAME: usize = 255;
 /// Bytes of the longest message.
 const LONGEST: usize = 4000;
 
 /// Cuts words that no message needs as a whole down to their beginning and "…", and what is too long to be read.
-pub(crate) fn shorten(message: String) -> String {
+pub fn shorten(message: String) -> String {
     if message.len() <= LONGEST_WORD {
         return message;
     }
@@ -21,6 +23,19 @@ pub(crate) fn shorten(message: String) -> String {
         return words;
     }
     format!("{}…", &words[..words.floor_char_boundary(LONGEST)])
+}
+
+/// A text of many lines, each of which is cut like a message.
+pub fn shorten_lines(text: &str) -> String {
+    text.split('\n').map(|line| shorten(line.to_owned())).collect::<Vec<_>>().join("\n")
+}
+
+/// A name in a table, whose other lines become as wide, without its end where that is longer than a name can be.
+pub fn shorten_name(name: &str) -> String {
+    match name.char_indices().nth(LONGEST_NAME).and_then(|_| name.char_indices().nth(KEPT)) {
+        Some((end, _)) => format!("{}…", &name[..end]),
+        None => name.to_owned(),
+    }
 }
 
 /// What closes a quotation, and the space, after a word.
@@ -43,6 +58,15 @@ mod tests {
         for whole in [String::new(), "short".to_owned(), format!("{path} is not there: {path}")] {
             assert_eq!(shorten(whole.clone()), whole);
         }
+    }
+
+    #[test]
+    fn long_names_lose_their_end_whatever_they_are_made_of() {
+        for name in ["w".repeat(100_000), "w ".repeat(50_000), "ä".repeat(256)] {
+            assert_eq!(shorten_name(&name).chars().count(), KEPT + 1);
+        }
+        assert_eq!(shorten_name(&"ä".repeat(255)), "ä".repeat(255));
+        assert_eq!(shorten_lines(&format!("a\n{}\n", "w".repeat(500))), format!("a\n{}…\n", "w".repeat(KEPT)));
     }
 
     #[test]

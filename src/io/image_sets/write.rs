@@ -1,6 +1,5 @@
 //! Taking the images of a set and writing them.
 
-use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -8,7 +7,7 @@ use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 
 use crate::characterisation::{Descriptor, FlatField, Series, Shot};
-use crate::io::output::{Sink, write_unsynced};
+use crate::io::output::{Sink, create_folders, write_unsynced};
 use crate::raw::{RawImage, write_dng, write_tiff};
 use crate::{Error, Invalid, Result};
 
@@ -78,7 +77,7 @@ impl SetWriter {
         taken: &dyn Fn() -> Result<()>,
     ) -> Result<Series> {
         let folder = self.folder.join(set).join("images");
-        fs::create_dir_all(&folder).map_err(|reason| Error::io(&folder, "create the folder", reason))?;
+        create_folders(&folder).map_err(|reason| Error::io(&folder, "create the folder", reason))?;
         let unfit = |invalid: Invalid| invalid.in_file(&folder);
         let frames = self.frame..self.frame + u64::from(shot.images);
         let mut images = Vec::new();

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use photosite_core::Invalid;
+use photosite_core::math::float::rounded;
 use photosite_core::units::Seconds;
 
 use super::figures::{Figures, SpatialFigures, sensitivity_threshold_e};
@@ -76,14 +77,14 @@ pub struct NotMeasured {
     /// The figure.
     pub figure: &'static str,
     /// Why it is missing.
-    pub reason: &'static str,
+    pub reason: String,
 }
 
 impl Evaluation {
     /// The figures that the set does not tell, by name.
     pub fn not_measured(&self) -> Vec<NotMeasured> {
         let mut missing = Vec::new();
-        let mut tell = |figure, reason| missing.push(NotMeasured { figure, reason });
+        let mut tell = |figure, reason: &str| missing.push(NotMeasured { figure, reason: reason.to_owned() });
         if self.dark_current.is_none() {
             let is_unknown = self.points.iter().all(|point| point.time.0 == 0.0);
             let reason = if is_unknown {
@@ -97,12 +98,11 @@ impl Evaluation {
         if self.dark_current.is_some_and(|fit| fit.variance.is_none()) {
             tell("dark current from the variance", "quantisation hides it: all dark variances are below 0.24 DN²");
         }
-        let Figures { dark_current_mean_e_per_s: mean, dark_current_variance_e_per_s: variance, .. } = self.figures;
-        let errors = [self.figures.dark_current_mean_error_e_per_s, self.figures.dark_current_variance_error_e_per_s];
-        let currents = [("dark current from the mean", mean), ("dark current from the variance", variance)];
-        for ((name, current), error) in currents.into_iter().zip(errors) {
-            if current.zip(error).is_some_and(|(current, error)| current <= TOLD_APART * error) {
-                tell(name, "not told apart from 0: it is less than three of its standard errors above");
+        let currents = ["dark current from the mean", "dark current from the variance"];
+        for (name, (symbol, bound)) in currents.into_iter().zip(self.figures.dark_current_bounds()) {
+            if let Some(bound) = bound {
+                let bound = rounded(bound, 3);
+                tell(name, &format!("not told apart from 0: |{symbol}| < {bound} e⁻/s at 95 %"));
             }
         }
         if self.linearity.is_none() {
@@ -146,8 +146,6 @@ pub struct DarkCurrentFit {
     pub variance_error: f64,
 }
 
-/// Standard errors by which a figure is told apart from 0.
-const TOLD_APART: f64 = 3.0;
 /// Least σ_y.dark² that can be distinguished from quantisation, DN².
 const LEAST_DARK_VARIANCE: f64 = 0.24;
 
@@ -319,6 +317,7 @@ fn non_uniformity(
 mod tests {
     use approx::assert_relative_eq;
 
+    use super::super::figures::bound_at_95_percent;
     use super::*;
 
     const GAIN: f64 = 0.25;
@@ -418,7 +417,7 @@ mod tests {
             assert_relative_eq!(value, expected, max_relative = 1e-9);
         }
         assert_eq!((f.dark_current_mean_e_per_s, f.dark_current_variance_e_per_s), (None, None));
-        let reason = |e: &Evaluation| e.not_measured()[..2].iter().map(|n| n.reason).collect::<Vec<_>>();
+        let reason = |e: &Evaluation| e.not_measured()[..2].iter().map(|n| n.reason.clone()).collect::<Vec<_>>();
         assert_eq!(reason(&unknown), ["the exposure times are not known: the descriptor states 0"; 2]);
         assert_eq!(reason(&one), ["the dark images have fewer than three exposure times"; 2]);
     }
@@ -510,7 +509,19 @@ mod tests {
         let named: Vec<_> =
             found.not_measured().into_iter().filter(|n| n.figure == "dark current from the mean").collect();
         assert_eq!(named.len(), 1);
-        assert!(named[0].reason.starts_with("not told apart from 0"), "{named:?}");
+        assert!(named[0].reason.starts_with("not told apart from 0: |μ_I.mean| < "), "{named:?}");
+        let Figures { dark_current_mean_e_per_s: current, dark_current_mean_error_e_per_s: error, .. } = found.figures;
+        let bound = current.expect("times").abs() + 1.96 * error.expect("times");
+        let rows = found.figures.rows();
+        let row = rows.iter().find(|row| row.symbol == "μ_I.mean").expect("a row");
+        assert_eq!(row.bound, Some(bound));
+        assert_eq!(row.cell(|x| x.to_string()), format!("not told apart from 0 (< {bound})"));
+        // Others are as they are, and so is a current of many errors.
+        assert!(rows.iter().all(|row| row.bound.is_none() || row.symbol.starts_with("μ_I")));
+        for (current, error, told) in [(3.1, 1.0, true), (2.9, 1.0, false), (-582_040.0, 1e5, false), (0.0, 0.0, false)]
+        {
+            assert_eq!(bound_at_95_percent(current, error).is_none(), told, "{current} ± {error}");
+        }
     }
 
     #[test]

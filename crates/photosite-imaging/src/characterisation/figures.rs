@@ -72,13 +72,48 @@ pub struct Row {
     pub unit: &'static str,
     /// The figure, where it is known.
     pub value: Option<f64>,
+    /// What its absolute value lies below at 95 %, where it is not told apart from 0.
+    pub bound: Option<f64>,
+}
+
+impl Row {
+    /// The figure in words, its digits by `number`.
+    pub fn cell(&self, number: impl Fn(f64) -> String) -> String {
+        match (self.bound, self.value) {
+            (Some(bound), _) => format!("not told apart from 0 (< {})", number(bound)),
+            (None, Some(value)) => number(value),
+            (None, None) => "–".to_owned(),
+        }
+    }
+}
+
+/// Standard errors above 0 from which on a figure is told apart from it.
+const TOLD_APART: f64 = 3.0;
+/// Standard errors on either side within which a figure lies at 95 %.
+const AT_95_PERCENT: f64 = 1.96;
+
+/// What the absolute value of a figure that cannot be negative lies below at 95 %; `None` where its standard error tells
+/// it apart from 0.
+pub fn bound_at_95_percent(value: f64, error: f64) -> Option<f64> {
+    (value <= TOLD_APART * error).then_some(value.abs() + AT_95_PERCENT * error)
 }
 
 impl Figures {
+    /// Symbols of the dark currents from the mean and from the variance, and what the absolute value of one that is not
+    /// told apart from 0 lies below at 95 %, e⁻/s.
+    pub fn dark_current_bounds(&self) -> [(&'static str, Option<f64>); 2] {
+        let bound = |value: Option<f64>, error| value.zip(error).and_then(|(x, error)| bound_at_95_percent(x, error));
+        [
+            ("μ_I.mean", bound(self.dark_current_mean_e_per_s, self.dark_current_mean_error_e_per_s)),
+            ("μ_I.var", bound(self.dark_current_variance_e_per_s, self.dark_current_variance_error_e_per_s)),
+        ]
+    }
+
     /// The data sheet, in the order of the standard.
     pub fn rows(&self) -> Vec<Row> {
-        let row = |name, symbol, unit, value: Option<f64>| Row { name, symbol, unit, value };
+        let row = |name, symbol, unit, value: Option<f64>| Row { name, symbol, unit, value, bound: None };
         let some = |name, symbol, unit, value| row(name, symbol, unit, Some(value));
+        let [(_, mean), (_, variance)] = self.dark_current_bounds();
         vec![
             some("Quantum efficiency", "η", "%", 100.0 * self.quantum_efficiency),
             some("System gain", "K", "DN/e⁻", self.system_gain_dn_per_e),
@@ -104,9 +139,15 @@ impl Figures {
             row("of which pixels", "PRNU₁₂₈₈.pixel", "%", self.prnu_percent.pixel),
             row("Smallest linearity error", "LE_min", "%", self.linearity_error_min_percent),
             row("Largest linearity error", "LE_max", "%", self.linearity_error_max_percent),
-            row("Dark current from the mean", "μ_I.mean", "e⁻/s", self.dark_current_mean_e_per_s),
+            Row {
+                bound: mean,
+                ..row("Dark current from the mean", "μ_I.mean", "e⁻/s", self.dark_current_mean_e_per_s)
+            },
             row("its standard error", "", "e⁻/s", self.dark_current_mean_error_e_per_s),
-            row("Dark current from the variance", "μ_I.var", "e⁻/s", self.dark_current_variance_e_per_s),
+            Row {
+                bound: variance,
+                ..row("Dark current from the variance", "μ_I.var", "e⁻/s", self.dark_current_variance_e_per_s)
+            },
             row("its standard error", "", "e⁻/s", self.dark_current_variance_error_e_per_s),
         ]
     }

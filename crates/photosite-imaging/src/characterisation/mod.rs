@@ -38,7 +38,7 @@ pub use evaluation::{
     responsivity,
 };
 pub use expected::{effects_left_out, expected_figures};
-pub use figures::{Decibel, Figures, Row, SpatialFigures};
+pub use figures::{Decibel, Figures, Row, SpatialFigures, bound_at_95_percent};
 pub use fit::{Line, line, slope_error, through_origin};
 pub use flat_field::FlatField;
 pub use histogram::Histogram;

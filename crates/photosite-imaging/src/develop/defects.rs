@@ -19,7 +19,42 @@ pub(super) fn correct(mosaic: &mut Vec<f32>, size: [usize; 2], cfa: &Cfa, defect
         Defects::None => return,
         Defects::Median => {}
     }
-    let [width, height] = size;
+    *mosaic = with_neighbours(mosaic, size, cfa, |i, values| {
+        let value = mosaic[i];
+        let (Some(&low), Some(&high)) = (values.first(), values.last()) else { return value };
+        let margin = (high - low).max(FLOOR);
+        let is_defect = value < low - margin || value > high + margin;
+        if is_defect { median(values) } else { value }
+    });
+}
+
+/// Replaces pixels of a mosaic that are known to be defective by the median of those of the 8 nearest neighbours of the
+/// same channel that are not; where all are, they stay.
+pub(super) fn replace(mosaic: &mut Vec<f32>, size: [usize; 2], cfa: &Cfa, is_bad: &[bool]) {
+    // Neighbours that are not numbers do not count.
+    let known: Vec<f32> = mosaic.iter().zip(is_bad).map(|(value, bad)| if *bad { f32::NAN } else { *value }).collect();
+    *mosaic =
+        with_neighbours(
+            &known,
+            size,
+            cfa,
+            |i, values| {
+                if is_bad[i] && !values.is_empty() { median(values) } else { mosaic[i] }
+            },
+        );
+}
+
+fn median(sorted: &[f32]) -> f32 {
+    0.5 * (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2])
+}
+
+/// A value for each number of a mosaic, from its index and the sorted values of its nearest neighbours.
+fn with_neighbours(
+    before: &[f32],
+    [width, height]: [usize; 2],
+    cfa: &Cfa,
+    value: impl Fn(usize, &[f32]) -> f32 + Sync,
+) -> Vec<f32> {
     let samples = cfa.samples_per_pixel();
     let (columns, rows) = cfa.tile_size();
     let radius = 2 * columns.max(rows);
@@ -32,28 +67,24 @@ pub(super) fn correct(mosaic: &mut Vec<f32>, size: [usize; 2], cfa: &Cfa, defect
         others.take(NEIGHBOURS).collect()
     };
     let near: Vec<Vec<Step>> = (0..columns * rows).map(near).collect();
-    let before: &[f32] = mosaic;
+    let (near, value) = (&near, &value);
     let corrected = (0..height).into_par_iter().flat_map_iter(|y| {
-        let near = &near;
         (0..width * samples).map(move |i| {
             let (x, sample) = (i / samples, i % samples);
             let at = |x: usize, y: usize| before[(y * width + x) * samples + sample];
-            let value = at(x, y);
             let mut values = [0.0; NEIGHBOURS];
             let mut count = 0;
-            for (nx, ny) in near[y % rows * columns + i % columns].iter().filter_map(|s| s.from(x, y, size)) {
+            for (nx, ny) in near[y % rows * columns + i % columns].iter().filter_map(|s| s.from(x, y, [width, height]))
+            {
                 values[count] = at(nx, ny);
-                count += 1;
+                count += usize::from(!values[count].is_nan());
             }
             let values = &mut values[..count];
             values.sort_unstable_by(f32::total_cmp);
-            let (Some(&low), Some(&high)) = (values.first(), values.last()) else { return value };
-            let margin = (high - low).max(FLOOR);
-            let is_defect = value < low - margin || value > high + margin;
-            if is_defect { 0.5 * (values[(count - 1) / 2] + values[count / 2]) } else { value }
+            value(y * width * samples + i, values)
         })
     });
-    *mosaic = corrected.collect();
+    corrected.collect()
 }
 
 #[cfg(test)]

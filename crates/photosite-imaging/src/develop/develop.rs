@@ -21,8 +21,8 @@ use super::neighbours::densest;
 use super::resampling::Resampling;
 use super::settings::DevelopSettings;
 use super::{
-    black_level, colour, colour_model, convolution, defects, demosaic, highlights, lens_falloff, linearisation,
-    noise_filter, threshold, tone, white_balance,
+    black_level, colour, colour_model, convolution, defects, demosaic, highlights, linearisation, noise_filter,
+    opcodes, threshold, tone, white_balance,
 };
 
 /// What was found out on the way.
@@ -56,6 +56,7 @@ pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Pla
     check_rows(raw, settings)?;
     check_memory([raw.width, raw.height], &raw.cfa, settings)?;
     let raw = settings.raw.apply(raw).map_err(|invalid| invalid.within("raw"))?;
+    let raw = opcodes::on_stored(&raw, settings.lens_falloff);
     let raw = linearisation::apply(&raw, settings.linearisation);
     let raw = if raw.active_area.is_some() { Cow::Owned(raw.cropped()) } else { raw };
     let signal = black_level::subtract(&raw, settings.black_level);
@@ -160,13 +161,12 @@ fn develop_signal(
         ..settings.clone()
     };
     defects::correct(&mut signal, size, &raw.cfa, settings.defects);
-    if settings.lens_falloff {
-        lens_falloff::correct(&mut signal, raw);
-    }
+    opcodes::on_signal(&mut signal, raw, settings.lens_falloff);
     let neutral = white_balance::neutral(raw, &signal, settings)?;
     white_balance::apply(&mut signal, raw, &neutral, highlights::ceiling(settings.highlights));
     let mut picture = demosaic::demosaic(&signal, raw, settings.demosaic)?;
     drop(signal);
+    opcodes::on_planes(&mut picture, raw, &neutral, settings.lens_falloff);
     highlights::recover(&mut picture, &neutral, settings.highlights);
     let picture = filtered(picture, &raw.metadata, &neutral, settings)?;
     let picture = shown(to_colour_space(picture, raw, &neutral, settings)?, settings);

@@ -16,7 +16,7 @@
 
 use rayon::prelude::*;
 
-use super::black_level;
+use super::{black_level, opcodes};
 use crate::raw::RawImage;
 use photosite_core::Invalid;
 
@@ -64,8 +64,8 @@ pub fn merge(pictures: &[RawImage]) -> Result<Merged, Invalid> {
     let mut sorted: Vec<&RawImage> = pictures.iter().collect();
     sorted.sort_by(|a, b| a.metadata.exposure_time_s.total_cmp(&b.metadata.exposure_time_s));
     let times_s = [sorted[0], sorted[sorted.len() - 1]].map(|raw| raw.metadata.exposure_time_s);
-    let mut reference = sorted[0].linear().cropped();
-    let others = sorted[1..].iter().map(|raw| Shot::new(&raw.linear().cropped(), times_s[0]));
+    let mut reference = opcodes::on_stored(sorted[0], true).linear().cropped();
+    let others = sorted[1..].iter().map(|raw| Shot::new(&opcodes::on_stored(raw, true).linear().cropped(), times_s[0]));
     let shots: Vec<Shot> = std::iter::once(Shot::new(&reference, times_s[0])).chain(others).collect();
     reference.data = Vec::new();
     let (cfa, row_length) = (&reference.cfa, reference.row_length());

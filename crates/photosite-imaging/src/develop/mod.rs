@@ -8,10 +8,10 @@
 //! | step | file |
 //! |---|---|
 //! | what the file does not say | `description.rs` |
+//! | opcodes of DNG files, such as gains against lens falloff: of stored, linear and demosaicked values | `opcodes.rs` |
 //! | linear numbers | `linearisation.rs` |
 //! | black level | `black_level.rs` |
 //! | defective pixels | `defects.rs` |
-//! | lens falloff | `lens_falloff.rs` |
 //! | white balance | `white_balance.rs` |
 //! | demosaicking | `demosaic/`, one file a method |
 //! | highlights | `highlights.rs`; clipping comes before demosaicking, so that edges are not coloured |
@@ -49,12 +49,12 @@ mod encode;
 mod highlights;
 mod ideal;
 mod layout;
-mod lens_falloff;
 mod linearisation;
 mod memory;
 pub mod merge;
 mod neighbours;
 mod noise_filter;
+mod opcodes;
 mod remap;
 mod resampling;
 mod resize;

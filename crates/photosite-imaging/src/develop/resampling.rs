@@ -13,12 +13,14 @@
 //!
 //! What the settings resize is resized after that, in a step of its own.
 
+use std::array::from_fn;
+
 use glam::DVec2;
 use rayon::prelude::*;
 
 use super::resize::Resize;
 use super::settings::DevelopSettings;
-use crate::raw::{Distortion, RawMetadata, Undistortion, Warp};
+use crate::raw::{Distortion, PixelArea, RawMetadata, Undistortion, Warp};
 use photosite_core::cells::shift;
 use photosite_core::image::{Channel, Planes};
 
@@ -37,7 +39,9 @@ pub struct Resampling {
     lens: Lens,
     /// Whether every second row lies half a pixel farther to the right: of the sensor's grid, and of the picture's.
     staggered: [bool; 2],
-    /// How the picture is taken from that grid, where it is not the grid itself.
+    /// The part of that grid that is shown.
+    shown: PixelArea,
+    /// How the picture is taken from that part, where it is not the part itself.
     resize: Option<Resize>,
 }
 
@@ -66,18 +70,29 @@ impl Resampling {
         let is_staggered = metadata.is_staggered;
         let is_stretched = settings.square_pixels && (aspect != 1.0 || is_staggered) && fits;
         let scale = if is_stretched { scale } else { [1.0; 2] };
-        let grid = std::array::from_fn(|axis| (size_px[axis] as f64 * scale[axis] + 0.5) as usize);
-        let resize = Resize::new(grid, settings);
-        if let (Lens::Straight, false, None) = (&lens, is_stretched, &resize) {
+        let grid: [usize; 2] = from_fn(|axis| (size_px[axis] as f64 * scale[axis] + 0.5) as usize);
+        let shown = metadata.default_crop.filter(|_| settings.default_crop).map_or(
+            PixelArea { x: 0, y: 0, width: grid[0], height: grid[1] },
+            |PixelArea { x, y, width, height }| {
+                // Of an image that is read from a file the crop lies within it.
+                let on_grid = |n: usize, axis: usize| ((n as f64 * scale[axis] + 0.5) as usize).min(grid[axis]);
+                let [left, right] = [x, x + width].map(|n| on_grid(n, 0));
+                let [top, bottom] = [y, y + height].map(|n| on_grid(n, 1));
+                PixelArea { x: left, y: top, width: right - left, height: bottom - top }
+            },
+        );
+        let size = [shown.width, shown.height];
+        let resize = Resize::new(size, settings);
+        if let (Lens::Straight, false, None, true) = (&lens, is_stretched, &resize, size == grid) {
             return None;
         }
         let staggered = [is_staggered, is_staggered && !is_stretched];
-        Some(Self { from: size_px, grid, scale, lens, staggered, resize })
+        Some(Self { from: size_px, grid, scale, lens, staggered, shown, resize })
     }
 
     /// Columns and rows of the picture.
     pub fn size_px(&self) -> [usize; 2] {
-        self.resize.map_or(self.grid, |resize| resize.to)
+        self.resize.map_or([self.shown.width, self.shown.height], |resize| resize.to)
     }
 
     /// Whether it undoes the distortion of a lens, so that no scale and shift say where its pixels lie.
@@ -94,6 +109,7 @@ impl Resampling {
     /// down.
     pub fn on_sensor(&self) -> ([f64; 2], [f64; 2]) {
         let (first, per_pixel) = self.resize.map_or(([0.0; 2], [1.0; 2]), |resize| (resize.first, resize.per_pixel));
+        let first = [first[0] + self.shown.x as f64, first[1] + self.shown.y as f64];
         let in_pixels_of_sensor = |grid: [f64; 2]| [0, 1].map(|axis| grid[axis] / self.scale[axis]);
         (in_pixels_of_sensor(first), in_pixels_of_sensor(per_pixel))
     }
@@ -105,7 +121,7 @@ impl Resampling {
         let of_grid = self.resize.map_or(position, |resize| {
             DVec2::from_array(resize.first) + position * DVec2::from_array(resize.per_pixel)
         });
-        self.source_of_grid(of_grid)
+        self.source_of_grid(of_grid + DVec2::new(self.shown.x as f64, self.shown.y as f64))
     }
 
     /// The same for a position on the grid of square pixels.
@@ -128,6 +144,8 @@ impl Resampling {
         let is_regridded = self.scale != [1.0; 2] || from_staggered != to_staggered;
         let is_moved = !matches!(self.lens, Lens::Straight) || is_regridded;
         let picture = if is_moved { self.on_grid(&picture) } else { picture };
+        let picture =
+            if [self.shown.width, self.shown.height] == self.grid { picture } else { part(picture, self.shown) };
         match &self.resize {
             Some(resize) => resize.apply(picture),
             None => picture,
@@ -144,6 +162,17 @@ impl Resampling {
         };
         taken_from(picture, from_staggered, self.grid, source, taps)
     }
+}
+
+/// A part that lies within an image.
+fn part(image: Planes, PixelArea { x, y, width, height }: PixelArea) -> Planes {
+    let columns = image.width();
+    let cut = |channel: Channel| {
+        let rows = channel.data.chunks_exact(columns.max(1)).skip(y).take(height);
+        Channel { data: rows.flat_map(|row| &row[x..x + width]).copied().collect(), ..channel }
+    };
+    let channels = image.into_channels().into_iter().map(cut).collect();
+    Planes::new(width, height, channels).expect("planes have the size of the part")
 }
 
 /// A picture of so many columns and rows, each pixel of which is found in another one where `source` says; black where

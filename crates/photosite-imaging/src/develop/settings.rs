@@ -26,6 +26,9 @@ pub struct DevelopSettings {
     pub defects: Defects,
     /// Brightens the corners by what the lens darkens them, where the raw file has a map of it. Left out: true.
     pub lens_falloff: bool,
+    /// Shows only the part of the image that the raw file names (DNG DefaultCropOrigin and DefaultCropSize). Left out:
+    /// true.
+    pub default_crop: bool,
     /// What counts as white. Left out: "as-shot".
     pub white_balance: WhiteBalance,
     /// Colour temperature of white_balance = "temperature", K.
@@ -161,6 +164,7 @@ impl Default for DevelopSettings {
             black_level: true,
             defects: Defects::default(),
             lens_falloff: true,
+            default_crop: true,
             white_balance: WhiteBalance::default(),
             temperature_k: None,
             tint: None,
@@ -303,6 +307,7 @@ impl DevelopSettings {
             ("black_level", self.black_level != default.black_level),
             ("defects", self.defects != default.defects),
             ("lens_falloff", self.lens_falloff != default.lens_falloff),
+            ("default_crop", self.default_crop != default.default_crop),
             ("white_balance", self.white_balance != default.white_balance),
             ("demosaic", self.demosaic != default.demosaic),
             ("highlights", self.highlights != default.highlights),

@@ -3,7 +3,7 @@
 use photosite_core::Invalid;
 use serde::{Deserialize, Serialize};
 
-use super::PixelArea;
+use super::AreaSpec;
 
 /// Gains that make an evenly lit picture even: points on an even grid over the active area, the outermost on its edges,
 /// with straight lines in between.
@@ -19,14 +19,8 @@ pub struct GainMap {
 /// the places of a mosaic's tile, and so between its colours.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {
-    /// A part of the active area.
-    pub area: PixelArea,
-    /// From one of its pixels to the next, along rows and along columns.
-    pub pitch: [usize; 2],
-    /// The first of a pixel's numbers that it is for.
-    pub plane: usize,
-    /// How many of them it is for.
-    pub planes: usize,
+    /// Those of the active area.
+    pub pixels: AreaSpec,
     /// From one point to the next, across and down, in sides of the active area.
     pub spacing: [f64; 2],
     /// The first point, in sides of the active area.
@@ -46,7 +40,10 @@ impl GainMap {
     pub fn of_some(columns: usize, rows: usize, gains: Vec<f32>, reach: Reach) -> Result<Self, Invalid> {
         Self::check(columns, rows, reach.gains_per_point, &gains)?;
         let numbers = reach.spacing.iter().chain(&reach.origin);
-        if reach.pitch.contains(&0) || numbers.into_iter().any(|x| !x.is_finite()) || reach.spacing.contains(&0.0) {
+        if reach.pixels.pitch.contains(&0)
+            || numbers.into_iter().any(|x| !x.is_finite())
+            || reach.spacing.contains(&0.0)
+        {
             return Err(Invalid::new("GainMap", "its points lie nowhere").help("the file is damaged"));
         }
         Ok(Self { columns, gains, reach: Some(reach) })
@@ -94,14 +91,12 @@ impl GainMap {
 
     /// Whether it is for pixels of this row of the active area.
     pub fn has_row(&self, y: usize) -> bool {
-        self.reach.as_ref().is_none_or(|Reach { area, pitch, .. }| is_step(y, area.y, area.height, pitch[1]))
+        self.reach.as_ref().is_none_or(|reach| reach.pixels.has_row(y))
     }
 
     /// Whether it is for a number of pixels of this column.
     pub fn has_number(&self, x: usize, plane: usize) -> bool {
-        self.reach.as_ref().is_none_or(|Reach { area, pitch, plane: first, planes, .. }| {
-            is_step(x, area.x, area.width, pitch[0]) && is_step(plane, *first, *planes, 1)
-        })
+        self.reach.as_ref().is_none_or(|reach| reach.pixels.has_number(x, plane))
     }
 
     /// The gain of the first of a pixel's numbers at a place of the active area, from 0, 0 at its top-left corner to 1, 1
@@ -130,11 +125,6 @@ impl GainMap {
         let row = |y: usize| mix(gain(left, y), gain(right, y), part_x);
         mix(row(top), row(bottom), part_y)
     }
-}
-
-/// Whether a place is one of those that begin at `first`, `pitch` apart, over `length`.
-fn is_step(place: usize, first: usize, length: usize, pitch: usize) -> bool {
-    place.checked_sub(first).is_some_and(|from| from < length && from.is_multiple_of(pitch))
 }
 
 #[cfg(test)]

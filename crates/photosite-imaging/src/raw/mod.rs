@@ -17,6 +17,7 @@ mod gain_map;
 mod lens_model;
 mod lossless_jpeg;
 mod npy;
+mod opcode;
 mod openable;
 mod orientation;
 mod pnm;
@@ -40,6 +41,7 @@ pub use gain_map::{GainMap, Reach};
 pub use lens_model::{LensModel, Undistortion};
 pub use npy::with_short_header;
 pub use npy::{NpyNumbers, NpyPicture, read_npy, read_npy_picture, write_npy};
+pub use opcode::{AreaSpec, Frame, Opcode, PerLine};
 pub use orientation::Orientation;
 pub use pnm::{read_pnm, write_pgm};
 pub use tiff::{TiffNotes, read_tiff, tiff_notes, write_tiff};
@@ -185,11 +187,14 @@ impl RawImage {
 
     /// The active area alone, as a picture of its own.
     pub fn cropped(&self) -> Self {
-        self.active_area.map_or_else(|| self.clone(), |area| self.part(area))
+        let Some(area) = self.active_area else { return self.clone() };
+        let mut cropped = self.part(area);
+        cropped.metadata.default_crop = self.metadata.default_crop;
+        cropped
     }
 
-    /// A part that lies within the picture, as a picture of its own. What is known of the lens stays that of the active
-    /// area.
+    /// A part that lies within the picture, as a picture of its own, all of which is developed. What is known of the lens
+    /// stays that of the active area.
     pub fn part(&self, PixelArea { x, y, width, height }: PixelArea) -> Self {
         let (samples, row_length) = (self.cfa.samples_per_pixel(), self.row_length());
         let rows = self.data.chunks(row_length.max(1)).skip(y).take(height);
@@ -204,7 +209,7 @@ impl RawImage {
             black_level_dn: self.black_level_dn.from(&self.cfa, x, y),
             white_level_dn: self.white_level_dn,
             channel_whites_dn: self.channel_whites_dn.clone(),
-            metadata: self.metadata.clone(),
+            metadata: RawMetadata { default_crop: None, ..self.metadata.clone() },
         }
     }
 }
@@ -254,8 +259,11 @@ pub struct RawMetadata {
     pub noise_profile: Vec<[f64; 2]>,
     /// By how much a developer brightens the picture unasked, so that it looks as it should, EV (DNG BaselineExposure).
     pub baseline_exposure_ev: f64,
-    /// Gains that undo the lens's falloff, where it is known: one map for all pixels, or one for each of some.
-    pub gain_maps: Vec<GainMap>,
+    /// Changes of pixel values, in their order: of stored values, of linear ones (gains that undo the lens's falloff, where
+    /// it is known: one map for all pixels, or one for each of some), of demosaicked ones (DNG OpcodeList1, 2, 3).
+    pub opcodes: [Vec<Opcode>; 3],
+    /// The part of the active area that a developer shows (DNG DefaultCropOrigin and DefaultCropSize); `None` for all.
+    pub default_crop: Option<PixelArea>,
     /// The lens's distortion, where it is known.
     pub distortion: Option<Distortion>,
     /// How the picture is to be turned so that it stands upright.
@@ -272,6 +280,11 @@ impl RawMetadata {
         let aspect = if (0.01..=100.0).contains(&aspect) { aspect } else { 1.0 };
         // No pixel is known as well as that, and a file that rounds a pitch must not make another picture.
         (aspect * 1e12).round() / 1e12
+    }
+
+    /// Gain maps of linear values.
+    pub fn gain_maps(&self) -> impl Iterator<Item = &GainMap> {
+        self.opcodes[1].iter().filter_map(|opcode| if let Opcode::GainMap(map) = opcode { Some(map) } else { None })
     }
 
     /// Whether a file says nothing that a developer could use.
@@ -316,7 +329,7 @@ mod tests {
             metadata: RawMetadata {
                 camera_model: "a \"camera\"".to_owned(),
                 calibrations: vec![calibration],
-                gain_maps: vec![GainMap::new(2, 1, vec![1.0, 1.1]).expect("a map")],
+                opcodes: [vec![], vec![Opcode::GainMap(GainMap::new(2, 1, vec![1.0, 1.1]).expect("a map"))], vec![]],
                 distortion: Some(Distortion::Lens(lens)),
                 ..RawMetadata::default()
             },

@@ -70,7 +70,7 @@ impl Warp {
             && s == [0.0; 4]
         {
             // Both go from the ideal to the distorted picture and are the same polynomial in other units.
-            let unit = blank(WarpKind::Rectilinear).unit(size_px, aspect) / fx;
+            let unit = unit(centre, size_px, aspect) / fx;
             let radial = [1.0, k1 * unit.powi(2), k2 * unit.powi(4), k3 * unit.powi(6)];
             return Some(Self { radial, tangential: p.map(|p| p * unit), ..blank(WarpKind::Rectilinear) });
         }
@@ -85,24 +85,11 @@ impl Warp {
     /// Where to find the corrected pixel of these coordinates (integer at centres) in a picture of that size whose
     /// pixels are `aspect` times as wide as high.
     pub fn source_px(&self, pixel: [f64; 2], size_px: [usize; 2], aspect: f64) -> [f64; 2] {
-        let centre = self.centre_px(size_px);
-        let unit = self.unit(size_px, aspect);
-        let [x, y] = [(pixel[0] - centre[0]) / unit, (pixel[1] - centre[1]) / (unit * aspect)];
-        let terms = self.terms([x, y]);
+        let (centre, unit) = (centre_px(self.centre, size_px), unit(self.centre, size_px, aspect));
+        let terms = self.terms(offset(self.centre, pixel, size_px, aspect));
         let coefficients = self.coefficients();
         let moved = terms.map(|terms| terms.iter().zip(coefficients).map(|(term, c)| term * c).sum::<f64>());
         [centre[0] + unit * moved[0], centre[1] + unit * aspect * moved[1]]
-    }
-
-    fn centre_px(&self, size_px: [usize; 2]) -> [f64; 2] {
-        from_fn(|axis| self.centre[axis] * (size_px[axis] as f64 - 1.0))
-    }
-
-    /// The distance from the centre to the farthest corner, in widths of pixels.
-    fn unit(&self, size_px: [usize; 2], aspect: f64) -> f64 {
-        let centre = self.centre_px(size_px);
-        let farthest = |axis: usize| centre[axis].abs().max((size_px[axis] as f64 - 1.0 - centre[axis]).abs());
-        farthest(0).hypot(farthest(1) / aspect).max(f64::MIN_POSITIVE)
     }
 
     fn coefficients(&self) -> [f64; UNKNOWNS] {
@@ -137,7 +124,7 @@ impl Warp {
             WarpKind::Fisheye => 4,
         };
         let (mut a, mut b) = (vec![vec![0.0; count]; count], vec![0.0; count]);
-        let (centre, unit) = (self.centre_px(size_px), self.unit(size_px, aspect));
+        let (centre, unit) = (centre_px(self.centre, size_px), unit(self.centre, size_px, aspect));
         for (pixel, source) in places(lens, size_px, FITTED) {
             let normalised = |[x, y]: [f64; 2]| [(x - centre[0]) / unit, (y - centre[1]) / (unit * aspect)];
             for (terms, target) in self.terms(normalised(pixel)).iter().zip(normalised(source)) {
@@ -179,6 +166,24 @@ fn places(
         let inside = (0.0..=width).contains(&source.x) && (0.0..=height).contains(&source.y);
         inside.then(|| (pixel.to_array(), (source - 0.5).to_array()))
     })
+}
+
+fn centre_px(centre: [f64; 2], size_px: [usize; 2]) -> [f64; 2] {
+    from_fn(|axis| centre[axis] * (size_px[axis] as f64 - 1.0))
+}
+
+/// The distance from a centre to the farthest corner, in widths of pixels.
+fn unit(centre: [f64; 2], size_px: [usize; 2], aspect: f64) -> f64 {
+    let centre = centre_px(centre, size_px);
+    let farthest = |axis: usize| centre[axis].abs().max((size_px[axis] as f64 - 1.0 - centre[axis]).abs());
+    farthest(0).hypot(farthest(1) / aspect).max(f64::MIN_POSITIVE)
+}
+
+/// The offset of a pixel from a centre, both as opcodes state them, in units of the distance from the centre to the
+/// farthest corner.
+pub(super) fn offset(centre: [f64; 2], pixel: [f64; 2], size_px: [usize; 2], aspect: f64) -> [f64; 2] {
+    let (from, unit) = (centre_px(centre, size_px), unit(centre, size_px, aspect));
+    [(pixel[0] - from[0]) / unit, (pixel[1] - from[1]) / (unit * aspect)]
 }
 
 #[cfg(test)]

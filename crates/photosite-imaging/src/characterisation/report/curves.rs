@@ -264,7 +264,7 @@ pub(super) fn temperature(points: &[ThermalPoint]) -> Option<Plot> {
             curves: vec![
                 Curve::new("expected", Mark::Line, ORANGE, curve(|p| Some(p.expected))),
                 Curve::new("from the variance", Mark::Points, GREEN, curve(|p| p.from_variance)),
-                Curve::new("from the mean", Mark::Points, BLUE, curve(|p| Some(p.from_mean))),
+                Curve::new("from the mean", Mark::Points, BLUE, curve(|p| p.from_mean)),
             ],
         },
     })

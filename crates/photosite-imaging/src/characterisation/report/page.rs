@@ -54,7 +54,10 @@ impl Report {
             let _ = writeln!(html, "<h2>{}</h2>", escaped(&channel.title));
             html += &channel.table();
             for NotMeasured { figure, reason } in channel.evaluation.not_measured() {
-                let _ = writeln!(html, "<p>Not measured: {}; {}.</p>", escaped(figure), escaped(reason));
+                let _ = writeln!(html, "<p>Not measured: {}; {}.</p>", escaped(figure), escaped(&reason));
+            }
+            for note in channel.notes() {
+                let _ = writeln!(html, "<p>{}</p>", escaped(&note));
             }
             html += &html::figures(&channel.plots());
         }
@@ -83,19 +86,35 @@ impl ChannelReport {
             .to_owned();
         for line in self.lines() {
             let class = if line.measured.name.starts_with("of which") { " class=\"part\"" } else { "" };
-            let Row { name, symbol, unit, value } = line.measured;
-            let cell = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), |x| digits(x, 5));
+            let Row { name, symbol, unit, .. } = line.measured;
+            let expected = Row { value: line.expected, bound: None, ..line.measured };
+            let cell = |row: Row| escaped(&row.cell(|x| digits(x, 5)));
             let _ = writeln!(
                 html,
                 "<tr{class}><th>{name}</th><td>{}</td><td>{unit}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
                  <td class=\"n\">{}</td></tr>",
                 subscripts(symbol),
-                cell(value),
-                cell(line.expected),
+                cell(line.measured),
+                cell(expected),
                 line.deviation()
             );
         }
         html + "</tbody>\n</table>\n</div>\n"
+    }
+
+    /// What a reader must know of figures that are not what they are expected to be.
+    pub fn notes(&self) -> Vec<String> {
+        let Some(expected) = self.expected else { return Vec::new() };
+        let e = &self.evaluation;
+        let number = e.saturation + 1;
+        let percent = 100.0 * (e.figures.saturation_e / expected.saturation_e - 1.0);
+        vec![format!(
+            "Saturation capacity: the standard takes the bright pair of the largest variance (pair {number} of {}, {} e⁻), \
+             where the first pixels are full; expected is the signal at which all are, {} e⁻ ({percent:+.1} %).",
+            e.points.len(),
+            digits(e.figures.saturation_e, 5),
+            digits(expected.saturation_e, 5)
+        )]
     }
 
     /// The lines of the table.
@@ -109,7 +128,7 @@ impl ChannelReport {
             .collect();
         if let Some([expected, measured]) = self.doubling_temperature_k {
             let (name, symbol, unit) = ("Doubling temperature of the dark current", "T_d", "K");
-            let measured = Row { name, symbol, unit, value: Some(measured) };
+            let measured = Row { name, symbol, unit, value: Some(measured), bound: None };
             lines.push(Comparison { measured, expected: Some(expected) });
         }
         lines
@@ -128,7 +147,8 @@ pub struct Comparison {
 impl Comparison {
     /// How far the measured figure is from the expected one, in words: percent of it, or the difference from nothing.
     pub fn deviation(&self) -> String {
-        match (self.measured.value, self.expected) {
+        // Of a figure that is not known, none is.
+        match (self.measured.value.filter(|_| self.measured.bound.is_none()), self.expected) {
             (Some(measured), Some(expected)) if expected != 0.0 && !["dB", "bit"].contains(&self.measured.unit) => {
                 format!("{:+.2} %", 100.0 * (measured / expected - 1.0))
             }

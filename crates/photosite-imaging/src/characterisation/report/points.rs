@@ -20,8 +20,8 @@ pub struct ThermalPoint {
     pub temperature_c: f64,
     /// What was put in.
     pub expected: f64,
-    /// From the mean of the dark signal.
-    pub from_mean: f64,
-    /// From its variance.
+    /// From the mean of the dark signal; `None` where it is not told apart from 0.
+    pub from_mean: Option<f64>,
+    /// From its variance; likewise.
     pub from_variance: Option<f64>,
 }

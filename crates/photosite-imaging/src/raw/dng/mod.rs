@@ -144,9 +144,9 @@ fn write_layout<W: Write + Seek>(raw: &RawImage, codes: &[u8], ifd: &mut Ifd<'_,
     // The longer side of a pixel is stretched.
     let aspect = raw.metadata.pixel_aspect();
     ifd.write_tag(tag::DEFAULT_SCALE, &[aspect.max(1.0), (1.0 / aspect).max(1.0)].map(rational)[..])?;
-    let size = [u32::try_from(width)?, u32::try_from(height)?];
-    ifd.write_tag(tag::DEFAULT_CROP_ORIGIN, &[0u32, 0][..])?;
-    ifd.write_tag(tag::DEFAULT_CROP_SIZE, &size[..])?;
+    let shown = raw.metadata.default_crop.unwrap_or(PixelArea { x: 0, y: 0, width, height });
+    ifd.write_tag(tag::DEFAULT_CROP_ORIGIN, &[u32::try_from(shown.x)?, u32::try_from(shown.y)?][..])?;
+    ifd.write_tag(tag::DEFAULT_CROP_SIZE, &[u32::try_from(shown.width)?, u32::try_from(shown.height)?][..])?;
     let rectangle = |left: usize, top: usize, right: usize, bottom: usize| -> TiffResult<[u32; 4]> {
         Ok([u32::try_from(top)?, u32::try_from(left)?, u32::try_from(bottom)?, u32::try_from(right)?])
     };
@@ -200,19 +200,22 @@ fn write_levels<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffRe
 /// What a developer can correct of the lens.
 fn write_lens<W: Write + Seek>(raw: &RawImage, ifd: &mut Ifd<'_, W>) -> TiffResult<()> {
     let PixelArea { width, height, .. } = raw.active();
-    if !raw.metadata.gain_maps.is_empty() {
-        // darktable takes a map for each place of a Bayer tile only.
-        let tile = if raw.cfa.is_bayer() { [2, 2] } else { [1, 1] };
-        let list = opcodes::gain_maps(&raw.metadata.gain_maps, [width, height], tile);
-        write_undefined(ifd, tag::OPCODE_LIST_2, &list)?;
-    }
     let warp = match raw.metadata.distortion {
         Some(Distortion::Lens(lens)) => Warp::of_lens(&lens, [width, height], raw.metadata.pixel_aspect()),
         Some(Distortion::Warp(warp)) => Some(warp),
         None => None,
     };
-    if let Some(warp) = &warp {
-        write_undefined(ifd, tag::OPCODE_LIST_3, &opcodes::warp(warp))?;
+    // darktable takes a map for each place of a Bayer tile only.
+    let tile = if raw.cfa.is_bayer() { [2, 2] } else { [1, 1] };
+    let [first, second, third] = &raw.metadata.opcodes;
+    for (tag, opcodes, warp, tile) in [
+        (tag::OPCODE_LIST_1, first, None, [1, 1]),
+        (tag::OPCODE_LIST_2, second, None, tile),
+        (tag::OPCODE_LIST_3, third, warp.as_ref(), [1, 1]),
+    ] {
+        if !opcodes.is_empty() || warp.is_some() {
+            write_undefined(ifd, tag, &opcodes::list_of(opcodes, warp, [width, height], tile))?;
+        }
     }
     Ok(())
 }

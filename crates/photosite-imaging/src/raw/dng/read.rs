@@ -38,7 +38,7 @@ pub fn read_dng<R: Read + Seek>(from: R) -> Result<RawImage, Invalid> {
     let area = file.active_area(picture, width, height)?;
     let active = area.unwrap_or(PixelArea { x: 0, y: 0, width, height });
     let cfa = file.cfa(picture, active)?;
-    let mut left_out = file.left_out(&main, beneath.as_ref(), active)?;
+    let mut left_out = file.left_out(&main, beneath.as_ref())?;
     if others > 0 {
         let which = counted(others, ["more raw picture", "more raw pictures"]);
         left_out.push(format!("{which} in the file {} left out", if others == 1 { "is" } else { "are" }));
@@ -210,12 +210,7 @@ impl<R: Read + Seek> Tags<R> {
     }
 
     /// What the file says that is left out, of its opcodes apart.
-    fn left_out(
-        &mut self,
-        main: &Directory,
-        beneath: Option<&Directory>,
-        active: PixelArea,
-    ) -> Result<Vec<String>, Invalid> {
+    fn left_out(&mut self, main: &Directory, beneath: Option<&Directory>) -> Result<Vec<String>, Invalid> {
         let picture = beneath.unwrap_or(main);
         let mut left_out = rules::left_out(self, picture, Kind::Dng)?;
         if beneath.is_some() {
@@ -231,17 +226,30 @@ impl<R: Read + Seek> Tags<R> {
                 "MaskedAreas is left out: black is taken for 0; develop.raw.black_level_dn says otherwise".to_owned(),
             );
         }
-        let [x, y] = self.array(picture, tag::DEFAULT_CROP_ORIGIN)?.unwrap_or([0.0; 2]);
-        if let Some([width, height]) = self.array(picture, tag::DEFAULT_CROP_SIZE)?
-            && ([x, y] != [0.0; 2] || [width, height] != [active.width as f64, active.height as f64])
-        {
-            left_out.push(format!(
-                "DefaultCropSize, {width} × {height} pixels at {x}, {y}, is left out: the picture has all {} × {} that \
-                 see light",
-                active.width, active.height
-            ));
-        }
         Ok(left_out)
+    }
+
+    /// The part of the active area that is shown, in whole pixels.
+    fn default_crop(
+        &mut self,
+        picture: &Directory,
+        size: [usize; 2],
+        left_out: &mut Vec<String>,
+    ) -> Result<Option<PixelArea>, Invalid> {
+        let [x, y] = self.array(picture, tag::DEFAULT_CROP_ORIGIN)?.unwrap_or([0.0; 2]);
+        let Some([width, height]) = self.array(picture, tag::DEFAULT_CROP_SIZE)? else { return Ok(None) };
+        let fits = |first: f64, length: f64, side: usize| {
+            first >= 0.0 && length >= 1.0 && (first.round() + length.round()) <= side as f64
+        };
+        if !fits(x, width, size[0]) || !fits(y, height, size[1]) {
+            left_out.push(format!(
+                "DefaultCropSize, {width} × {height} pixels at {x}, {y}, is left out: the active area has {} × {} pixels",
+                size[0], size[1]
+            ));
+            return Ok(None);
+        }
+        let [x, y, width, height] = [x, y, width, height].map(|n| n.round() as usize);
+        Ok(([width, height] != size).then_some(PixelArea { x, y, width, height }))
     }
 
     fn metadata(&mut self, main: &Directory, picture: &Directory, size: [usize; 2]) -> Result<RawMetadata, Invalid> {
@@ -262,7 +270,8 @@ impl<R: Read + Seek> Tags<R> {
         let noise = self.numbers(picture, tag::NOISE_PROFILE)?;
         let [first, second, third] =
             [tag::OPCODE_LIST_1, tag::OPCODE_LIST_2, tag::OPCODE_LIST_3].map(|list| self.bytes(picture, list));
-        let mut corrections = opcodes::read([&first?, &second?, &third?], size);
+        let samples = self.number(picture, Tag::SamplesPerPixel)?.unwrap_or(1.0) as usize;
+        let mut corrections = opcodes::read([&first?, &second?, &third?], size, samples);
         let orientation = match self.first_number(&[main, picture], Tag::Orientation)? {
             None => Orientation::default(),
             Some(number) => Orientation::of_number(number).unwrap_or_else(|| {
@@ -281,7 +290,8 @@ impl<R: Read + Seek> Tags<R> {
             focal_length_m: self.first_number(&said, tag::FOCAL_LENGTH)?.map(|mm| mm * 1e-3),
             noise_profile: noise.as_chunks::<2>().0.to_vec(),
             baseline_exposure_ev: self.number(main, tag::BASELINE_EXPOSURE)?.filter(|ev| ev.is_finite()).unwrap_or(0.0),
-            gain_maps: corrections.gain_maps,
+            opcodes: corrections.opcodes,
+            default_crop: self.default_crop(picture, size, &mut corrections.left_out)?,
             distortion: self.lens(main, size)?.map(Distortion::Lens).or(corrections.warp.map(Distortion::Warp)),
             orientation,
             left_out: corrections.left_out,

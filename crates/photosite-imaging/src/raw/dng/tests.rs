@@ -4,8 +4,8 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::raw::{
-    BlackLevel, ColourCalibration, Distortion, GainMap, LightSource, Orientation, RawMetadata, Warp, WarpKind,
-    write_tiff,
+    AreaSpec, BlackLevel, ColourCalibration, Distortion, GainMap, LightSource, Opcode, Orientation, PerLine,
+    RawMetadata, Warp, WarpKind, write_tiff,
 };
 
 const COMPRESSIONS: [DngCompression; 4] =
@@ -46,10 +46,8 @@ fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
             as_shot_white_xy: None,
             noise_profile: vec![[1e-4, 2e-7]; channels],
             baseline_exposure_ev: 0.75,
-            gain_maps: colour
-                .then(|| GainMap::new(3, 2, vec![1.5, 1.25, 1.5, 1.75, 1.0, 1.5]).expect("6 gains"))
-                .into_iter()
-                .collect(),
+            opcodes: if colour { opcodes(cfa.samples_per_pixel()) } else { Default::default() },
+            default_crop: (width.min(height) >= 5).then_some(PixelArea { x: 1, y: 2, width: 3, height: 2 }),
             orientation: Orientation::of_number(if colour { 6.0 } else { 1.0 }).expect("one of eight"),
             left_out: vec![],
             stated_pixel_aspect: (!colour).then_some(1.5),
@@ -63,6 +61,32 @@ fn picture(cfa: &str, width: usize, height: usize) -> RawImage {
         cfa,
         ..RawImage::default()
     }
+}
+
+/// One of each.
+fn opcodes(samples: usize) -> [Vec<Opcode>; 3] {
+    let area = PixelArea { x: 1, y: 0, width: 4, height: 3 };
+    let some = AreaSpec { area, pitch: [1, 2], plane: 0, planes: samples };
+    let map = GainMap::new(3, 2, vec![1.5, 1.25, 1.5, 1.75, 1.0, 1.5]).expect("6 gains");
+    let mut stored = vec![
+        Opcode::MapTable(some.clone(), vec![0, 7, 9]),
+        Opcode::PerLine(some.clone(), PerLine::DeltaPerRow, vec![-1.5, 2.0]),
+        Opcode::PerLine(some.clone(), PerLine::DeltaPerColumn, vec![1.0, 2.0, 3.0, 4.0]),
+    ];
+    if samples == 1 {
+        stored.push(Opcode::FixBadPixelsConstant(7));
+        stored.push(Opcode::FixBadPixelsList(vec![area, PixelArea { x: 7, y: 9, width: 1, height: 1 }]));
+    }
+    let linear = vec![
+        Opcode::MapPolynomial(some.clone(), vec![0.0, 0.9, 0.1]),
+        Opcode::GainMap(map),
+        Opcode::PerLine(some.clone(), PerLine::ScalePerRow, vec![0.5, 2.0]),
+    ];
+    let shown = vec![
+        Opcode::FixVignetteRadial { k: [0.5, -0.25, 0.125, 1e-3, -1e-4], centre: [0.5, 0.49] },
+        Opcode::PerLine(some, PerLine::ScalePerColumn, vec![1.0, 2.0, 0.5, 4.0]),
+    ];
+    [stored, linear, shown]
 }
 
 fn file(raw: &RawImage, compression: DngCompression) -> Vec<u8> {
