@@ -266,7 +266,7 @@ fn image_sets_hold_nothing_from_outside() {
 #[case("develop raw.dng -o", "d.png")]
 #[case("develop raw.dng -o", "d.exr")]
 #[case("expose electrons -o", "e")]
-#[case("noise add raw.dng --set gaussian.sigma=4 -o", "n.tiff")]
+#[case("noise add raw.dng --set gaussian.sigma=4 -o", "n.npy")]
 #[case("merge-hdr raw.dng long.dng -o", "hdr.exr")]
 #[case("export-mitsuba capture.toml --approximate -o", "m")]
 #[case("init room.obj -o", "i.toml")]

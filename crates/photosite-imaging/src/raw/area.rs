@@ -23,6 +23,36 @@ impl fmt::Display for PixelArea {
     }
 }
 
+/// The pixel values that an opcode changes.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AreaSpec {
+    /// A part of the image.
+    pub area: PixelArea,
+    /// From one of its pixels to the next, along rows and along columns.
+    pub pitch: [usize; 2],
+    /// The first of a pixel's values that are changed.
+    pub plane: usize,
+    /// How many of them are changed.
+    pub planes: usize,
+}
+
+impl AreaSpec {
+    /// Whether it has pixels of this row.
+    pub fn has_row(&self, y: usize) -> bool {
+        is_step(y, self.area.y, self.area.height, self.pitch[1])
+    }
+
+    /// Whether it has a value of the pixels of this column.
+    pub fn has_number(&self, x: usize, plane: usize) -> bool {
+        is_step(x, self.area.x, self.area.width, self.pitch[0]) && is_step(plane, self.plane, self.planes, 1)
+    }
+}
+
+/// Whether a place is one of those that begin at `first`, `pitch` apart, over `length`.
+fn is_step(place: usize, first: usize, length: usize, pitch: usize) -> bool {
+    place.checked_sub(first).is_some_and(|from| from < length && from.is_multiple_of(pitch))
+}
+
 /// Which pixels of a raw picture are looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pixels {

@@ -29,7 +29,7 @@ mod thumbnail;
 mod tiff;
 mod warp;
 
-pub use area::{PixelArea, Pixels};
+pub use area::{AreaSpec, PixelArea, Pixels};
 pub use black_level::BlackLevel;
 pub use calibration::{ColourCalibration, LightSource};
 pub use cfa::{Cfa, NAMED as NAMED_FILTER_ARRAYS};
@@ -41,7 +41,7 @@ pub use gain_map::{GainMap, Reach};
 pub use lens_model::{LensModel, Undistortion};
 pub use npy::with_short_header;
 pub use npy::{NpyNumbers, NpyPicture, read_npy, read_npy_picture, write_npy};
-pub use opcode::{AreaSpec, Frame, Opcode, PerLine};
+pub use opcode::{Frame, Opcode, PerLine};
 pub use orientation::Orientation;
 pub use pnm::{read_pnm, write_pgm};
 pub use tiff::{TiffNotes, read_tiff, tiff_notes, write_tiff};

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::warp::offset;
-use super::{GainMap, PixelArea};
+use super::{AreaSpec, GainMap, PixelArea};
 
 /// Largest value of stored pixels, on which opcodes' tables and deltas are scaled.
 const LARGEST: f32 = 65_535.0;
@@ -49,42 +49,14 @@ pub enum PerLine {
     ScalePerColumn,
 }
 
-/// The pixel values that an opcode changes.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct AreaSpec {
-    /// A part of the image.
-    pub area: PixelArea,
-    /// From one of its pixels to the next, along rows and along columns.
-    pub pitch: [usize; 2],
-    /// The first of a pixel's values that are changed.
-    pub plane: usize,
-    /// How many of them are changed.
-    pub planes: usize,
-}
-
-impl AreaSpec {
-    /// Whether it has pixels of this row.
-    pub fn has_row(&self, y: usize) -> bool {
-        is_step(y, self.area.y, self.area.height, self.pitch[1])
-    }
-
-    /// Whether it has a value of the pixels of this column.
-    pub fn has_number(&self, x: usize, plane: usize) -> bool {
-        is_step(x, self.area.x, self.area.width, self.pitch[0]) && is_step(plane, self.plane, self.planes, 1)
-    }
-
-    /// Rows, or columns, that it has.
-    pub fn lines(&self, of: PerLine) -> usize {
-        match of {
-            PerLine::DeltaPerRow | PerLine::ScalePerRow => self.area.height.div_ceil(self.pitch[1].max(1)),
-            PerLine::DeltaPerColumn | PerLine::ScalePerColumn => self.area.width.div_ceil(self.pitch[0].max(1)),
+impl PerLine {
+    /// Rows, or columns, of an area.
+    pub fn lines(self, area: &AreaSpec) -> usize {
+        match self {
+            Self::DeltaPerRow | Self::ScalePerRow => area.area.height.div_ceil(area.pitch[1].max(1)),
+            Self::DeltaPerColumn | Self::ScalePerColumn => area.area.width.div_ceil(area.pitch[0].max(1)),
         }
     }
-}
-
-/// Whether a place is one of those that begin at `first`, `pitch` apart, over `length`.
-fn is_step(place: usize, first: usize, length: usize, pitch: usize) -> bool {
-    place.checked_sub(first).is_some_and(|from| from < length && from.is_multiple_of(pitch))
 }
 
 /// An image as opcodes see it.

@@ -335,7 +335,7 @@ fn read_opcode(opcode: &Stored<'_>) -> Option<Opcode> {
         _ => {
             let (what, area, count) = (per_line?, read_area_spec(from)?, unsigned(from)? as usize);
             let lines = from.as_chunks::<4>().0.iter().map(|&bytes| f32::from_be_bytes(bytes)).collect::<Vec<_>>();
-            let is_whole = count == area.lines(what) && lines.iter().all(|x| x.is_finite());
+            let is_whole = count == what.lines(&area) && lines.iter().all(|x| x.is_finite());
             Opcode::PerLine(area, what, is_whole.then(|| lines.get(..count))??.to_vec())
         }
     })
