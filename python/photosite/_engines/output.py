@@ -6,7 +6,7 @@ import json
 import os
 import shutil
 from pathlib import Path
-from typing import Optional, Protocol
+from typing import Protocol
 
 from .. import _photosite
 from .task import Failure, Job, Task

@@ -26,7 +26,7 @@ def main() -> int:
     write = FORMATS[given.format]
     try:
         with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always", PhotositeWarning)
+            warnings.simplefilter("once", PhotositeWarning)
             written = write(given.dataset, given.output, shard_mb=given.shard_mb, shard_frames=given.shard_frames)
     except Error as error:
         print(f"error: {error}", file=sys.stderr)

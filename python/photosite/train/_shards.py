@@ -8,7 +8,7 @@ import math
 import os
 import tempfile
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Optional, Protocol
 
@@ -24,15 +24,17 @@ _DEFAULT_MB = 256
 
 
 class Format(Protocol):
-    """A kind of file.
+    """A kind of file."""
 
-    Attributes:
-        name: what it is called.
-        affixes: what stands before and after the number of a shard.
-    """
+    @property
+    def name(self) -> str:
+        """What it is called."""
+        ...
 
-    name: str
-    affixes: "tuple[str, str]"
+    @property
+    def affixes(self) -> "tuple[str, str]":
+        """What stands before and after the number of a shard."""
+        ...
 
     def check(self, cameras: "Sequence[str]") -> None:
         """Refuses cameras that the format cannot tell apart, or that its packages are missing."""
@@ -136,7 +138,7 @@ def _bytes_of_a_frame(format: Format, frames: SampleFrames, folder: FilePath) ->
         return path.stat().st_size
 
 
-def _write_whole(path: FilePath, write: Any) -> None:
+def _write_whole(path: FilePath, write: "Callable[[FilePath], object]") -> None:
     """A file that appears when it is complete; of several processes that write one, the last counts, with the same
     bytes."""
     handle, name = tempfile.mkstemp(prefix=f".{path.name}.", suffix=".partial", dir=path.parent)
