@@ -10,7 +10,6 @@
 //! What says nothing is sRGB. Profiles of tables and curves for high dynamic range are refused by name.
 
 use photosite_core::{Help, Remedy};
-use std::iter;
 use std::path::Path;
 
 use glam::{DMat3, DVec3};
@@ -114,8 +113,10 @@ fn read(path: &Path, pixels: Pixels) -> Result<Held> {
 pub struct PictureLight {
     /// In proportion to light; white at 1 where the file has whole numbers.
     pub planes: Planes,
-    /// What its numbers were taken for, and what else is told of them.
-    pub said: Vec<String>,
+    /// What its pixel values were taken for.
+    pub assumed: String,
+    /// Warnings of its file.
+    pub notes: Vec<String>,
 }
 
 /// Reads a picture as [`read_linear_picture`] does, and makes 1 of the largest of whole numbers of any kind.
@@ -125,8 +126,8 @@ pub fn read_picture_light(path: &Path, is_linear: bool) -> Result<PictureLight> 
     let PictureFile { picture, notes } = match read(path, Pixels::Active)? {
         Held::Light(LinearPicture { planes, warnings, white_luminance_nit, .. }) => {
             let level = white_luminance_nit.map(|nit| format!("its whiteLuminance, {nit} cd/m², has no effect"));
-            let warnings = warnings.into_iter().chain(level).map(|warning| format!("{name}: {warning}"));
-            return Ok(PictureLight { planes, said: iter::once(in_proportion).chain(warnings).collect() });
+            let notes = warnings.into_iter().chain(level).map(|warning| format!("{name}: {warning}")).collect();
+            return Ok(PictureLight { planes, assumed: in_proportion, notes });
         }
         Held::Numbers(file) => file,
     };
@@ -153,8 +154,7 @@ pub fn read_picture_light(path: &Path, is_linear: bool) -> Result<PictureLight> 
             (linear(picture, stated, is_linear).map_err(in_file)?, assumed)
         }
     };
-    let left_out = notes.of_pixels_as_they_lie(&name.to_string());
-    Ok(PictureLight { planes, said: iter::once(assumed).chain(left_out).collect() })
+    Ok(PictureLight { planes, assumed, notes: notes.of_pixels_as_they_lie(&name.to_string()) })
 }
 
 /// Light of each code of R, G and B (and of grey: R) from 0 to `largest`, 1 for white, and whether the file says so

@@ -48,8 +48,9 @@ impl StoredRender {
             let invalid = Invalid::new("", "is stored light, which states itself what it contains");
             return Err(invalid.help("expose it without a unit").in_file(input));
         }
-        let PictureLight { planes, said } = read_picture_light(input, scale.is_linear)?;
-        let (stored, light) = Stored::of_planes(sandbox, input, &planes, scale, &said, overrides)?;
+        let PictureLight { planes, assumed, notes } = read_picture_light(input, scale.is_linear)?;
+        let (mut stored, light) = Stored::of_planes(sandbox, input, &planes, scale, Some(&assumed), overrides)?;
+        stored.capture.warnings.extend(notes);
         let load_s = start.elapsed().as_secs_f64();
         Ok(Self { input: input.to_owned(), overrides: overrides.to_vec(), stored, light: Arc::new(light), load_s })
     }
@@ -63,7 +64,7 @@ impl StoredRender {
         illuminant: Option<&Spectrum>,
         overrides: &[String],
     ) -> Result<Self> {
-        let (mut stored, light) = Stored::of_planes(&Sandbox::default(), name, planes, scale, &[], overrides)?;
+        let (mut stored, light) = Stored::of_planes(&Sandbox::default(), name, planes, scale, None, overrides)?;
         if let Some(illuminant) = illuminant {
             stored.traced.scene_light = Some(LightReport::new(illuminant));
         }

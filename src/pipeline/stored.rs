@@ -132,13 +132,13 @@ impl Stored {
 }
 
 impl Stored {
-    /// Numbers that are light as `scale` says; `assumed` is what else was taken for granted of them.
+    /// Pixel values that are light as `scale` says; `assumed` is what they were taken for.
     pub(super) fn of_planes(
         sandbox: &Sandbox,
         input: &Path,
         planes: &Planes,
         scale: &PictureScale,
-        assumed: &[String],
+        assumed: Option<&str>,
         overrides: &[String],
     ) -> Result<(Self, StoredLight)> {
         let resolution = [planes.width(), planes.height()];

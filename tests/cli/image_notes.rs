@@ -109,6 +109,11 @@ fn every_command_says_what_a_file_states_and_nobody_follows() {
             let of_pixels = of_pixels.iter().filter(|_| takes_pixels);
             for words in notes.iter().chain(of_pixels) {
                 assert!(said.contains(&format!("{name}: {words}")), "{arguments}: {words}: {found:?}");
+                // What a value of 1 is belongs to the assumption alone.
+                assert!(
+                    !said.lines().any(|line| line.contains(words) && line.contains("; 1 is")),
+                    "{arguments}: {said}"
+                );
             }
         }
     }

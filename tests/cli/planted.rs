@@ -302,6 +302,13 @@ fn nothing_is_written_through_links(#[case] command: &str, #[case] output: &str)
     link("absent", output);
     folder.run(&format!("--sandbox . {command} {output} --force"));
     assert_eq!(outside.contents(), before, "{command} writes through a link to nothing");
+    // Without a link it is written, whether its folder is named or not.
+    let remove = |name: &str| fs::remove_file(folder.path(name)).or_else(|_| fs::remove_dir_all(folder.path(name)));
+    drop(remove(output));
+    for place in [output.to_owned(), format!("./{output}")] {
+        folder.succeed(&format!("--sandbox . {command} {place}"));
+        remove(output).expect("removed");
+    }
 }
 
 /// Links in place of each file that a command writes into a folder of its own.

@@ -120,6 +120,8 @@ impl Walls {
     }
 
     fn written(&self, folder: &Path) -> io::Result<()> {
+        // The parent of a bare name is empty, and means the working folder.
+        let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
         let whole = without_steps_back(&absolute(folder)?);
         let is_inside = |path: &Path| real(path).is_some_and(|real| real.starts_with(&self.folder));
         if is_inside(&whole) || !whole.ancestors().skip(1).any(is_inside) {
