@@ -25,7 +25,7 @@ pub(crate) enum ReflectanceSource {
     File(CurveFile),
     /// Linear sRGB.
     Linear(LinearRgb),
-    /// A picture.
+    /// A image.
     Texture(TextureFile),
 }
 
@@ -38,17 +38,17 @@ pub(crate) struct LinearRgb {
     pub(crate) linear_rgb: [f64; 3],
 }
 
-/// A picture on a surface, by its first UV set.
+/// A image on a surface, by its first UV set.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TextureFile {
     /// A PNG, JPEG, OpenEXR or Radiance HDR file, relative to this file.
     pub(crate) texture: String,
-    /// How often the picture fits into the unit square along u and v. Left out: [1, 1].
+    /// How often the image fits into the unit square along u and v. Left out: [1, 1].
     pub(crate) tiles: Option<[f64; 2]>,
     /// What lies between texels. Left out: "linear".
     pub(crate) filter: Option<FilterName>,
-    /// What lies outside the picture. Left out: "repeat".
+    /// What lies outside the image. Left out: "repeat".
     pub(crate) wrap: Option<WrapName>,
 }
 
@@ -62,13 +62,13 @@ pub(crate) enum FilterName {
     Nearest,
 }
 
-/// What lies outside the picture.
+/// What lies outside the image.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum WrapName {
-    /// The picture again.
+    /// The image again.
     Repeat,
-    /// The picture mirrored, then again.
+    /// The image mirrored, then again.
     Mirror,
     /// Its border.
     Clamp,

@@ -11,8 +11,8 @@ use photosite_core::schema_range::{above, within};
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LensmakerTable {
-    /// Radii of curvature of the front and the back surface, mm, or "flat": above 0 where the centre lies on the side of
-    /// the sensor. [50, -50] is biconvex.
+    /// Radii of curvature of the front and the back surface, mm, or "flat": above 0 where the centre lies on the side
+    /// of the sensor. [50, -50] is biconvex.
     pub(crate) radii_mm: [Radius; 2],
     /// Thickness on the axis, mm. Left out: 0.
     #[schemars(transform = within(0.0..))]
@@ -67,11 +67,12 @@ pub(crate) struct SupplementaryTable {
 pub(crate) struct AutofocusSearchTable {
     /// Left out: "exact".
     pub(crate) method: Option<AutofocusMethodName>,
-    /// Width and height of the part of the picture whose contrast counts, px. Left out: 64.
+    /// Width and height of the part of the image whose contrast counts, px. Left out: 64.
     #[schemars(transform = within(8.0..=1024.0))]
     pub(crate) window_px: Option<u32>,
     /// Positions of the focus that are tried in each round, at even distances of the sensor; the next round looks
-    /// between the neighbours of the best. The first tries more where a blur of 3 px would lie between two. Left out: 12.
+    /// between the neighbours of the best. The first tries more where a blur of 3 px would lie between two. Left out:
+    /// 12.
     #[schemars(transform = within(5.0..=200.0))]
     pub(crate) steps: Option<u32>,
     /// What counts as contrast. Left out: "gradient".
@@ -84,7 +85,7 @@ pub(crate) struct AutofocusSearchTable {
 pub(crate) enum AutofocusMethodName {
     /// On the distance of what the ray of the pixel meets.
     Exact,
-    /// On the distance at which the picture has the most contrast, as cameras do: the part of the picture is traced at
+    /// On the distance at which the image has the most contrast, as cameras do: the part of the image is traced at
     /// one position of the focus after the other, as the sensor sees it without noise.
     Contrast,
 }

@@ -57,17 +57,17 @@ macro_rules! light_types {
 }
 
 light_types! {
-    /// The same intensity in all directions.
+    /// Point light with the same intensity in all directions.
     Point(PointTable) = "point",
-    /// Intensity within a cone.
+    /// Spot light, intensity within a cone.
     Spot(SpotTable) = "spot",
-    /// From infinitely far in one direction, as the sun.
+    /// Light from infinitely far in one direction, as from the sun.
     Directional(DirectionalTable) = "directional",
-    /// A lamp whose intensity was measured in many directions: an IES file.
+    /// Lamp whose intensity was measured in many directions: an IES file.
     Profile(ProfileTable) = "profile",
-    /// A slide that a lens throws.
+    /// Projector, a slide that a lens throws.
     Projector(ProjectorTable) = "projector",
-    /// A laser beam, or one that a lens spreads to a line.
+    /// Laser beam, or one that a lens spreads to a line.
     GaussianBeam(GaussianBeamTable) = "gaussian-beam",
 }
 
@@ -80,7 +80,7 @@ macro_rules! light_table {
         pub(crate) struct $name {
             /// Name, for messages and to change its keys by: `--set lights.NAME.on=false`.
             pub(crate) name: Option<String>,
-            /// Whether it shines. Left out: true.
+            /// Whether the light shines. Left out: true.
             pub(crate) on: Option<bool>,
             $($(#[$of_key])* pub(crate) $key: $kind,)*
             /// Name of an illuminant: "D65", "A", "F11", "LED-B3", "3000K" (a blackbody) … Left out, as are the other
@@ -112,9 +112,9 @@ macro_rules! light_table {
 }
 
 light_table! {
-    /// The same intensity in all directions.
+    /// Point light with the same intensity in all directions.
     PointTable {
-        /// Where it is, m.
+        /// Position, m.
         position_m: [f64; 3],
         /// Luminous intensity, cd.
         #[schemars(transform = within(0.0..))]
@@ -123,13 +123,13 @@ light_table! {
 }
 
 light_table! {
-    /// Intensity within a cone, falling off smoothly between two angles.
+    /// Spot light, intensity within a cone, falling off smoothly between two angles.
     SpotTable {
-        /// Where it is, m.
+        /// Position, m.
         position_m: [f64; 3],
-        /// A point that it shines at, m; or give its direction.
+        /// Point that the light shines at, m; or give its direction.
         look_at_m: Option<[f64; 3]>,
-        /// The direction that it shines in, of any length; or give look_at_m.
+        /// Direction that the light shines in, of any length; or give look_at_m.
         direction: Option<[f64; 3]>,
         /// Luminous intensity on its axis, cd.
         #[schemars(transform = within(0.0..))]
@@ -144,9 +144,9 @@ light_table! {
 }
 
 light_table! {
-    /// From infinitely far in one direction, as the sun.
+    /// Light from infinitely far in one direction, as from the sun.
     DirectionalTable {
-        /// The direction that it shines in, of any length: [0, -1, 0] is from above.
+        /// Direction that the light shines in, of any length: [0, -1, 0] is from above.
         direction: [f64; 3],
         /// Illuminance on a plane across the direction, lux.
         #[schemars(transform = within(0.0..))]
@@ -155,20 +155,20 @@ light_table! {
 }
 
 light_table! {
-    /// A lamp whose intensity was measured in many directions.
+    /// Lamp whose intensity was measured in many directions.
     ProfileTable {
-        /// An IES file (LM-63), relative to this one. Its vertical angle 0 is the direction that the lamp shines in.
+        /// IES file (LM-63), relative to this one. Its vertical angle 0 is the direction that the lamp shines in.
         file: String,
-        /// Where it is, m; or give gltf_light.
+        /// Position, m; or give gltf_light.
         position_m: Option<[f64; 3]>,
-        /// Name of a light of the geometry whose place it takes.
+        /// Name of a light of the geometry whose place this light takes.
         gltf_light: Option<String>,
-        /// A point that it shines at, m; or give its direction.
+        /// Point that the light shines at, m; or give its direction.
         look_at_m: Option<[f64; 3]>,
-        /// The direction that it shines in, of any length; or give look_at_m. Left out, as is look_at_m: down, or that
-        /// of gltf_light.
+        /// Direction that the light shines in, of any length; or give look_at_m. Left out, as is look_at_m: down, or
+        /// that of gltf_light.
         direction: Option<[f64; 3]>,
-        /// Turns it about that direction, degrees, clockwise seen from behind the lamp. Left out: 0.
+        /// Turn about that direction, degrees, clockwise seen from behind the lamp. Left out: 0.
         rotation_deg: Option<f64>,
         /// Luminous flux, lm, in place of that of the file.
         #[schemars(transform = within(0.0..))]
@@ -177,30 +177,30 @@ light_table! {
 }
 
 light_table! {
-    /// A slide that a lens throws.
+    /// Projector, a slide that a lens throws.
     ProjectorTable {
-        /// The slide: PNG, JPEG or WebP, sRGB, or OpenEXR or Radiance HDR, relative to this file.
+        /// Slide: PNG, JPEG or WebP, sRGB, or OpenEXR or Radiance HDR, relative to this file.
         image: String,
-        /// Where the lens is, m; or give gltf_camera.
+        /// Centre of the lens, m; or give gltf_camera.
         position_m: Option<[f64; 3]>,
-        /// A point on its axis, m.
+        /// Point on the optical axis, m.
         look_at_m: Option<[f64; 3]>,
-        /// What is up in the picture. Left out: [0, 1, 0].
+        /// Direction that is up in the image. Left out: [0, 1, 0].
         up: Option<[f64; 3]>,
-        /// Name of a camera of the geometry in whose place it stands, with its field of view.
+        /// Name of a camera of the geometry whose place and field of view the projector takes.
         gltf_camera: Option<String>,
-        /// Angle over the width of the picture, degrees; or give focal_length_px.
+        /// Angle over the width of the projected image, degrees; or give focal_length_px.
         #[schemars(transform = above(0.0..180.0))]
         horizontal_fov_deg: Option<f64>,
-        /// fx and fy of the pinhole matrix in pixels of the slide.
+        /// Focal lengths fx and fy in pixels of the slide.
         #[schemars(transform = above(0.0..))]
         focal_length_px: Option<[f64; 2]>,
-        /// cx and cy from the top-left corner of the slide. Left out: its middle.
+        /// Principal point cx and cy from the top-left corner of the slide. Left out: its middle.
         principal_point_px: Option<[f64; 2]>,
-        /// Diameter of the opening, mm. Left out: 0, sharp everywhere.
+        /// Diameter of the aperture, mm. Left out: 0, sharp everywhere.
         #[schemars(transform = within(0.0..))]
         aperture_mm: Option<f64>,
-        /// Distance of what is sharp, m; needed with aperture_mm.
+        /// Distance of the plane of focus, m; needed with aperture_mm.
         #[schemars(transform = above(0.0..))]
         focus_distance_m: Option<f64>,
         /// Luminous flux with a white slide, lm; or give power_w.
@@ -213,21 +213,21 @@ light_table! {
 }
 
 light_table! {
-    /// A laser beam, or one that a lens spreads to a line: irradiance across it that falls as a Gaussian function.
+    /// Laser beam, or one that a lens spreads to a line: irradiance across it that falls as a Gaussian function.
     GaussianBeamTable {
-        /// Where it begins, m.
+        /// Start of the beam, m.
         position_m: [f64; 3],
-        /// A point that it shines at, m; or give its direction.
+        /// Point that the light shines at, m; or give its direction.
         look_at_m: Option<[f64; 3]>,
-        /// The direction that it shines in, of any length; or give look_at_m.
+        /// Direction that the light shines in, of any length; or give look_at_m.
         direction: Option<[f64; 3]>,
-        /// Turns it about that direction, degrees, clockwise seen along the beam. At 0 its second axis is as far up as
+        /// Turn about that direction, degrees, clockwise seen along the beam. At 0 its second axis is as far up as
         /// it can be. Left out: 0.
         rotation_deg: Option<f64>,
-        /// Radii where it begins along its two axes, to 1/e² of the irradiance in the middle, mm.
+        /// Radii at its start along its two axes, to 1/e² of the irradiance in the middle, mm.
         #[schemars(transform = within(0.0..))]
         waist_radius_mm: [f64; 2],
-        /// Half the angle by which it widens along its two axes, to 1/e² too, degrees, below 90. Left out: [0, 0].
+        /// Half the angle of divergence along its two axes, to 1/e² as well, degrees, below 90. Left out: [0, 0].
         #[schemars(transform = within(0.0..90.0))]
         divergence_deg: Option<[f64; 2]>,
         /// Luminous flux, lm; or give power_w.

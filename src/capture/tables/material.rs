@@ -108,7 +108,7 @@ pub(crate) trait CommonKeys {
 
 /// A table that describes a model.
 pub(crate) trait SurfaceTable: CommonKeys {
-    /// The model.
+    /// Model of distortion.
     fn model(&self, finder: &mut Finder<'_>) -> std::result::Result<MaterialModel, Invalid>;
 }
 
@@ -182,8 +182,8 @@ surface_table! {
         /// −1 to 1: roughness along the tangent (positive) or across it. Left out: 0.
         #[schemars(transform = within(-1.0..=1.0))]
         anisotropy: Option<f64>,
-        /// Whether light comes back that bounces more than once between microfacets, as it does from glTF's metals. Left
-        /// out: no, as in other renderers, which lose it.
+        /// Whether light comes back that bounces more than once between microfacets, as it does from glTF's metals.
+        /// Left out: no, as in other renderers, which lose it.
         energy_compensation: Option<bool>,
     }
 }
@@ -224,8 +224,8 @@ pub(crate) struct DielectricTable {
     /// 0 is polished, 1 is ground; microfacets have α = roughness². Left out: 0.
     #[schemars(transform = within(0.0..=1.0))]
     pub(crate) roughness: Option<f64>,
-    /// Whether light goes on that bounces more than once between microfacets. Left out: no, as in other renderers, which
-    /// lose it.
+    /// Whether light goes on that bounces more than once between microfacets. Left out: no, as in other renderers,
+    /// which lose it.
     pub(crate) energy_compensation: Option<bool>,
 }
 
@@ -287,7 +287,7 @@ surface_table! {
         /// 0 is polished, 1 is matt; microfacets have α = roughness².
         #[schemars(transform = within(0.0..=1.0))]
         roughness: f64,
-        /// A picture whose green scales the roughness and whose blue scales the metalness.
+        /// A image whose green scales the roughness and whose blue scales the metalness.
         metallic_roughness_map: Option<TextureFile>,
     }
 }
@@ -424,7 +424,7 @@ pub(crate) struct EmissionTable {
     /// W·m⁻²·sr⁻¹·nm⁻¹.
     #[schemars(transform = within(0.0..))]
     pub(crate) luminance_nit: Option<f64>,
-    /// A picture that scales it.
+    /// A image that scales it.
     pub(crate) texture: Option<TextureFile>,
 }
 

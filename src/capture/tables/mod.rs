@@ -81,7 +81,7 @@ pub(crate) struct CaptureFile {
     /// How light is traced.
     #[schemars(with = "Option<RenderTable>")]
     pub(crate) render: RenderTable,
-    /// How the raw picture is developed.
+    /// How the raw image is developed.
     #[schemars(with = "Option<DevelopSettings>")]
     pub(crate) develop: DevelopSettings,
     /// What is written.
@@ -114,10 +114,10 @@ struct SensorTable {
     /// Keys and tables of the preset that this sensor does not have, such as ["filter", "channels.G",
     /// "noise.prnu_percent"]. They are taken away before the keys here are laid over the preset.
     without: Option<Vec<String>>,
-    /// The same sensor with so many columns and rows of pixels in place of its own, for a picture of the same view at
-    /// another size. The sensor keeps its size (with another shape of the picture, it grows at two sides); pixels get
+    /// The same sensor with so many columns and rows of pixels in place of its own, for a image of the same view at
+    /// another size. The sensor keeps its size (with another shape of the image, it grows at two sides); pixels get
     /// larger or smaller, full well and conversion gain with their area, so that the same exposure gives as bright a
-    /// picture. Left out: its own pixels.
+    /// image. Left out: its own pixels.
     #[schemars(transform = within(1.0..=65_535.0))]
     scaled_to_px: Option<[u32; 2]>,
     #[schemars(flatten)]

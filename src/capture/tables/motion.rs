@@ -5,8 +5,8 @@ use serde::Deserialize;
 
 use crate::calibration::dataset::InterpolationName;
 
-/// A motion of the camera: at constant velocities, from the pose of [camera] at the start of the first picture on; on a
-/// turntable; or through poses. capture.json and what is made of it have the pose halfway through the first picture,
+/// Motion of the camera: at constant velocities, from the pose of [camera] at the start of the first exposure on; on a
+/// turntable; or through poses. capture.json and what is made of it have the pose halfway through the first exposure,
 /// pose_time_s after its start.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -16,32 +16,32 @@ pub(crate) struct CameraMotionTable {
     /// Angular velocity about the camera's own axes (x right, y up, z backward), degrees per second; about y, above 0,
     /// it pans to the left. Left out: 0.
     pub(crate) angular_velocity_deg_per_s: Option<[f64; 3]>,
-    /// In place of velocities: it goes around an axis that it stays turned to. Left out, as is its centre_m: about the
-    /// point that [camera] looks at.
+    /// Turntable in place of velocities: the camera goes around an axis that it stays turned to. Left out, as is its
+    /// centre_m: about the point that [camera] looks at.
     pub(crate) turntable: Option<TurntableTable>,
-    /// In place of velocities: poses at times. Before the first and after the last the camera stands still. [camera] says
-    /// nothing else then.
+    /// Poses at times in place of velocities. Before the first and after the last the camera stands still. [camera]
+    /// then has no other keys.
     pub(crate) poses: Option<Vec<PoseTable>>,
-    /// How it goes from one pose to the next. Left out: "linear".
+    /// Interpolation from one pose to the next. Left out: "linear".
     pub(crate) interpolation: Option<InterpolationName>,
 }
 
-/// Where a camera stands and looks at a time.
+/// Pose of a camera at a time.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct PoseTable {
-    /// Time from the start of the first picture, s.
+    /// Time from the start of the first exposure, s.
     pub(crate) time_s: f64,
-    /// Where the centre of the lens is, m.
+    /// Centre of the lens, m.
     pub(crate) position_m: [f64; 3],
-    /// A point on the axis, m.
+    /// Point on the optical axis, m.
     pub(crate) look_at_m: [f64; 3],
-    /// What is up in the picture. Left out: [0, 1, 0].
+    /// Direction that is up in the image. Left out: [0, 1, 0].
     pub(crate) up: Option<[f64; 3]>,
 }
 
-/// A motion of an object: at constant velocities, from its pose at the time 0 of the scene on; on a turntable; or
-/// through poses. The first picture starts at scene.time_s.
+/// Motion of an object: at constant velocities, from its pose at the time 0 of the scene on; on a turntable; or
+/// through poses. The first exposure starts at scene.time_s.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ObjectMotionTable {
@@ -49,39 +49,41 @@ pub(crate) struct ObjectMotionTable {
     pub(crate) velocity_m_per_s: Option<[f64; 3]>,
     /// Angular velocity about its own axes, through its origin, degrees per second. Left out: 0.
     pub(crate) angular_velocity_deg_per_s: Option<[f64; 3]>,
-    /// In place of velocities: it turns about an axis of the world. Left out, as is its centre_m: about its own origin.
+    /// Turntable in place of velocities: the object turns about an axis of the world. Left out, as is its centre_m:
+    /// about its own origin.
     pub(crate) turntable: Option<TurntableTable>,
-    /// In place of velocities: poses at times. Before the first and after the last the object stands still. Its own
-    /// position_m and rotation are left out then.
+    /// Poses at times in place of velocities. Before the first and after the last the object stands still. Then its own
+    /// position_m and rotation are left out.
     pub(crate) poses: Option<Vec<ObjectPoseTable>>,
-    /// How it goes from one pose to the next. Left out: "linear".
+    /// Interpolation from one pose to the next. Left out: "linear".
     pub(crate) interpolation: Option<InterpolationName>,
 }
 
-/// Where an object is at a time.
+/// Pose of an object at a time.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ObjectPoseTable {
     /// Time of the scene, s.
     pub(crate) time_s: f64,
-    /// Where its origin is, m.
+    /// Origin of the object, m.
     pub(crate) position_m: [f64; 3],
-    /// Turns about the world's x axis, then y, then z, degrees. Left out, as are the other two: none.
+    /// Rotation about the world's x axis, then y, then z, degrees. Left out, as are the other two: none.
     pub(crate) rotation_deg: Option<[f64; 3]>,
-    /// The turn as a quaternion w, x, y, z, of any length; instead of rotation_deg.
+    /// Rotation as a quaternion w, x, y, z, of any length; instead of rotation_deg.
     pub(crate) quaternion_wxyz: Option<[f64; 4]>,
-    /// A point that the object's +z axis faces, with its y axis up; instead of rotation_deg.
+    /// Point that the object's +z axis faces, with its y axis up; instead of rotation_deg.
     pub(crate) look_at_m: Option<[f64; 3]>,
 }
 
-/// A turn about an axis of the world at constant speed.
+/// Rotation about an axis of the world at constant speed.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TurntableTable {
-    /// A point of the axis, m. Left out: the origin of an object, or the point that a camera looks at.
+    /// Point of the axis, m. Left out: the origin of an object, or the point that a camera looks at.
     pub(crate) centre_m: Option<[f64; 3]>,
     /// Direction of the axis, of any length. Left out: [0, 1, 0].
     pub(crate) axis: Option<[f64; 3]>,
-    /// Degrees per second, counter-clockwise seen against the axis, which for an axis that points up is from above.
+    /// Angular velocity, degrees per second, counter-clockwise seen against the axis, which for an axis that points up
+    /// is from above.
     pub(crate) speed_deg_per_s: f64,
 }

@@ -9,35 +9,36 @@ use super::surroundings::{BackdropTable, GroundSource};
 use super::{LightColour, NormalsName, ObjectTable, UpAxis};
 use photosite_core::schema_range::{above, within};
 
-/// What is there: geometry and surroundings.
+/// Geometry and surroundings.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SceneTable {
-    /// Files of geometry, glTF (.gltf, .glb), OBJ (.obj), PLY (.ply) or STL (.stl), relative to this file: they stand as
-    /// they are, the short form of `[[scene.objects]]` without poses.
+    /// Files of geometry, glTF (.gltf, .glb), OBJ (.obj), PLY (.ply) or STL (.stl), relative to this file, in the
+    /// coordinates that they state; `[[scene.objects]]` places files by poses.
     #[serde(default)]
     pub(crate) geometry: Vec<String>,
     /// Name of a material variant of the glTF files (KHR_materials_variants). Left out: their basic materials.
     pub(crate) variant: Option<String>,
-    /// Name of an animation of the glTF files, or "animation-0" … for those without a name. Left out: everything stands
-    /// as the files have it.
+    /// Name of an animation of the glTF files, or "animation-0" … for those without a name. Left out: the static poses
+    /// of the files.
     pub(crate) animation: Option<String>,
-    /// When scene.time_s is 0, s of the animation. Left out: 0.
+    /// Time of the animation at scene.time_s = 0, s. Left out: 0.
     pub(crate) animation_time_s: Option<f64>,
-    /// When the first picture starts, s, on the clock of animations and of objects that move. Left out: 0; along the
-    /// trajectory of a data set, when the frame is taken.
+    /// Start of the first exposure, s, on the clock of animations and of objects that move. Left out: 0; along the
+    /// trajectory of a data set, the time of the frame.
     pub(crate) time_s: Option<f64>,
-    /// Length of the unit of OBJ, PLY and STL files, which state none, m. Left out: 1. (glTF is in metres.)
-    /// Without it a scene of such files that is longer than 20 units is told of, as most of these are in millimetres.
+    /// Length of the unit of OBJ, PLY and STL files, which state none, m. Left out: 1, with a warning where such a
+    /// scene is longer than 20 units, as most of these are in millimetres. (glTF is in metres.)
     #[schemars(transform = above(0.0..))]
     pub(crate) meters_per_unit: Option<f64>,
-    /// Which axis of the files in `geometry` points up; it is turned to y. Left out: "z" of STL files, which come from CAD,
-    /// with a warning, and "y" of others.
+    /// Axis that points up in the files of `geometry`; it is turned to y. Left out: "z" of STL files, which come from
+    /// CAD, with a warning, and "y" of others.
     pub(crate) up: Option<UpAxis>,
-    /// What faces without normals get in OBJ, PLY and STL files, outside the smoothing groups of OBJ. Left out: "flat".
+    /// Shading of faces without normals in OBJ, PLY and STL files, outside the smoothing groups of OBJ. Left out:
+    /// "flat".
     pub(crate) generate_normals: Option<NormalsName>,
-    /// Whether grey stands for a texture of these files that is missing or broken, with a warning. Left out: false, it is
-    /// an error.
+    /// Whether grey takes the place of a texture of these files that is missing or broken, with a warning. Left out:
+    /// false: such a texture is an error.
     #[serde(default)]
     pub(crate) lenient: bool,
     /// Objects: files of geometry with poses of their own.
@@ -46,24 +47,24 @@ pub(crate) struct SceneTable {
     /// Spheres, besides the geometry of the files.
     #[serde(default)]
     pub(crate) spheres: Vec<SphereTable>,
-    /// Disks, likewise.
+    /// Disks, besides the geometry of the files.
     #[serde(default)]
     pub(crate) disks: Vec<DiskTable>,
-    /// Cylinders, likewise.
+    /// Cylinders, besides the geometry of the files.
     #[serde(default)]
     pub(crate) cylinders: Vec<CylinderTable>,
-    /// Light from infinitely far in all directions. Left out: none. (A scene file that is given in place of a capture
-    /// gets a sky, unless it has lights of its own.)
+    /// Environment light, from infinitely far in all directions. Left out: none. (A scene file that is given in place
+    /// of a capture gets a sky, unless it has lights of its own.)
     pub(crate) environment: Option<EnvironmentSource>,
-    /// A level ground under everything, out to the horizon: true, or a table of its keys. Left out: none. (A scene file
+    /// Level ground under everything, out to the horizon: true, or a table of its keys. Left out: none. (A scene file
     /// that is given in place of a capture has one together with its sky.)
     pub(crate) ground: Option<GroundSource>,
-    /// A studio backdrop: a floor that curves up into a wall behind the geometry. Left out: none.
+    /// Studio backdrop: a floor that curves up into a wall behind the geometry. Left out: none.
     pub(crate) backdrop: Option<BackdropTable>,
 }
 
 impl SceneTable {
-    /// The key of what moves, if anything does.
+    /// Key of the first thing that moves; `None` without any.
     pub(crate) fn mover(&self) -> Option<String> {
         let of_object = |(i, object): (usize, &ObjectTable)| match (&object.motion, &object.animation) {
             (Some(_), _) => Some(format!("scene.objects[{i}].motion")),
@@ -75,7 +76,7 @@ impl SceneTable {
     }
 }
 
-/// A sphere. It is exact, where one of triangles has facets.
+/// Sphere, exact, without the facets of one made of triangles.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SphereTable {
@@ -83,14 +84,14 @@ pub(crate) struct SphereTable {
     pub(crate) name: Option<String>,
     /// Name of its material, of `[materials]` or of the geometry's files.
     pub(crate) material: String,
-    /// Its centre, m.
+    /// Centre, m.
     pub(crate) position_m: [f64; 3],
-    /// m.
+    /// Radius, m.
     #[schemars(transform = within(1e-15..))]
     pub(crate) radius_m: f64,
 }
 
-/// A disk. It is exact, where one of triangles has corners.
+/// Disk, exact, without the corners of one made of triangles.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct DiskTable {
@@ -98,16 +99,16 @@ pub(crate) struct DiskTable {
     pub(crate) name: Option<String>,
     /// Name of its material, of `[materials]` or of the geometry's files.
     pub(crate) material: String,
-    /// Its centre, m.
+    /// Centre, m.
     pub(crate) position_m: [f64; 3],
-    /// Direction that its front faces, of any length.
+    /// Direction of the normal of its front, of any length.
     pub(crate) normal: [f64; 3],
-    /// m.
+    /// Radius, m.
     #[schemars(transform = within(1e-15..))]
     pub(crate) radius_m: f64,
 }
 
-/// A cylinder without caps, which disks can be. It is exact, where one of triangles has facets.
+/// Cylinder without caps, exact, without the facets of one made of triangles; disks can close it.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CylinderTable {
@@ -115,26 +116,26 @@ pub(crate) struct CylinderTable {
     pub(crate) name: Option<String>,
     /// Name of its material, of `[materials]` or of the geometry's files.
     pub(crate) material: String,
-    /// The middle of its axis, m.
+    /// Middle of the axis, m.
     pub(crate) position_m: [f64; 3],
-    /// Direction of its axis, of any length.
+    /// Direction of the axis, of any length.
     pub(crate) axis: [f64; 3],
-    /// m.
+    /// Radius, m.
     #[schemars(transform = within(1e-15..))]
     pub(crate) radius_m: f64,
-    /// Distance between both ends, m.
+    /// Length, the distance between both ends, m.
     #[schemars(transform = within(1e-15..))]
     pub(crate) length_m: f64,
 }
 
-/// Light from infinitely far: "none"; "even", the same light everywhere as in a bright room, D65 of 500 lux; or a table
-/// that says which.
+/// Environment light, from infinitely far: "none"; "even", the same light everywhere as in a bright room, D65 of 500
+/// lux; or a table.
 #[derive(Debug, JsonSchema)]
 #[schemars(untagged)]
 pub(crate) enum EnvironmentSource {
     /// "none" or "even".
     Name(#[schemars(extend("enum" = ["none", "even"]))] String),
-    /// The same light everywhere, a sky, or a picture.
+    /// The same light everywhere, a sky, or an image.
     Table(Box<EnvironmentTable>),
 }
 
@@ -162,13 +163,13 @@ impl<'de> Deserialize<'de> for EnvironmentSource {
     }
 }
 
-/// Light from infinitely far: the same everywhere (illuminant, spectrum, rgb or linear_rgb) or a picture (image).
+/// Environment light, from infinitely far: the same everywhere (illuminant, spectrum, rgb or linear_rgb), or an image.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct EnvironmentTable {
     /// Name of an illuminant: "D65", "A", "F11", "LED-B3", "3000K" (a blackbody) …
     pub(crate) illuminant: Option<String>,
-    /// A spectrum: the name of one that ships with photosite, { file = "lamp.csv" }, or a number for equal energy.
+    /// Spectrum: the name of one that ships with photosite, { file = "lamp.csv" }, or a number for equal energy.
     pub(crate) spectrum: Option<SpectrumSource>,
     /// sRGB as displayed, 0–1 each.
     #[schemars(transform = within(0.0..=1.0))]
@@ -176,48 +177,49 @@ pub(crate) struct EnvironmentTable {
     /// Linear sRGB.
     #[schemars(transform = within(0.0..))]
     pub(crate) linear_rgb: Option<[f64; 3]>,
-    /// The sky of a clear or hazy day with the sun, in absolute units.
+    /// Sky of a clear or hazy day with the sun, in absolute units.
     pub(crate) sky: Option<SkyTable>,
-    /// An equirectangular picture, Radiance HDR or OpenEXR, relative to this file.
+    /// Equirectangular image, Radiance HDR or OpenEXR, relative to this file.
     pub(crate) image: Option<String>,
-    /// Turns the picture about the vertical axis, counter-clockwise seen from above, degrees. Left out: 0.
+    /// Turn of the image about the vertical axis, counter-clockwise seen from above, degrees. Left out: 0.
     pub(crate) rotation_deg: Option<f64>,
     /// Illuminance on a horizontal plane facing up, lux.
     #[schemars(transform = within(0.0..))]
     pub(crate) illuminance_lux: Option<f64>,
-    /// Luminance, nit; instead of illuminance_lux. Not for pictures.
+    /// Luminance, nit; instead of illuminance_lux. It is refused for images.
     #[schemars(transform = within(0.0..))]
     pub(crate) luminance_nit: Option<f64>,
-    /// Luminance of a white pixel of value 1, nit; instead of illuminance_lux. For pictures.
+    /// Luminance of a white pixel of value 1, nit; instead of illuminance_lux. It applies to images only.
     #[schemars(transform = above(0.0..))]
     pub(crate) nit_per_unit: Option<f64>,
 }
 
-/// The sky by Hosek and Wilkie's model. North is −Z, east +X.
+/// Sky by Hosek and Wilkie's model. North is −Z, east +X.
 #[derive(Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SkyTable {
     /// Height of the sun above the horizon, degrees, 0–90; or give date_time.
     #[schemars(transform = within(0.0..=90.0))]
     pub(crate) sun_elevation_deg: Option<f64>,
-    /// Where the sun stands, degrees from north over east. Left out, as is date_time: 0.
+    /// Azimuth of the sun, degrees from north over east. Left out, as is date_time: 0.
     pub(crate) sun_azimuth_deg: Option<f64>,
-    /// When it is, with the offset from Universal Time: 2026-06-21T12:00:00+02:00. Years 1950 to 2050.
+    /// Date and time with the offset from Universal Time, 2026-06-21T12:00:00+02:00, from which the place of the sun
+    /// follows; years 1950 to 2050.
     pub(crate) date_time: Option<String>,
-    /// Where it is, with date_time: degrees north of the equator.
+    /// Latitude, with date_time, degrees north of the equator.
     #[schemars(transform = within(-90.0..=90.0))]
     pub(crate) latitude_deg: Option<f64>,
-    /// The same: degrees east of Greenwich.
+    /// Longitude, with date_time, degrees east of Greenwich.
     #[schemars(transform = within(-180.0..=180.0))]
     pub(crate) longitude_deg: Option<f64>,
-    /// Haze: 2 is very clear, 3 clear, 6 warm and moist, 10 hazy; 1–10. Left out: 3.
+    /// Turbidity, the haze: 2 is very clear, 3 clear, 6 warm and moist, 10 hazy; 1–10. Left out: 3.
     #[schemars(transform = within(1.0..=10.0))]
     pub(crate) turbidity: Option<f64>,
     /// Reflectance of the ground, 0–1, which the sky is lit by, and which is seen below the horizon: a matt plane at
     /// infinity in the light of sky and sun. Left out: 0.2.
     #[schemars(transform = within(0.0..=1.0))]
     pub(crate) ground_albedo: Option<f64>,
-    /// Whether the sun's disk is there. Left out: true.
+    /// Whether the sky has the sun's disk. Left out: true.
     pub(crate) sun: Option<bool>,
 }
 

@@ -6,13 +6,13 @@ use serde::Deserialize;
 use super::ReflectanceSource;
 use photosite_core::schema_range::within;
 
-/// A level ground, or whether there is one.
+/// Level ground, or whether there is one.
 #[derive(Debug, JsonSchema)]
 #[schemars(untagged)]
 pub(crate) enum GroundSource {
-    /// Whether there is one, with the defaults of its keys.
+    /// Whether there is a ground, with the defaults of its keys.
     Flag(bool),
-    /// One with these keys.
+    /// A ground with these keys.
     Table(Box<GroundTable>),
 }
 
@@ -40,20 +40,20 @@ impl<'de> Deserialize<'de> for GroundSource {
     }
 }
 
-/// A level ground under everything. It is lit as all surfaces are, catches shadows, hides what is below the horizon, and
+/// Level ground under everything. It is lit as all surfaces are, catches shadows, hides what is below the horizon, and
 /// is called "ground" in lists of instances. The size of the scene, by which a camera is placed and the spectrum of the
 /// light is weighed, is that without it.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct GroundTable {
-    /// How high it lies, m. Left out: a little below the lowest point of the geometry, by less than 1/5000 of the radius
-    /// of all of it, so that it lies in no face of the geometry.
+    /// Height of the ground, m. Left out: a little below the lowest point of the geometry, by less than 1/5000 of the
+    /// radius of all of it, so that it lies in no face of the geometry.
     #[schemars(transform = within(-1e18..=1e18))]
     pub(crate) height_m: Option<f64>,
-    /// What part of the light it reflects, as of `type = "diffuse"`. Left out, as is material: the ground_albedo of the
+    /// Reflectance, as of `type = "diffuse"`. Left out, as is material: the ground_albedo of the
     /// sky, or 0.2.
     pub(crate) reflectance: Option<ReflectanceSource>,
-    /// In place of reflectance: name of its material, of `[materials]` or of the geometry's files. Textures repeat after
+    /// Name of its material in place of reflectance, of `[materials]` or of the geometry's files. Textures repeat after
     /// a metre.
     pub(crate) material: Option<String>,
     /// Length of its sides, m, about the middle of the geometry. Left out: two million times the radius of the
@@ -63,21 +63,21 @@ pub(crate) struct GroundTable {
     pub(crate) size_m: Option<f64>,
 }
 
-/// A studio backdrop: a level floor that curves up into a wall behind the geometry. It is called "backdrop" in lists of
+/// Studio backdrop: a level floor that curves up into a wall behind the geometry. It is called "backdrop" in lists of
 /// instances, and no part of the size of the scene, as a ground. Lengths that are left out are in proportion to the
 /// radius of the geometry.
 #[derive(Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct BackdropTable {
-    /// How high the floor lies, m. Left out: a little below the lowest point of the geometry, as that of a ground.
+    /// Height of the floor, m. Left out: a little below the lowest point of the geometry, as that of a ground.
     #[schemars(transform = within(-1e18..=1e18))]
     pub(crate) height_m: Option<f64>,
-    /// What part of the light it reflects, as of `type = "diffuse"`. Left out, as is material: 0.5.
+    /// Reflectance, as of `type = "diffuse"`. Left out, as is material: 0.5.
     pub(crate) reflectance: Option<ReflectanceSource>,
-    /// In place of reflectance: name of its material, of `[materials]` or of the geometry's files. Textures repeat after
+    /// Name of its material in place of reflectance, of `[materials]` or of the geometry's files. Textures repeat after
     /// a metre.
     pub(crate) material: Option<String>,
-    /// Turns it about the vertical axis through the middle of the geometry, degrees, counter-clockwise seen from above.
+    /// Turn about the vertical axis through the middle of the geometry, degrees, counter-clockwise seen from above.
     /// Left out: 0, with the wall in the direction of −Z, behind models that face +Z.
     pub(crate) rotation_deg: Option<f64>,
     /// Distance of the wall from the middle of the geometry, m. Left out: 4 radii.
@@ -86,10 +86,10 @@ pub(crate) struct BackdropTable {
     /// Radius of the curve between floor and wall, m, at most that distance. Left out: half of it.
     #[schemars(transform = within(1e-15..=1e18))]
     pub(crate) curve_radius_m: Option<f64>,
-    /// How wide it is, m; the floor reaches five times as far to the front. Left out: 40 radii.
+    /// Width, m; the floor reaches five times as far to the front. Left out: 40 radii.
     #[schemars(transform = within(1e-15..=1e18))]
     pub(crate) width_m: Option<f64>,
-    /// How high the wall is above the floor, m, at least the radius of the curve. Left out: 10 radii.
+    /// Height of the wall above the floor, m, at least the radius of the curve. Left out: 10 radii.
     #[schemars(transform = within(1e-15..=1e18))]
     pub(crate) wall_height_m: Option<f64>,
 }
