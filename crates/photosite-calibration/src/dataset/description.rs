@@ -7,14 +7,14 @@ use super::PlaceDescription;
 use photosite_core::schema_range::{above, within};
 use photosite_transport::geometry::Interpolation;
 
-/// A data set: a capture, and what differs from frame to frame.
+/// Data set: a capture, and what differs from frame to frame.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "photosite data set")]
 pub struct DatasetDescription {
-    /// The capture file that all frames are made from, relative to this file.
+    /// Capture file that all frames are made from, relative to this file.
     pub capture: String,
-    /// How many frames. Left out: as many as the poses ask for, else 1.
+    /// Number of frames. Left out: as many as the poses ask for, else 1.
     #[schemars(transform = within(1.0..))]
     pub frames: Option<u32>,
     /// Seed of everything that is random. Left out: 0. The seed of each picture is made from it, the number of the
@@ -24,47 +24,47 @@ pub struct DatasetDescription {
     /// one of them says otherwise, `develop.distortion` and `develop.square_pixels` are false.
     #[serde(default)]
     pub set: Vec<String>,
-    /// The cameras of a rig. Left out: one, called "camera".
+    /// Cameras of a rig. Left out: one, called "camera".
     #[serde(default)]
     pub cameras: Vec<RigCameraDescription>,
-    /// Where the rig is. Left out: where the capture's camera is.
+    /// Poses of the rig. Left out: the pose of the capture's camera.
     pub poses: Option<PosesDescription>,
     /// Keys of the capture that differ from frame to frame.
     #[serde(default)]
     pub vary: Vec<VariationDescription>,
-    /// How the values of `vary` lie together over the frames. Left out: "independent".
+    /// Joint distribution of the values of `vary` over the frames. Left out: "independent".
     #[serde(default)]
     pub sampling: SamplingDescription,
-    /// Objects that get other places in each frame, one table after the other: those of later tables keep clear of those
-    /// of earlier ones.
+    /// Objects that get other places in each frame, one table after the other: those of later tables keep clear of
+    /// those of earlier ones.
     #[serde(default)]
     pub place: Vec<PlaceDescription>,
 }
 
-/// How random values lie together over the frames.
+/// Joint distribution of random values over the frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SamplingDescription {
     /// Each by itself, whatever other frames have. A longer set begins with the frames of a shorter one.
     #[default]
     Independent,
-    /// A Latin hypercube: the range of every number that is drawn is cut into as many equally likely parts as there are
+    /// Latin hypercube: the range of every number that is drawn is cut into as many equally likely parts as there are
     /// frames, and each part is that of one frame. Few frames cover their ranges evenly; another number of frames makes
     /// other ones. Sweeps and poses stay as they are.
     LatinHypercube,
 }
 
-/// A camera of a rig. Its place is that in the rig: x right, y up, and the rig looks along −z.
+/// Camera of a rig, in the axes of the rig: x right, y up, looking along −z.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RigCameraDescription {
-    /// What its folder is called.
+    /// Name of the camera and of its folder.
     pub name: String,
-    /// Where the centre of its lens is in the rig, m. Left out: [0, 0, 0].
+    /// Centre of its lens in the rig, m. Left out: [0, 0, 0].
     pub position_m: Option<[f64; 3]>,
-    /// A point on its axis in the rig, m. Left out: straight ahead.
+    /// Point on its optical axis in the rig, m. Left out: straight ahead.
     pub look_at_m: Option<[f64; 3]>,
-    /// What is up in its picture. Left out: [0, 1, 0].
+    /// Direction that is up in its image. Left out: [0, 1, 0].
     pub up: Option<[f64; 3]>,
     /// Changes to keys of the capture for this camera: "lens.focal_length_mm=8". Unless one of them is `sensor.serial`,
     /// cameras have the serial number of the capture and those that follow it, in the order of this list, each a fixed
@@ -76,7 +76,7 @@ pub struct RigCameraDescription {
     pub disparity_to: Option<String>,
 }
 
-/// Where the rig is in each frame: one of these.
+/// Poses of the rig in each frame, by one of these keys.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PosesDescription {
@@ -90,15 +90,15 @@ pub struct PosesDescription {
     pub trajectory: Option<TrajectoryPoses>,
 }
 
-/// Where the rig stands and looks.
+/// Pose of the rig.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PoseDescription {
-    /// Where its origin is, m.
+    /// Origin of the rig, m.
     pub position_m: [f64; 3],
-    /// A point straight ahead, m.
+    /// Point straight ahead, m.
     pub look_at_m: [f64; 3],
-    /// What is up. Left out: [0, 1, 0].
+    /// Direction that is up. Left out: [0, 1, 0].
     pub up: Option<[f64; 3]>,
 }
 
@@ -108,7 +108,7 @@ pub struct PoseDescription {
 pub struct GridPoses {
     /// Name of a target of the capture, whose middle is looked at from its front.
     pub target: Option<String>,
-    /// In place of a target: a point, looked at along the world's −z, m.
+    /// Point in place of a target, looked at along the world's −z, m.
     pub look_at_m: Option<[f64; 3]>,
     /// Angles to the right, degrees. Left out: 0 alone.
     #[serde(default = "straight")]
@@ -132,7 +132,7 @@ fn straight() -> Vec<f64> {
 pub struct RandomPoses {
     /// Name of a target of the capture: all of its points stay in the pictures of all cameras.
     pub target: Option<String>,
-    /// In place of a target: a point that does so, m.
+    /// Point in place of a target that does so, m.
     pub look_at_m: Option<[f64; 3]>,
     /// Least and largest distance, m.
     #[schemars(transform = above(0.0..))]
@@ -143,27 +143,27 @@ pub struct RandomPoses {
     /// Least and largest angle about the way of looking, degrees. Left out: [-10, 10].
     #[schemars(transform = within(-360.0..=360.0))]
     pub roll_deg: Option<[f64; 2]>,
-    /// How far from the border of the picture all points stay, px. Left out: 5.
+    /// Distance that all points keep from the border of the image, px. Left out: 5.
     #[schemars(transform = within(0.0..))]
     pub margin_px: Option<f64>,
 }
 
-/// A way through poses at times.
+/// Trajectory through poses at times.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrajectoryPoses {
     /// Frames a second.
     #[schemars(transform = above(0.0..))]
     pub frame_rate_hz: f64,
-    /// The poses, in the order of their times.
+    /// Poses in the order of their times.
     pub poses: Vec<TimedPoseDescription>,
-    /// How the rig goes from one pose to the next. Left out: "linear".
+    /// Interpolation from one pose to the next. Left out: "linear".
     pub interpolation: Option<InterpolationName>,
     /// Whether the rig moves while it records: blur, and the skew of rolling shutters. Left out: true.
     pub moving: Option<bool>,
 }
 
-/// How a trajectory goes from one pose to the next.
+/// Interpolation of a trajectory from one pose to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum InterpolationName {
@@ -183,20 +183,20 @@ impl From<InterpolationName> for Interpolation {
     }
 }
 
-/// Where the rig stands and looks at a time.
+/// Pose of the rig at a time.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TimedPoseDescription {
     /// Time from the start of the first frame, s.
     pub time_s: f64,
-    /// Where its origin is, m.
+    /// Origin of the rig, m.
     pub position_m: [f64; 3],
-    /// A point straight ahead, m.
+    /// Point straight ahead, m.
     pub look_at_m: [f64; 3],
-    /// What is up. Left out: [0, 1, 0].
+    /// Direction that is up. Left out: [0, 1, 0].
     pub up: Option<[f64; 3]>,
-    /// Zoom: the focal length of all cameras at that time, mm, linear from one pose to the next. It stays for a frame as
-    /// it is when the frame begins. Left out, of all poses: that of the capture.
+    /// Zoom: the focal length of all cameras at that time, mm, linear from one pose to the next. It stays for a frame
+    /// as it is when the frame begins. Left out, of all poses: that of the capture.
     #[schemars(transform = above(0.0..))]
     pub focal_length_mm: Option<f64>,
 }
@@ -205,9 +205,9 @@ pub struct TimedPoseDescription {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VariationDescription {
-    /// The key of the capture, such as "exposure.gain_db". Elements of lists go by name or number, as in
-    /// "lights.key.intensity_cd". A part with `*` (any letters) or `?` (one letter) stands for all names that are like it,
-    /// as in "materials.paint-*.roughness", and each of these keys gets a value of its own. Not with choices.
+    /// Key of the capture, such as "exposure.gain_db". Elements of lists go by name or number, as in
+    /// "lights.key.intensity_cd". A part with `*` (any letters) or `?` (one letter) stands for all names that are like
+    /// it, as in "materials.paint-*.roughness", and each of these keys gets a value of its own. Not with choices.
     pub key: Option<String>,
     /// Numbers drawn evenly between two.
     pub uniform: Option<[f64; 2]>,
@@ -218,14 +218,14 @@ pub struct VariationDescription {
     pub normal: Option<[f64; 2]>,
     /// Values of any kind, one of which is drawn.
     pub choice: Option<Vec<serde_json::Value>>,
-    /// Tables of keys and their values, one of which is drawn, so that several keys vary together. All have the same keys:
-    /// [{ "lights.key.intensity_cd" = 100, "lights.key.illuminant" = "A" }, …].
+    /// Tables of keys and their values, one of which is drawn, so that several keys vary together. All have the same
+    /// keys: [{ "lights.key.intensity_cd" = 100, "lights.key.illuminant" = "A" }, …].
     pub choices: Option<Vec<serde_json::Map<String, serde_json::Value>>>,
-    /// Files, one of which is drawn: a pattern such as "textures/*.png", relative to this file; `**` stands for folders of
-    /// any depth. The key is one that names a file, such as "materials.wall.reflectance.texture" or
+    /// Files, one of which is drawn: a pattern such as "textures/*.png", relative to this file; `**` stands for folders
+    /// of any depth. The key is one that names a file, such as "materials.wall.reflectance.texture" or
     /// "scene.environment.image".
     pub files: Option<String>,
-    /// How likely each of choice, choices or files is, in their order, as numbers of any sum. Left out: all alike.
+    /// Weights of choice, choices or files in their order, of any sum. Left out: all equal.
     #[schemars(transform = within(0.0..))]
     pub weights: Option<Vec<f64>>,
     /// Numbers from the first to the last, evenly over the frames: focus and zoom sweeps.
@@ -258,7 +258,7 @@ pub struct SphereDescription {
     /// Least and largest radius, m; between two that differ, points are drawn evenly over the volume. Left out: [1, 1].
     #[schemars(transform = within(0.0..=1e18))]
     pub radius_m: Option<[f64; 2]>,
-    /// The direction that angles are measured from. Left out: [0, 1, 0].
+    /// Direction that angles are measured from. Left out: [0, 1, 0].
     pub up: Option<[f64; 3]>,
     /// Least and largest angle from `up`, degrees, 0–180: [0, 90] is the upper half. Left out: [0, 180].
     #[schemars(transform = within(0.0..=180.0))]
@@ -269,7 +269,7 @@ pub struct SphereDescription {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RotationDescription {
-    /// The axis of all of them. Left out: any.
+    /// Axis of all rotations. Left out: any.
     pub axis: Option<[f64; 3]>,
     /// Least and largest angle about the axis, degrees. Left out: [0, 360].
     #[schemars(transform = within(-360.0..=360.0))]
@@ -280,7 +280,8 @@ pub struct RotationDescription {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HsvDescription {
-    /// Least and largest hue, degrees: 0 is red, 120 green, 240 blue; [330, 390] is red on both sides. Left out: [0, 360].
+    /// Least and largest hue, degrees: 0 is red, 120 green, 240 blue; [330, 390] is red on both sides. Left out: [0,
+    /// 360].
     #[schemars(transform = within(-360.0..=720.0))]
     pub hue_deg: Option<[f64; 2]>,
     /// Least and largest saturation, 0–1. Left out: [0, 1].

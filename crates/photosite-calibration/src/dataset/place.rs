@@ -4,45 +4,47 @@ use photosite_core::schema_range::{above, within};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Objects with places of their own in each frame. No object meets another, or anything else of the scene, by any of its
-/// triangles.
+/// Objects with places of their own in each frame. No object meets another, or anything else of the scene, by any of
+/// its triangles.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PlaceDescription {
-    /// Files of geometry, relative to this file, or patterns such as "models/*.glb": which of them is drawn for each object.
+    /// Files of geometry, relative to this file, or patterns such as "models/*.glb": which of them is drawn for each
+    /// object.
     pub objects: Vec<String>,
-    /// How many objects there are, or the least and the largest number, of which one is drawn. Left out: 1.
+    /// Number of objects, or the least and the largest number, of which one is drawn. Left out: 1.
     pub count: Option<CountDescription>,
-    /// What kind of objects they are, for ground truth. Left out: the name of the file without its extension.
+    /// Class of the objects, for ground truth. Left out: the name of the file without its extension.
     pub category: Option<String>,
-    /// How they get their places.
+    /// Method of placement.
     pub method: PlaceMethod,
-    /// The box in which their centres of mass lie, or where they start to fall. Left out: above the surface, or in the bin.
+    /// Box in which their centres of mass lie, or from which they fall. Left out: above the surface, or in the bin.
     pub region: Option<RegionDescription>,
-    /// Name of an object of the capture that they lie or stand on, such as a table or a tray. Those that fall beside are
-    /// dropped again.
+    /// Name of an object of the capture that they lie or stand on, such as a table or a tray. Those that fall beside
+    /// are dropped again.
     pub surface: Option<String>,
-    /// A box without a lid that objects are dropped into. It holds them and is not seen.
+    /// Box without a lid that objects are dropped into, which is not rendered.
     pub bin: Option<BinDescription>,
-    /// The height of the ground that they lie or stand on, m. Left out: that of the capture's ground, if it states one;
+    /// Height of the ground that they lie or stand on, m. Left out: that of the capture's ground, if it states one;
     /// otherwise there is none.
     pub ground_height_m: Option<f64>,
-    /// How they are turned in a box or on a surface. Left out: any way round in a box, about the vertical on a surface.
+    /// Orientation in a box or on a surface. Left out: any way round in a box, about the vertical on a surface.
     pub rotation: Option<PlaceRotation>,
-    /// Makes them larger by factors drawn evenly between these two. Left out: [1, 1].
+    /// Scale, drawn evenly between these two factors. Left out: [1, 1].
     #[schemars(transform = above(0.0..))]
     pub scale: Option<[f64; 2]>,
-    /// How long the longest side is of the box around an object in its own axes, m: a number, or two between which it is
-    /// drawn evenly. It makes objects of any unit equally large; instead of scale. Left out: as the files have them.
+    /// Size of an object, the longest side of the box around it in its own axes, m: a number, or two between which it
+    /// is drawn evenly. It makes objects of any unit equally large; instead of scale. Left out: as the files have them.
     pub size_m: Option<SizeDescription>,
-    /// How far they are from each other and from all that they do not stand on, m; not of objects that fall. Left out: 0.
+    /// Gap to each other and to all that they do not stand on, m; it does not apply to objects that fall. Left out: 0.
     #[schemars(transform = within(0.0..))]
     pub min_distance_m: Option<f64>,
     /// Names of materials of the capture's `[materials]` or of geometry files: one is drawn for each object.
     /// Left out: those of the files.
     #[serde(default)]
     pub materials: Vec<String>,
-    /// Whether the files have z up in place of y. Left out: true of STL files, which come from CAD, and false of others.
+    /// Whether the files have z up in place of y. Left out: true of STL files, which come from CAD, and false of
+    /// others.
     pub z_up: Option<bool>,
     /// Length of the unit of the files, m. Left out: 1.
     #[schemars(transform = above(0.0..))]
@@ -50,15 +52,16 @@ pub struct PlaceDescription {
     /// Coulomb's coefficient of friction between objects that fall and all else. Left out: 0.5.
     #[schemars(transform = within(0.0..))]
     pub friction: Option<f64>,
-    /// The part of their speed with which objects that fall bounce, 0–1. Left out: 0.1.
+    /// Restitution, the part of their speed with which objects that fall bounce, 0–1. Left out: 0.1.
     #[schemars(transform = within(0.0..=1.0))]
     pub restitution: Option<f64>,
-    /// How many frames in a row have the same places: all of the set, seen from a camera that moves, or 10. Left out: 1.
+    /// Number of frames in a row that have the same places: all of the set, seen from a camera that moves, or 10. Left
+    /// out: 1.
     #[schemars(transform = within(1.0..))]
     pub frames: Option<u32>,
 }
 
-/// How objects get their places.
+/// Method of placement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlaceMethod {
@@ -66,8 +69,8 @@ pub enum PlaceMethod {
     Box,
     /// On points of the surface, spread evenly over its upward faces, turned as `rotation` has it.
     Surface,
-    /// Standing or lying as they do by themselves, on the ground or the surface, turned about the vertical: how probable
-    /// each way is follows from the convex hull.
+    /// Standing or lying as they do by themselves, on the ground or the surface, turned about the vertical: how
+    /// probable each way is follows from the convex hull.
     Rest,
     /// Dropped any way round, one over the other, until all are at rest: heaps, and objects in bins.
     Drop,
@@ -75,7 +78,7 @@ pub enum PlaceMethod {
     Stack,
 }
 
-/// How objects are turned.
+/// Orientation of objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlaceRotation {
@@ -87,28 +90,28 @@ pub enum PlaceRotation {
     None,
 }
 
-/// A number of objects, or a range.
+/// Number of objects, or a range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected a number of objects, or the least and the largest such as [3, 8]")]
 pub enum CountDescription {
     /// So many.
     Exact(u32),
-    /// The least and the largest number.
+    /// Least and largest number.
     Range([u32; 2]),
 }
 
-/// A length, or a range of lengths, m.
+/// Length, or a range of lengths, m.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "expected a length in metres, or the least and the largest such as [0.1, 0.2]")]
 pub enum SizeDescription {
     /// One length.
     Exact(#[schemars(transform = above(0.0..))] f64),
-    /// The least and the largest length.
+    /// Least and largest length.
     Range(#[schemars(transform = above(0.0..))] [f64; 2]),
 }
 
 impl SizeDescription {
-    /// The least and the largest, m.
+    /// Least and largest, m.
     pub fn range(self) -> [f64; 2] {
         match self {
             Self::Exact(size) => [size; 2],
@@ -117,7 +120,7 @@ impl SizeDescription {
     }
 }
 
-/// A box along the axes of the world.
+/// Box along the axes of the world.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RegionDescription {
@@ -127,22 +130,22 @@ pub struct RegionDescription {
     pub max_m: [f64; 3],
 }
 
-/// A box without a lid.
+/// Box without a lid.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BinDescription {
     /// Its inner width, height and depth, m.
     #[schemars(transform = above(0.0..))]
     pub size_m: [f64; 3],
-    /// The middle of its floor, m. Left out: [0, 0, 0].
+    /// Middle of its floor, m. Left out: [0, 0, 0].
     pub position_m: Option<[f64; 3]>,
-    /// How thick its walls are, m. Left out: 0.01.
+    /// Thickness of its walls, m. Left out: 0.01.
     #[schemars(transform = above(0.0..))]
     pub wall_m: Option<f64>,
 }
 
 impl CountDescription {
-    /// The least and the largest number.
+    /// Least and largest number.
     pub fn range(self) -> [u32; 2] {
         match self {
             Self::Exact(count) => [count; 2],

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// A quantity of the surface that a pixel sees.
+/// Layer of ground truth, a quantity of the surface that a pixel sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TruthLayer {
@@ -23,17 +23,17 @@ pub enum TruthLayer {
     Albedo,
     /// Position in the frame of its object without the object's scale, m.
     ObjectPosition,
-    /// Where it is in the box of its object: 0.5 in the middle, along each axis of the object, in parts of the box's
-    /// diagonal ([Nocs](photosite_core::references#nocs)).
+    /// Normalised object coordinates, the place in the box of its object: 0.5 in the middle, along each axis of the
+    /// object, in parts of the box's diagonal ([Nocs](photosite_core::references#nocs)).
     Nocs,
-    /// Which object it belongs to: numbers from 1 on.
+    /// Object, numbered from 1.
     Instance,
-    /// Which material it is of: numbers from 1 on.
+    /// Material, numbered from 1.
     Material,
-    /// Where the surface appears in the next picture less where it appears in this one, px; x right, y down. What moves
-    /// is followed. Nothing is visible where there is no next picture.
+    /// Optical flow, the place of the surface in the next image less its place in this one, px; x right, y down. What
+    /// moves is followed. Nothing is visible where there is no next picture.
     Flow,
-    /// Where the surface appears in the left picture of a pair less where it appears in the right one, px; x right, y
+    /// Disparity, the place of the surface in the left image of a pair less its place in the right one, px; x right, y
     /// down: the same for both cameras, x = fx·b/z of a parallel pair with the baseline b. Of a pair one above the
     /// other, in the upper picture less in the lower one.
     Disparity,

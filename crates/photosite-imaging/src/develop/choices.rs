@@ -6,29 +6,29 @@ use serde::{Deserialize, Serialize};
 use photosite_core::colour::temperature;
 use photosite_core::spectrum::{cie, illuminant};
 
-/// What becomes of defective pixels.
+/// Correction of defective pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Defects {
-    /// They stay as they are.
+    /// No change.
     #[default]
     None,
-    /// A pixel far outside of what its neighbours of the same channel show becomes their median.
+    /// A pixel far outside of the range of its neighbours of the same channel becomes their median.
     Median,
 }
 
-/// What counts as white.
+/// White balance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum WhiteBalance {
-    /// The camera's response to the scene's light, which the raw file states.
+    /// Response of the camera to the scene's light, which the raw file states.
     #[default]
     AsShot,
-    /// The mean of all pixels that are not saturated.
+    /// Mean of all pixels that are not saturated.
     GreyWorld,
-    /// The brightest pixels that are not saturated.
+    /// Brightest pixels that are not saturated.
     WhitePatch,
-    /// A light of temperature_k and tint.
+    /// Light of temperature_k and tint.
     Temperature,
     /// A candle: a blackbody at 1850 K.
     Candle,
@@ -50,25 +50,25 @@ pub enum WhiteBalance {
     Shade,
     /// A clear blue sky: CIE daylight of 10000 K.
     BlueSky,
-    /// The mean of patch_px.
+    /// Mean of patch_px.
     Patch,
     /// Equal numbers in all channels.
     None,
 }
 
-/// How the channels that a pixel did not see are found.
+/// Demosaicking, the interpolation of the channels that a pixel lacks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Demosaic {
-    /// The best that the filter array allows: menon for Bayer, markesteijn for X-Trans, lmmse for Quad Bayer and
+    /// Best method for the filter array: menon for Bayer, markesteijn for X-Trans, lmmse for Quad Bayer and
     /// others, guided for large tiles.
     #[default]
     Auto,
-    /// The nearest pixel of the channel. Any filter array.
+    /// Nearest pixel of the channel, for any filter array.
     Nearest,
     /// Linear interpolation between the nearest pixels of the channel. Any filter array.
     Bilinear,
-    /// The densest channel first, the others by their differences to it. Any filter array.
+    /// Densest channel first, the others by their differences to it, for any filter array.
     Guided,
     /// Malvar, He and Cutler (2004): bilinear, corrected by the curvature of the pixel's own channel. Bayer.
     Malvar,
@@ -82,7 +82,7 @@ pub enum Demosaic {
     Lmmse,
 }
 
-/// What becomes of pixels that are full in one channel.
+/// Treatment of pixels that are saturated in one channel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Highlights {
@@ -122,10 +122,10 @@ pub enum NoiseFilter {
 pub enum ToneCurve {
     /// Codes in proportion to light.
     Linear,
-    /// The curve of sRGB, which keeps what the camera saw.
+    /// Curve of sRGB, without further rendering.
     #[default]
     Srgb,
-    /// A power with the exponent 1/gamma.
+    /// Power with the exponent 1/gamma.
     Gamma,
     /// Film's soft shoulder in place of hard clipping, then the curve of sRGB.
     Filmic,
@@ -140,11 +140,11 @@ pub enum ToneCurve {
     Local,
 }
 
-/// What the numbers of a picture are.
+/// Colour model of the pixel values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ColourModel {
-    /// The components of the colour space.
+    /// Components of the colour space.
     #[default]
     Rgb,
     /// Luminance Y of the colour space, 1 for white.
@@ -163,25 +163,25 @@ pub enum ColourModel {
     Lab,
 }
 
-/// Which pixels become white, and which black.
+/// Threshold of a binary image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Thresholding {
-    /// They stay as they are.
+    /// No change.
     #[default]
     None,
-    /// Those above threshold_level become white, others black, in each component.
+    /// Pixels above threshold_level become white, others black, in each component.
     Level,
-    /// The same with the level that parts 256 classes of linear light, ⌊255·v + ½⌋, in the two groups whose means lie
-    /// farthest apart (Otsu 1979), in each component.
+    /// Otsu's threshold, the level that parts 256 classes of linear light, ⌊255·v + ½⌋, in the two groups whose means
+    /// lie farthest apart (Otsu 1979), in each component.
     Otsu,
 }
 
-/// How a picture is resized.
+/// Interpolation of resizing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum ResizeFilter {
-    /// The nearest pixel.
+    /// Nearest pixel.
     Nearest,
     /// Straight lines between pixels.
     Linear,

@@ -12,24 +12,24 @@ use crate::raw::{Orientation, RawMetadata};
 use photosite_core::colour::{ColourSpace, Transfer};
 use photosite_core::schema_range::within;
 
-/// How raw pictures are developed, step by step in this order.
+/// Development of raw images, step by step in this order.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DevelopSettings {
-    /// What the raw file does not say, or says wrong.
+    /// Metadata that the raw file lacks or has wrong.
     pub raw: RawDescription,
-    /// Makes nonlinear numbers of a sensor linear, by the table of the raw file. Left out: true.
+    /// Whether nonlinear pixel values are made linear by the table of the raw file. Left out: true.
     pub linearisation: bool,
     /// Subtracts the black level. Left out: true.
     pub black_level: bool,
-    /// What becomes of defective pixels. Left out: "none".
+    /// Correction of defective pixels. Left out: "none".
     pub defects: Defects,
     /// Brightens the corners by what the lens darkens them, where the raw file has a map of it. Left out: true.
     pub lens_falloff: bool,
     /// Shows only the part of the image that the raw file names (DNG DefaultCropOrigin and DefaultCropSize). Left out:
     /// true.
     pub default_crop: bool,
-    /// What counts as white. Left out: "as-shot".
+    /// White balance. Left out: "as-shot".
     pub white_balance: WhiteBalance,
     /// Colour temperature of white_balance = "temperature", K.
     #[schemars(transform = within(1000.0..=40_000.0))]
@@ -38,11 +38,11 @@ pub struct DevelopSettings {
     /// for a greenish light. Left out: 0.
     #[schemars(transform = within(-150.0..=150.0))]
     pub tint: Option<f64>,
-    /// The grey patch of white_balance = "patch": column and row of its first pixel, columns and rows.
+    /// Grey patch of white_balance = "patch": column and row of its first pixel, columns and rows.
     pub patch_px: Option<[usize; 4]>,
-    /// How the channels that a pixel did not see are found. Left out: "auto".
+    /// Demosaicking, the interpolation of the channels that a pixel lacks. Left out: "auto".
     pub demosaic: Demosaic,
-    /// What becomes of pixels that are full in one channel. Left out: "clip".
+    /// Treatment of pixels that are saturated in one channel. Left out: "clip".
     pub highlights: Highlights,
     /// Smooths noise. Left out: "none".
     pub noise_filter: NoiseFilter,
@@ -92,16 +92,16 @@ pub struct DevelopSettings {
     /// are repeated, and pixels count as having kept their shape. Left out: as many as there are.
     #[schemars(transform = within(1.0..=65_535.0))]
     pub resize_px: Option<[usize; 2]>,
-    /// How pixels between pixels are found by digital_zoom and resize_px. Left out: "cubic".
+    /// Interpolation of digital_zoom and resize_px. Left out: "cubic".
     pub resize_filter: Option<ResizeFilter>,
     /// Widens the filter by the factor that a picture gets smaller by, so that fine patterns become grey; false takes
     /// as few pixels as for a larger one, as cv2.resize does. Of no effect for "nearest". Left out: true.
     pub resize_antialias: Option<bool>,
-    /// Turns the camera's channels into colours by its colour matrix. Left out: true.
+    /// Whether the camera's channels become colours by its colour matrix. Left out: true.
     pub colour_matrix: bool,
     /// Colour space of the picture. Left out: "srgb".
     pub colour_space: ColourSpace,
-    /// What the numbers of the picture are. Others than "rgb" and "grey" are for EXR, TIFF and NPY files, as 32-bit
+    /// Colour model of the pixel values. Others than "rgb" and "grey" are for EXR, TIFF and NPY files, as 32-bit
     /// floats. Left out: "rgb".
     pub colour_model: ColourModel,
     /// Brightening by 2^exposure_ev. Left out: 0.

@@ -9,11 +9,11 @@ use photosite_core::units::Seconds;
 
 use super::checks::{fraction_below_one, margin, not_negative, positive};
 
-/// How a CCD moves its charge.
+/// Charge transfer of a CCD.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CcdDescription {
-    /// Where charge goes when the exposure ends.
+    /// Architecture: where charge goes when the exposure ends.
     pub architecture: CcdArchitecture,
     /// Charge-transfer inefficiency along a column: the part of a packet that stays behind at each shift.
     #[schemars(transform = within(0.0..1.0))]
@@ -61,7 +61,7 @@ pub enum CcdArchitecture {
 /// How a CCD moves charge.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ccd {
-    /// Where charge goes when the exposure ends.
+    /// Architecture: where charge goes when the exposure ends.
     pub architecture: CcdArchitecture,
     /// The time for which a packet collects light in each row that it passes.
     pub smear_row_time: Seconds,

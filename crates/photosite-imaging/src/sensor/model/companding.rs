@@ -9,8 +9,8 @@ use photosite_core::schema_range::within;
 
 use super::checks::positive;
 
-/// How numbers of the converter become those of fewer bits that leave the sensor. Raw files in the DNG format tell how
-/// to make them linear again.
+/// Companding: pixel values of the converter become values of fewer bits that leave the sensor. Raw files in the DNG
+/// format tell how to make them linear again.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CompandingDescription {

@@ -20,16 +20,16 @@ use super::spectrum_source::SpectrumSource;
 use super::video::VideoDescription;
 use photosite_core::schema_range::{above, within};
 
-/// An image sensor: pixels, colour filters, noise, charge capacity and converter.
+/// Image sensor: pixels, colour filters, noise, charge capacity and converter.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SensorDescription {
-    /// What it is called: raw files have it as the model of their camera. Left out: the name of its preset or file.
+    /// Name of the sensor, which raw files have as the model of their camera. Left out: the name of its preset or file.
     pub name: Option<String>,
-    /// What this sensor is, in a sentence.
+    /// Description of the sensor, in a sentence.
     #[serde(default)]
     pub description: String,
-    /// Where its numbers come from.
+    /// Source of its figures.
     #[serde(default)]
     pub source: String,
     /// Technology of the pixels.
@@ -40,9 +40,9 @@ pub struct SensorDescription {
     /// cameras that are not told otherwise count on from it.
     #[serde(default)]
     pub serial: u64,
-    /// How a CCD moves its charge.
+    /// Charge transfer of a CCD.
     pub ccd: Option<CcdDescription>,
-    /// How single photons are counted.
+    /// Single-photon counting.
     pub spad: Option<SpadDescription>,
     /// When rows are exposed. Left out: all at once.
     #[serde(default)]
@@ -58,8 +58,8 @@ pub struct SensorDescription {
     #[serde(default)]
     #[schemars(transform = within(0.0..=4096.0))]
     pub masked_rows: [u32; 2],
-    /// Distance between pixel centres along x and y, µm; they may differ. Of hexagonal cells, along rows and from row to
-    /// row.
+    /// Distance between pixel centres along x and y, µm; they may differ. Of hexagonal cells, along rows and from row
+    /// to row.
     #[schemars(transform = above(0.0..))]
     pub pixel_pitch_um: Option<[f64; 2]>,
     /// Size of the whole sensor by the name of its format, in place of pixel_pitch_um, which is that size over the
@@ -87,8 +87,8 @@ pub struct SensorDescription {
     pub filter: FilterDescription,
     /// One table for each letter of the colour filter array, such as R, G and B; Y for a monochrome sensor.
     pub channels: BTreeMap<String, ChannelDescription>,
-    /// Where electrons that belong to a pixel are collected: parts of a whole, in rows around that pixel, such as
-    /// [[0, 0.01, 0], [0.01, 0.96, 0.01], [0, 0.01, 0]]. Left out: each pixel keeps its own.
+    /// Crosstalk, where electrons that belong to a pixel are collected: parts of a whole, in rows around that pixel,
+    /// such as [[0, 0.01, 0], [0.01, 0.96, 0.01], [0, 0.01, 0]]. Left out: each pixel keeps its own.
     #[schemars(transform = within(0.0..=1.0))]
     pub crosstalk: Option<Vec<Vec<f64>>>,
     /// Noise sources. Left out: none.
@@ -101,10 +101,10 @@ pub struct SensorDescription {
     pub charge: ChargeDescription,
     /// Analogue gain and analogue-to-digital converter.
     pub adc: AdcDescription,
-    /// The analogue signal between both. Left out: it arrives as it is.
+    /// Analogue video signal between sensor and converter. Left out: it arrives unchanged.
     #[serde(default)]
     pub video: VideoDescription,
-    /// What samples that signal for the converter. Left out: one sample for each pixel.
+    /// Frame grabber that samples the video signal for the converter. Left out: one sample for each pixel.
     pub frame_grabber: Option<FrameGrabberDescription>,
 }
 

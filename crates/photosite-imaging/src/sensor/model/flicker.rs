@@ -20,7 +20,7 @@ pub struct FlickerDescription {
     /// Exponent of the frequency, above 0 up to 2. Left out: 1.
     #[schemars(transform = above(0.0..=2.0))]
     pub exponent: f64,
-    /// Which samples follow each other in one amplifier. Left out: "column-parallel".
+    /// Order of samples in one amplifier. Left out: "column-parallel".
     pub order: FlickerOrder,
 }
 
@@ -30,7 +30,7 @@ impl Default for FlickerDescription {
     }
 }
 
-/// Which samples follow each other in one amplifier.
+/// Order of samples in one amplifier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum FlickerOrder {

@@ -21,16 +21,16 @@ pub struct FrameGrabberDescription {
     /// it.
     #[schemars(transform = within(1.0..=65_535.0))]
     pub size_px: [u32; 2],
-    /// What it takes in between pixels. Left out: "linear".
+    /// Interpolation of the signal between pixels. Left out: "linear".
     #[serde(default)]
     pub interpolation: SignalInterpolation,
 }
 
-/// What the signal is in between pixels.
+/// Interpolation of the signal between pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SignalInterpolation {
-    /// That of the pixel whose time it is: the signal is held.
+    /// Sample and hold: the value of the pixel whose time it is.
     Nearest,
     /// On the straight lines between neighbours.
     #[default]

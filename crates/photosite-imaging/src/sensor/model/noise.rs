@@ -35,7 +35,7 @@ pub struct NoiseDescription {
     /// Temperature at which the dark current is as stated, that of hot pixels too, °C; needed where there is any.
     #[schemars(transform = above(-273.15..))]
     pub dark_current_reference_c: Option<f64>,
-    /// How the dark current rises with temperature. Left out: "doubling".
+    /// Temperature dependence of the dark current. Left out: "doubling".
     pub dark_current_law: DarkCurrentLawName,
     /// Rise of temperature that doubles the dark current, K; needed where that is the law and there is any.
     #[schemars(transform = above(0.0..))]
@@ -50,19 +50,19 @@ pub struct NoiseDescription {
     /// Photo response non-uniformity: spatial standard deviation of the response in percent of its mean.
     #[schemars(transform = within(0.0..))]
     pub prnu_percent: f64,
-    /// The part of it that the pixels of a row share, %; it comes on top.
+    /// Part of PRNU that the pixels of a row share, in addition, %.
     #[schemars(transform = within(0.0..))]
     pub prnu_row_percent: f64,
-    /// The part of it that the pixels of a column share, %; it comes on top.
+    /// Part of PRNU that the pixels of a column share, in addition, %.
     #[schemars(transform = within(0.0..))]
     pub prnu_column_percent: f64,
     /// Dark signal non-uniformity: spatial standard deviation of the dark signal, e⁻.
     #[schemars(transform = within(0.0..))]
     pub dsnu_e: f64,
-    /// The part of it that the pixels of a row share, e⁻; it comes on top.
+    /// Part of DSNU that the pixels of a row share, in addition, e⁻.
     #[schemars(transform = within(0.0..))]
     pub dsnu_row_e: f64,
-    /// The part of it that the pixels of a column share, e⁻; it comes on top.
+    /// Part of DSNU that the pixels of a column share, in addition, e⁻.
     #[schemars(transform = within(0.0..))]
     pub dsnu_column_e: f64,
     /// Temporal noise that the pixels of a row share, standard deviation in e⁻.
@@ -89,8 +89,8 @@ pub struct Noise {
     pub read: Electrons,
     /// Degrees of freedom of a read noise that follows Student's t distribution, above 2; `None` for a normal one.
     pub read_degrees_of_freedom: Option<f64>,
-    /// Spatial standard deviation of the pixels' read noise over its mean (a ratio), log-normal; `read` is the root mean
-    /// square over all pixels.
+    /// Spatial standard deviation of the pixels' read noise over its mean (a ratio), log-normal; `read` is the root
+    /// mean square over all pixels.
     pub read_spread: f64,
     /// Dark current at the reference temperature, e⁻/s.
     pub dark_current_e_per_s: f64,
@@ -120,11 +120,11 @@ pub struct Noise {
     pub defects: Defects,
 }
 
-/// How the dark current rises with temperature.
+/// Temperature dependence of the dark current.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum DarkCurrentLawName {
-    /// It doubles every so many kelvin (dark_current_doubling_k).
+    /// Doubling every dark_current_doubling_k kelvin.
     #[default]
     Doubling,
     /// As T^(3/2)·exp(−E_g/(2kT)), thermal generation across the band gap.

@@ -26,7 +26,7 @@ pub struct ShutterDescription {
     /// Time from the start of one row's exposure to that of the next, µs; needed unless the shutter is global.
     #[schemars(transform = above(0.0..))]
     pub row_time_us: Option<f64>,
-    /// Where a rolling shutter begins. Left out: "from-top".
+    /// Direction of a rolling shutter. Left out: "from-top".
     #[serde(default)]
     pub order: RowOrder,
 }
@@ -51,7 +51,7 @@ pub enum ShutterKind {
     Global,
     /// Row after row.
     Rolling,
-    /// A single row of pixels, which records one line of the picture after the other as the camera moves (pushbroom).
+    /// Line scan (pushbroom): a single row of pixels records one line of the image after the other as the camera moves.
     /// The second number of resolution_px counts the lines of a picture.
     Scanning,
 }

@@ -9,11 +9,11 @@ use photosite_core::units::Seconds;
 
 use super::checks::{fraction_below_one, not_negative};
 
-/// How single photons are counted.
+/// Single-photon counting.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpadDescription {
-    /// What is counted during an exposure.
+    /// Counting mode during an exposure.
     pub counting: CountingMode,
     /// One-bit frames whose sum is one picture; `counting = "one-bit"` needs it.
     #[schemars(transform = within(1.0..=65_535.0))]
@@ -27,7 +27,7 @@ pub struct SpadDescription {
     pub afterpulsing_percent: f64,
 }
 
-/// What a single-photon detector counts.
+/// Counting mode of a single-photon detector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum CountingMode {
@@ -46,7 +46,7 @@ pub struct Spad {
     pub afterpulsing: f64,
 }
 
-/// What a single-photon detector counts.
+/// Counting mode of a single-photon detector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Counting {
     /// Every photon that does not fall into the dead time of the one before.
