@@ -174,10 +174,12 @@ fn a_sigma_map_is_a_picture_of_its_own() {
 #[case::floats("even.exr -o x.png --set gaussian.sigma=1", 2, "holds whole numbers")]
 #[case::channels("colour.png -o x.pgm --set gaussian.sigma=1", 2, "does not hold the channels R, G, B")]
 #[case::ten_bits("even.pgm -o x.png --set gaussian.sigma=1", 2, "reach to 1023")]
-#[case::kind("missing.txt -o x.png --set gaussian.sigma=1", 2, "not a picture of a kind")]
+#[case::kind("text.txt -o x.png --set gaussian.sigma=1", 2, "not a picture of a kind")]
+#[case::missing("missing.txt -o x.png --set gaussian.sigma=1", 1, "missing.txt: cannot read")]
 #[case::exists("grey.png -o colour.png --set gaussian.sigma=1", 2, "already exists")]
 fn what_cannot_be_done_is_refused(#[case] arguments: &str, #[case] status: i32, #[case] message: &str) {
     let folder = folder();
+    folder.add("text.txt", "text");
     folder.fail(&format!("noise add {arguments}"), status, &[message]);
     assert!(!folder.path("x.png").exists());
 }
