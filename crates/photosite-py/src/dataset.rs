@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
+use photosite::Sandbox;
 use photosite::capture::DatasetFile;
 use photosite::dataset::{DataSet, Made, MakeOptions, PartFolder};
 use photosite::io::exr::read_exr_file;
@@ -11,7 +12,6 @@ use photosite::io::picture_file::read_picture_file;
 use photosite::io::truth::by_layer;
 use photosite::pipeline::{Event, FilmMemory, LightSource, Monitor};
 use photosite::raw::Pixels;
-use photosite::Sandbox;
 use pyo3::prelude::*;
 
 use crate::array::{of_pixels, of_planes};
