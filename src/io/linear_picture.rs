@@ -62,7 +62,8 @@ pub fn read_linear_picture(path: &Path, is_linear: bool, pixels: Pixels) -> Resu
     let in_file = |invalid: Invalid| invalid.in_file(path);
     let (mut light, mut notes) = match read(path, pixels)? {
         Held::Light(light) => (light, PictureNotes::default()),
-        Held::Numbers(PictureFile { picture, notes }) => {
+        Held::Numbers(file) => {
+            let PictureFile { picture, notes } = *file;
             let stated = meaning(&notes.colours).map_err(in_file)?;
             let mut light = if is_digital_numbers(&picture) && stated.is_none() || is_quantity(&picture) {
                 let whole = picture.whole().map_err(in_file)?;
@@ -85,7 +86,7 @@ enum Held {
     /// Light, by what the header says.
     Light(LinearPicture),
     /// Numbers that are yet to be understood.
-    Numbers(PictureFile),
+    Numbers(Box<PictureFile>),
 }
 
 fn read(path: &Path, pixels: Pixels) -> Result<Held> {
@@ -101,11 +102,11 @@ fn read(path: &Path, pixels: Pixels) -> Result<Held> {
             let keys = ["unit", "emissiveUnits", "spectralLayoutVersion"];
             if keys.iter().any(|key| picture.text(key).is_some()) {
                 let picture = PictureFile::of_exr(picture, path.display().to_string(), pixels);
-                return picture.map(Held::Numbers).map_err(|invalid| invalid.in_file(path));
+                return picture.map(Box::new).map(Held::Numbers).map_err(|invalid| invalid.in_file(path));
             }
             of_exr(picture).map(Held::Light).map_err(|invalid| invalid.in_file(path))
         }
-        _ => PictureFile::read(path, pixels).map(Held::Numbers),
+        _ => PictureFile::read(path, pixels).map(Box::new).map(Held::Numbers),
     }
 }
 
@@ -129,7 +130,7 @@ pub fn read_picture_light(path: &Path, is_linear: bool) -> Result<PictureLight> 
             let notes = warnings.into_iter().chain(level).map(|warning| format!("{name}: {warning}")).collect();
             return Ok(PictureLight { planes, assumed: in_proportion, notes });
         }
-        Held::Numbers(file) => file,
+        Held::Numbers(file) => *file,
     };
     let in_file = |invalid: Invalid| invalid.in_file(path);
     let stated = meaning(&notes.colours).map_err(in_file)?;

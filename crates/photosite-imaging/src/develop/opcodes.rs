@@ -35,7 +35,11 @@ pub(super) fn on_stored(raw: &RawImage, falloff: bool) -> Cow<'_, RawImage> {
                 values.iter().map(|value| f64::from(*value) == f64::from(*constant)).collect()
             }
             Opcode::FixBadPixelsList(areas) => are_in(areas, frame.size),
-            opcode => {
+            Opcode::FixVignetteRadial { .. }
+            | Opcode::MapTable(..)
+            | Opcode::MapPolynomial(..)
+            | Opcode::GainMap(_)
+            | Opcode::PerLine(..) => {
                 opcode.apply(&mut values, &frame);
                 continue;
             }

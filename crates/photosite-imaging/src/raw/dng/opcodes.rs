@@ -27,14 +27,16 @@ const OPTIONAL: u32 = 1;
 /// A list of opcodes, the last of which may be a correction of distortion. A gain map for all pixels is an opcode for
 /// each place of a tile of so many columns and rows.
 pub(super) fn list_of(opcodes: &[Opcode], warp: Option<&Warp>, size: [usize; 2], tile: [usize; 2]) -> Vec<u8> {
-    let with_tile = |opcode: &Opcode| match opcode {
-        Opcode::GainMap(map) if map.reach().is_none() => {
-            places(map, size, tile).iter().map(|reach| (GAIN_MAP, gain_map(map, reach))).collect()
-        }
-        opcode => vec![written(opcode)],
+    let with_tile = |opcode: &Opcode| match gain_map_of(opcode).filter(|map| map.reach().is_none()) {
+        Some(map) => places(map, size, tile).iter().map(|reach| (GAIN_MAP, gain_map(map, reach))).collect(),
+        None => vec![written(opcode)],
     };
     let opcodes: Vec<_> = opcodes.iter().flat_map(with_tile).chain(warp.map(written_warp)).collect();
     list(opcodes.into_iter())
+}
+
+fn gain_map_of(opcode: &Opcode) -> Option<&GainMap> {
+    if let Opcode::GainMap(map) = opcode { Some(map) } else { None }
 }
 
 /// The number of an opcode and its parameters.
@@ -275,8 +277,7 @@ fn complaint(list: usize, opcode: &Stored<'_>) -> String {
 
 /// Puts maps that are alike and together for every place of a tile into one for all pixels.
 fn for_all(opcodes: &[Opcode], size: [usize; 2]) -> Vec<Opcode> {
-    let map = |opcode| if let &Opcode::GainMap(ref map) = opcode { Some(map) } else { None };
-    let maps: Vec<&GainMap> = opcodes.iter().filter_map(map).collect();
+    let maps: Vec<&GainMap> = opcodes.iter().filter_map(gain_map_of).collect();
     let Some(&first) = maps.first() else { return opcodes.to_vec() };
     let [columns, rows] = first.reach().map_or([1; 2], |reach| reach.pixels.pitch);
     if columns.checked_mul(rows) != Some(maps.len()) || !maps.iter().all(|map| map.is_like(first)) {
