@@ -7,6 +7,9 @@ use serde::de::{
 };
 use serde::forward_to_deserialize_any;
 
+use crate::calibration::truth::TruthLayer;
+use crate::sensor::NoiseMap;
+
 use super::tree::{Entry, Node, Value, join};
 use photosite_core::suggest::{did_you_mean, list};
 
@@ -65,7 +68,10 @@ impl serde::de::Error for ReadError {
     }
 
     fn unknown_field(field: &str, expected: &'static [&'static str]) -> Self {
-        let suggestion = did_you_mean(field, expected.iter().copied());
+        let suggestion = match list_that_holds(field).filter(|key| expected.contains(key)) {
+            Some(key) => format!("; did you mean `{key} = [{field:?}]`?"),
+            None => did_you_mean(field, expected.iter().copied()),
+        };
         let mut error = Self::new(format!("unknown key `{field}`{suggestion}"));
         error.unknown_key = Some(field.to_owned());
         error.help = Some(match expected {
@@ -78,6 +84,14 @@ impl serde::de::Error for ReadError {
     fn missing_field(field: &'static str) -> Self {
         Self::new(format!("the key `{field}` is missing"))
     }
+}
+
+/// The key of a list of outputs that has this word as one of its values.
+fn list_that_holds(word: &str) -> Option<&'static str> {
+    if TruthLayer::ALL.iter().any(|layer| layer.name() == word) {
+        return Some("truth");
+    }
+    NoiseMap::ALL.iter().any(|map| map.name() == word).then_some("noise")
 }
 
 fn quoted(names: &[&str]) -> String {

@@ -29,6 +29,8 @@ use super::*;
 #[case::key_exposure("[exposure]\ntime = 1", 5, "did you mean `time_s`?")]
 #[case::key_render("[render]\nspp = 1\n", 5, "unknown key `spp` in [render]")]
 #[case::key_output("[output]\nraws = []", 5, "did you mean `raw`?")]
+#[case::layer_as_a_key("[output]\ndepth = true", 5, "did you mean `truth = [\"depth\"]`?")]
+#[case::map_as_a_key("[output]\nraw_clean = true", 5, "did you mean `noise = [\"raw_clean\"]`?")]
 #[case::key_material(
     "[materials.wall]\ntype = 'diffuse'\nreflectence = 1",
     6,
