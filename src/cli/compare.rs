@@ -140,7 +140,9 @@ pub(super) fn run(args: &CompareArgs) -> Result<bool> {
 
 /// Tells what is left out of the files, and what only one of them says of its numbers, which are compared as they are.
 fn warn(a: &Picture, b: &Picture) {
-    for (picture, other) in [(a, b), (b, a)] {
+    // A file that is compared with itself is told of once.
+    let files = if a.name == b.name { 1 } else { 2 };
+    for (picture, other) in [(a, b), (b, a)].into_iter().take(files) {
         picture.said().for_each(|what| warning!("{what}"));
         if let Some(found) = NotFinite::of(&picture.mean) {
             warning!("{}: {found}", picture.name);

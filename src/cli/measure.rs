@@ -272,7 +272,9 @@ struct ChannelSimilarity {
 }
 
 fn similarity(args: &PictureArgs, b_path: &Path) -> Result<Similarity> {
-    let (a, b) = (args.read()?, args.read_other(b_path)?);
+    let a = args.read()?;
+    // A file that is measured against itself is told of once.
+    let b = if *b_path == args.picture { a.clone() } else { args.read_other(b_path)? };
     for (picture, path) in [(&a, args.picture.as_path()), (&b, b_path)] {
         NotFinite::refuse(&picture.mean).map_err(|invalid| invalid.in_file(path))?;
     }

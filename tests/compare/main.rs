@@ -308,12 +308,16 @@ fn the_picture_of_differences_is_written_once() {
 fn numbers_that_are_none_make_pictures_differ_and_keep_json_whole() {
     let folder = Folder::new();
     let a = folder.electrons("a.exr", &["Y"], |_, pixel| if pixel == 3 { f32::NAN } else { 0.0 });
-    let (status, report) = folder.json(&[&a, &a]);
-    assert_eq!((status, &report["outcome"]), (1, &Value::from("differ")));
+    let output = folder.compare(&[&a, &a, "--json"]);
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(told, "warning: a.exr: 1 number is not finite: it is NaN, of Y in column 3, row 0\n");
+    let report: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!((status(&output), &report["outcome"]), (1, &Value::from("differ")));
     let channel = &report["channels"][0];
     assert_eq!((&channel["non_finite"], &channel["psnr_db"]), (&Value::from(1), &Value::Null));
     assert_eq!((&report["worst"][0]["x"], &report["worst"][0]["a"]), (&Value::from(3), &Value::Null));
-    assert!(folder.said(&[&a, &a]).1.contains("Y: 1 of 200 pixels are not finite"));
+    let text = folder.compare(&[&a, &a]).stdout;
+    assert!(String::from_utf8_lossy(&text).contains("Y: 1 of 200 pixels are not finite"));
 }
 
 #[test]
@@ -324,6 +328,7 @@ fn pictures_that_do_not_fit_together_are_wrong_usage() {
     let grey = folder.electrons("grey.exr", &["Y"], |_, _| 1.0);
     let small = folder.png("small.png", [2, 2], 0);
     let wide = folder.png("wide.png", [20, 10], 0);
+    fs::write(folder.path("picture.docx"), "PK").expect("written");
     for (arguments, complaint) in [
         (vec![&colour[..], &small], "colour.exr has 20 × 10 pixels, small.png has 2 × 2"),
         (vec![&colour, &wide], "colour.exr holds e-, wide.png holds codes up to 255"),
