@@ -287,7 +287,7 @@ def test_gain_control_acts_from_frame_to_frame_as_in_folders(room: Path, tmp_pat
 
 
 def test_nothing_is_printed(room: Path) -> None:
-    code = f"import photosite as ps; shot = ps.render({str(room)!r}, samples=400); shot.image; shot.save({str(room.parent / 'out')!r})"
+    code = f"import photosite as ps; shot = ps.render({str(room)!r}, samples=5000); shot.image; shot.save({str(room.parent / 'out')!r})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert (done.stdout, done.stderr) == ("", "")
 

@@ -110,6 +110,8 @@ fn differing_keys(source: &CaptureSource, path: &str, base: Option<&Node>, over:
                 differing_keys(source, &join(path, key), below, &entry.node, keys);
             }
         }
+        // What no text states, such as the size of an image that is exposed, has no place in one.
+        None if over.span.is_empty() => {}
         None => {
             if !source.is_of_argument(over) && !base.is_some_and(|base| base.means(over)) {
                 keys.push(path.to_owned());

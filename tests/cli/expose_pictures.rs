@@ -93,6 +93,14 @@ fn lux_takes_time_and_coded_pictures_are_decoded() {
 }
 
 #[test]
+fn the_size_of_an_image_is_no_key_that_stays_over_a_preset() {
+    let folder = folder();
+    let said =
+        folder.succeed(&format!("expose grey.exr -o out --unit full-well --set sensor.preset=sony-imx249-mono {TIME}"));
+    assert!(!said.text().contains("stay over it"), "{}", said.text());
+}
+
+#[test]
 fn irradiance_of_one_wavelength_serves_any_sensor() {
     let folder = folder();
     let arguments = "--unit irradiance --wavelength-nm 550 --one 0.01 --set sensor.preset=sony-imx249-mono";
