@@ -26,7 +26,7 @@ use crate::calibration::dataset::Plan;
 use crate::io::lock::Lock;
 use crate::io::output::{create_folder, remove_leftovers, write_new, write_whole};
 use crate::io::pretty_json::pretty_json;
-use crate::io::unfinished::{UnfinishedFolder, is_filled, unfinished_folders};
+use crate::io::unfinished::{UnfinishedFolder, unfinished_folders};
 use crate::pipeline::are_checkpoints_in;
 use crate::report::{Listing, Look, REPORT};
 use crate::{Error, Invalid, Result};
@@ -52,11 +52,7 @@ impl DatasetFolder {
             remove_leftovers(path);
         }
         if !marker.exists() {
-            let entries = input::entries(path).map_err(|reason| Error::io(path, "read", reason))?;
-            let mut names = entries.flatten().map(|entry| entry.file_name());
-            if names.any(|name| !name.to_string_lossy().starts_with(".photosite")) && !marker.exists() {
-                return Err(not_of_set(format!("{} is not empty and does not contain a data set", path.display())));
-            }
+            refuse_filled(path)?;
             write_identity(path, identity)?;
         }
         let earlier = read_identity(&marker)?;
@@ -196,15 +192,22 @@ pub(super) fn check_folder(path: &Path, identity: &Value) -> Result<()> {
     check_is_folder(path)?;
     let marker = path.join(IDENTITY);
     if !marker.exists() {
-        if is_filled(path) {
-            return Err(not_of_set(format!("{} is not empty and does not contain a data set", path.display())));
-        }
-        return Ok(());
+        return if path.exists() { refuse_filled(path) } else { Ok(()) };
     }
     match refusal(&read_identity(&marker)?, identity) {
         Some(difference) => Err(not_of_set(format!("{} {difference}", path.display()))),
         None => Ok(()),
     }
+}
+
+/// Refuses a folder that holds something else than a data set. Whoever begins at the same time may have begun to fill it.
+fn refuse_filled(path: &Path) -> Result<()> {
+    let entries = input::entries(path).map_err(|reason| Error::io(path, "read", reason))?;
+    let mut names = entries.flatten().map(|entry| entry.file_name());
+    if names.any(|name| !name.to_string_lossy().starts_with(".photosite")) && !path.join(IDENTITY).exists() {
+        return Err(not_of_set(format!("{} is not empty and does not contain a data set", path.display())));
+    }
+    Ok(())
 }
 
 fn write_identity(folder: &Path, identity: &Value) -> Result<()> {
