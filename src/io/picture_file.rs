@@ -83,14 +83,14 @@ impl PictureFile {
         Picture { notes, ..self.picture }
     }
 
-    /// That of an EXR file that was read.
+    /// Image of an EXR file that was read.
     pub(super) fn of_exr(picture: ExrPicture, name: String, pixels: Pixels) -> Result<Self, Invalid> {
         let colours = StatedColours { attributes: picture.attributes.clone(), ..StatedColours::default() };
         let picture = if pixels == Pixels::All { of_exr(picture, name) } else { of_active_area(picture, name) };
         Ok(Self { picture: picture?, notes: PictureNotes { colours, ..PictureNotes::default() } })
     }
 
-    /// That of a raw file that was read.
+    /// Image of a raw file that was read.
     pub(super) fn of_raw(name: String, raw: RawImage, pixels: Pixels) -> Self {
         let orientation = raw.metadata.orientation;
         let mut picture = Picture::from_raw(name, raw, pixels);
@@ -98,7 +98,7 @@ impl PictureFile {
         Self { picture, notes: PictureNotes { orientation, left_out, ..PictureNotes::default() } }
     }
 
-    /// That of a file that says nothing besides.
+    /// Image of a file that says nothing besides.
     fn silent(picture: Picture) -> Self {
         Self { picture, notes: PictureNotes::default() }
     }

@@ -20,7 +20,7 @@ pub struct StatedColours {
 }
 
 impl StatedColours {
-    /// Those of a PNG file.
+    /// Colours that a PNG file states.
     pub(super) fn of_png(info: &png::Info<'_>) -> Self {
         let number = |value: png::ScaledFloat| f64::from(value.into_value());
         let point = |(x, y)| [x, y].map(number);

@@ -32,7 +32,7 @@ pub struct RenderNoise {
 }
 
 impl RenderNoise {
-    /// Of a render whose samples of each pixel are set by what `samples` writes for their number. `None` in the dark.
+    /// Noise of a render, whose samples of each pixel are set by what `samples` writes for their number. `None` in the dark.
     pub fn new(render: &RenderReport, samples: impl Fn(u32) -> String) -> Option<Self> {
         let Some(ratio) = render.noise_ratio else {
             let words = format!(

@@ -110,7 +110,7 @@ pub struct NotFinite {
 }
 
 impl NotFinite {
-    /// Those of the planes; `None` where there are none.
+    /// Values of the planes that are not finite; `None` where there are none.
     pub fn of(planes: &Planes) -> Option<Self> {
         let width = planes.width().max(1);
         let mut found: Option<Self> = None;

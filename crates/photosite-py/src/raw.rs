@@ -95,7 +95,7 @@ impl Raw {
         self.0.cfa.to_string()
     }
 
-    /// That of the pixels that see light.
+    /// Text of the colour filter array of the pixels that see light.
     fn active_cfa(&self) -> String {
         self.0.active_cfa().to_string()
     }

@@ -114,7 +114,7 @@ struct SensorTable {
     /// Keys and tables of the preset that this sensor does not have, such as ["filter", "channels.G",
     /// "noise.prnu_percent"]. They are taken away before the keys here are laid over the preset.
     without: Option<Vec<String>>,
-    /// The same sensor with so many columns and rows of pixels in place of its own, for a image of the same view at
+    /// The same sensor with so many columns and rows of pixels in place of its own, for an image of the same view at
     /// another size. The sensor keeps its size (with another shape of the image, it grows at two sides); pixels get
     /// larger or smaller, full well and conversion gain with their area, so that the same exposure gives as bright a
     /// image. Left out: its own pixels.

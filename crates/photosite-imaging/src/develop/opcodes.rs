@@ -7,7 +7,7 @@ use photosite_core::image::Planes;
 
 use super::defects;
 
-/// Those of a list; without those that correct the lens's falloff where it is to stay.
+/// Opcodes of a list, without those that correct the lens's falloff where it is to stay.
 fn opcodes(raw: &RawImage, list: usize, falloff: bool) -> impl Iterator<Item = &Opcode> {
     raw.metadata.opcodes[list].iter().filter(move |opcode| falloff || !opcode.is_of_falloff())
 }

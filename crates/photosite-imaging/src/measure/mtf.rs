@@ -41,7 +41,7 @@ pub struct EdgeResponse {
     pub at_nyquist: f64,
     /// Standard error that the noise of the pixels leaves in each modulation.
     pub standard_error: Vec<f64>,
-    /// That at a quarter of a cycle per pixel, half the Nyquist frequency.
+    /// Standard error of the modulation at a quarter of a cycle per pixel, half the Nyquist frequency.
     pub standard_error_at_half_nyquist: f64,
 }
 

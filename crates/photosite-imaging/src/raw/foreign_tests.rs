@@ -437,7 +437,7 @@ fn closed_form(id: u32, value: f64, [x, y]: [f64; 2], white: f64) -> f64 {
     }
 }
 
-/// The same as bytes; coefficients of a polynomial of stored values are of these.
+/// Parameters of an opcode as bytes; coefficients of a polynomial of stored values are of these.
 fn as_bytes(id: u32, white: f64) -> Vec<u8> {
     let with = |more: u32| [&EVERY_SECOND[..], &[more]].concat();
     match id {

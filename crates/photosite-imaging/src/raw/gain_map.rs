@@ -19,7 +19,7 @@ pub struct GainMap {
 /// the places of a mosaic's tile, and so between its colours.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reach {
-    /// Those of the active area.
+    /// Pixels of the active area that the map covers.
     pub pixels: AreaSpec,
     /// From one point to the next, across and down, in sides of the active area.
     pub spacing: [f64; 2],
