@@ -98,9 +98,11 @@ pub fn expose_after(
     before: Option<&LeftCharge>,
 ) -> Result<Exposed, Invalid> {
     let drawn: Vec<NoiseMap> = maps.iter().copied().filter(|map| *map != NoiseMap::RawClean).collect();
-    let mut exposed = expose_once(mean_electrons, sensor, exposure, stages, key, &drawn, before, false)?;
+    let size = [mean_electrons.width(), mean_electrons.height()];
+    let frame = Frame { sensor, exposure, stages, key, size, is_mean: false };
+    let mut exposed = expose_once(mean_electrons, &frame, &drawn, before)?;
     if let Some(place) = maps.iter().position(|map| *map == NoiseMap::RawClean) {
-        let clean = clean(mean_electrons, sensor, exposure, stages, key, before)?;
+        let clean = clean(mean_electrons, &frame, before)?;
         let mut channels = exposed.maps.planes.into_channels();
         let place = place * clean.len();
         channels.splice(place..place, clean);
@@ -111,17 +113,11 @@ pub fn expose_after(
 
 /// The channels of [`NoiseMap::RawClean`]. Of the numbers of an exposure whose stages take their means, rounding is
 /// taken back, and they end where those of the converter do.
-fn clean(
-    mean_electrons: &Planes,
-    sensor: &SensorModel,
-    exposure: &Exposure,
-    stages: Stages,
-    key: NoiseKey,
-    before: Option<&LeftCharge>,
-) -> Result<Vec<Channel>, Invalid> {
+fn clean(mean_electrons: &Planes, frame: &Frame<'_>, before: Option<&LeftCharge>) -> Result<Vec<Channel>, Invalid> {
     let rounded = [NoiseMap::QuantisationDn, NoiseMap::RoundingDn];
-    let Exposed { raw, maps, .. } = expose_once(mean_electrons, sensor, exposure, stages, key, &rounded, before, true)?;
-    let (converter, samples) = (&sensor.converter, raw.cfa.samples_per_pixel());
+    let of_means = Frame { is_mean: true, ..*frame };
+    let Exposed { raw, maps, .. } = expose_once(mean_electrons, &of_means, &rounded, before)?;
+    let (converter, samples) = (&frame.sensor.converter, raw.cfa.samples_per_pixel());
     let [quantisation, rounding] = [0, 1].map(|map| &maps.planes.channels()[map * samples..][..samples]);
     let level = |number: u16, rounded: [f32; 2]| {
         let level = f64::from(number) - rounded.map(f64::from).iter().sum::<f64>();
@@ -138,19 +134,15 @@ fn clean(
     Ok((0..samples).map(channel).collect())
 }
 
-/// Exposes the sensor once; `is_mean`: without random numbers and, as its curve would hide what rounding has changed,
-/// without companding.
-#[expect(clippy::too_many_arguments, reason = "those of an exposure and how it is made")]
+/// Exposes the sensor once; a frame of means is without random numbers and, as its curve would hide what rounding has
+/// changed, without companding.
 fn expose_once(
     mean_electrons: &Planes,
-    sensor: &SensorModel,
-    exposure: &Exposure,
-    stages: Stages,
-    key: NoiseKey,
+    frame: &Frame<'_>,
     maps: &[NoiseMap],
     before: Option<&LeftCharge>,
-    is_mean: bool,
 ) -> Result<Exposed, Invalid> {
+    let Frame { sensor, exposure, stages, .. } = *frame;
     exposure.validate(sensor)?;
     exposure.region.fits(sensor, [mean_electrons.width(), mean_electrons.height()])?;
     let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
@@ -161,7 +153,7 @@ fn expose_once(
     let mut charge = sensor.masked.surround(charge);
     record.embed([sensor.masked.columns[0] * charge.samples, sensor.masked.rows[0]], &charge);
 
-    let frame = Frame { sensor, exposure, stages, key, size: [charge.width, charge.height], is_mean };
+    let frame = Frame { size: [charge.width, charge.height], ..*frame };
     let passing = free_electrons(&frame, &mut charge, &record);
     let before = before.filter(|_| stages.has(Stage::ImageLag));
     if let Some(before) = before {
