@@ -5,6 +5,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use photosite::keys::{ExposureKeys, RenderKeys};
 use photosite::pipeline::{Event, Monitor, Prepared};
 use photosite::{Capture, Options};
 
@@ -25,8 +26,8 @@ impl Monitor for Counter {
             | Event::PassEnds { .. }
             | Event::TraceEnds
             | Event::SetBegins { .. }
-            | Event::PictureFails { .. }
-            | Event::PictureEnds(_)
+            | Event::ImageFails { .. }
+            | Event::ImageEnds(_)
             | Event::Waiting { .. }
             | Event::SetEnds => {}
         }
@@ -38,18 +39,21 @@ impl Monitor for Counter {
 }
 
 fn main() -> photosite::Result<()> {
-    let changes = ["render.samples_per_pixel=32".to_owned()];
-    let capture = Capture::load_with("scenes/cornell-box/capture.toml".as_ref(), &changes)?;
+    let quick = Capture::builder().render(RenderKeys::new().samples_per_pixel(32));
+    let capture = Capture::load_with("scenes/cornell-box/capture.toml".as_ref(), &quick)?;
     let monitor = Counter::default();
     let prepared = Prepared::new(capture)?;
     let light = prepared.trace(Options { monitor: &monitor, ..Options::default() })?;
-    println!("traced {} paths in {:.1} s", light.paths, light.trace_s);
+    if let Some(traced) = light.traced() {
+        println!("traced {} paths in {:.1} s", traced.paths, traced.trace_s);
+    }
 
     println!("{:>9} {:>9} {:>11}", "time, ms", "mean, DN", "variance, DN²");
     for time_ms in [1.0, 2.0, 4.0, 8.0, 16.0] {
-        let exposed = prepared.for_light(&light, &[format!("exposure.time_s={}", time_ms / 1e3)])?;
+        let exposure = ExposureKeys::new().time_s(time_ms / 1e3);
+        let exposed = light.with(&Capture::builder().exposure(exposure))?;
         // The difference of two frames has twice the temporal noise, and nothing of the scene.
-        let [one, two] = [exposed.expose(&light, 0)?.raw, exposed.expose(&light, 1)?.raw];
+        let [one, two] = [exposed.frame(0, &[])?.raw, exposed.frame(1, &[])?.raw];
         let count = one.data.len() as f64;
         let mean = one.data.iter().map(|&dn| f64::from(dn)).sum::<f64>() / count;
         let squares = one.data.iter().zip(&two.data).map(|(&a, &b)| (f64::from(a) - f64::from(b)).powi(2));

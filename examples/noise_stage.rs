@@ -2,18 +2,21 @@
 //!
 //! `cargo run --release --example noise_stage`
 
+use photosite::capture::read_named_sensor;
 use photosite::image::{Channel, Planes};
+use photosite::keys::SensorKeys;
 use photosite::math::statistics::Moments;
-use photosite::sensor::{Exposure, NoiseKey, RegionOfInterest, Stage, Stages, expose, presets};
+use photosite::sensor::{Exposure, NoiseKey, RegionOfInterest, Stage, Stages, expose};
 use photosite::units::{Celsius, Decibels, Seconds};
+use photosite::{Invalid, Sandbox};
 
 const SIZE: usize = 200;
 /// Mean electrons of every pixel.
 const ELECTRONS: f32 = 500.0;
 
-fn main() -> photosite::Result<(), photosite::Invalid> {
-    let mut sensor = presets::model("sony-imx249-mono").expect("a preset");
-    sensor.resolution = [SIZE, SIZE];
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let size = SensorKeys::new().resolution_px([SIZE as u32; 2]);
+    let sensor = read_named_sensor(&Sandbox::default(), "sony-imx249-mono", &size)?.model;
     let exposure = Exposure {
         time: Seconds(0.1),
         gain: Decibels(0.0),
@@ -25,7 +28,7 @@ fn main() -> photosite::Result<(), photosite::Invalid> {
     let channel = Channel { name: sensor.cfa.channels()[0].clone(), data: vec![ELECTRONS; SIZE * SIZE] };
     let light = Planes::new(SIZE, SIZE, vec![channel])?;
 
-    let deviation_dn = |stages: Stages| -> photosite::Result<f64, photosite::Invalid> {
+    let deviation_dn = |stages: Stages| -> photosite::Result<f64, Invalid> {
         let raw = expose(&light, &sensor, &exposure, stages, NoiseKey { seed: 1, frame: 0 })?;
         let mut numbers = Moments::default();
         raw.data.iter().for_each(|&dn| numbers.add(f64::from(dn)));

@@ -4,36 +4,24 @@
 
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::geometry::QuadricKind;
+use photosite::keys::{
+    CameraKeys, CaptureKeys, EnvironmentKeys, LensKeys, RenderKeys, SceneKeys, SensorKeys, SensorTableKeys,
+};
 use photosite::scene::description::{
     Colour, Diffuse, InstanceDescription, MaterialDescription, MaterialModel, MeshDescription, SceneDescription,
     TexturedColour,
 };
 use photosite::{Capture, Options, render};
 
-/// All but the geometry, as a capture file has it.
-const CAPTURE: &str = r#"
-[scene]
-environment = { illuminant = "D65", illuminance_lux = 10000 }
-
-[camera]
-position_m = [0.0, 1.2, 4.0]
-look_at_m = [0.0, 0.5, 0.0]
-
-[lens]
-focal_length_mm = 3.0
-f_number = 4.0
-focus_distance_m = 3.5
-
-[sensor]
-preset = "generic-cmos-color"
-resolution_px = [320, 240]
-
-[exposure]
-auto = true
-
-[render]
-samples_per_pixel = 64
-"#;
+/// All but the geometry.
+fn keys() -> CaptureKeys {
+    Capture::builder()
+        .scene(SceneKeys::new().environment(EnvironmentKeys::new().illuminant("D65").illuminance_lux(10000.0)))
+        .camera(CameraKeys::new().position_m([0.0, 1.2, 4.0]).look_at_m([0.0, 0.5, 0.0]))
+        .lens(LensKeys::new().focal_length_mm(3.0).f_number(4.0).focus_distance_m(3.5))
+        .sensor(SensorKeys::new().preset("generic-cmos-color").resolution_px([320, 240]))
+        .render(RenderKeys::new().samples_per_pixel(64))
+}
 
 fn main() -> photosite::Result<()> {
     let matt = |name: &str, rgb: [f32; 3]| {
@@ -62,9 +50,9 @@ fn main() -> photosite::Result<()> {
         ..SceneDescription::default()
     };
 
-    let capture = Capture::of_scene(scene, CAPTURE)?;
+    let capture = Capture::of_scene(scene, &keys())?;
     let shot = render(&capture, Options::default())?;
-    shot.raw.save("own-scene.dng")?;
+    photosite::save_raw(&shot.raw, "own-scene.dng")?;
     shot.develop(capture.develop())?.save("own-scene.png")?;
     println!("exposed for {:.3} ms", shot.exposure.time.0 * 1e3);
     Ok(())

@@ -1,42 +1,46 @@
-//! A preset with other numbers, and a sensor that is described from scratch: what changes in the picture.
+//! A preset with other numbers, and a sensor that is described from scratch: what changes in the image.
 //!
 //! `cargo run --release --example own_sensor`
 
-use std::path::Path;
-
+use photosite::keys::{
+    AdcKeys, CaptureKeys, ChannelKeys, ChargeKeys, ExposureKeys, LensKeys, NoiseKeys, RenderKeys, SensorKeys,
+    SensorTableKeys,
+};
 use photosite::{Capture, Options, render};
 
-/// A small monochrome sensor, with a lens and an exposure time that suit it. Every key of `[sensor]` is described by
-/// `photosite schema`.
-const SENSOR: &str = r#"
-sensor.preset = "none"
-sensor.name = "My sensor"
-sensor.resolution_px = [200, 200]
-sensor.pixel_pitch_um = [9.0, 9.0]
-sensor.cfa = "mono"
-sensor.channels.Y = { quantum_efficiency = 0.6 }
-sensor.charge = { full_well_e = 12000 }
-sensor.adc = { bits = 10, black_level_dn = 16, conversion_gain_dn_per_e = 0.08 }
-sensor.noise = { read_noise_e = 4.0 }
-lens.focal_length_mm = 2.5
-exposure.time_s = 0.001
-"#;
+/// A small monochrome sensor, with a lens and an exposure time that suit it.
+fn own_sensor() -> CaptureKeys {
+    let sensor = SensorKeys::new()
+        .preset("none")
+        .name("My sensor")
+        .resolution_px([200, 200])
+        .pixel_pitch_um([9.0, 9.0])
+        .cfa("mono")
+        .channels("Y", ChannelKeys::new().quantum_efficiency(0.6))
+        .charge(ChargeKeys::new().full_well_e(12000.0))
+        .adc(AdcKeys::new().bits(10).black_level_dn(16).conversion_gain_dn_per_e(0.08))
+        .noise(NoiseKeys::new().read_noise_e(4.0));
+    Capture::builder()
+        .sensor(sensor)
+        .lens(LensKeys::new().focal_length_mm(2.5))
+        .exposure(ExposureKeys::new().time_s(0.001))
+}
 
 fn main() -> photosite::Result<()> {
-    let capture = Path::new("scenes/cornell-box/capture.toml");
-    let quick = "render.samples_per_pixel=16".to_owned();
+    let capture = Capture::load("scenes/cornell-box/capture.toml")?;
+    let capture = capture.with(&Capture::builder().render(RenderKeys::new().samples_per_pixel(16)))?;
 
     // The sensor of the capture file, but cold and with a smaller well.
-    let changes = [quick.clone(), "sensor.charge.full_well_e=4000".to_owned(), "exposure.temperature_c=-20".to_owned()];
-    let preset = Capture::load_with(capture, &changes)?;
-    let shot = render(&preset, Options::default())?;
-    shot.raw.save("small-well.dng")?;
+    let changes = Capture::builder()
+        .sensor(SensorKeys::new().charge(ChargeKeys::new().full_well_e(4000.0)))
+        .exposure(ExposureKeys::new().temperature_c(-20.0));
+    let shot = render(&capture.with(&changes)?, Options::default())?;
+    photosite::save_raw(&shot.raw, "small-well.dng")?;
 
-    // A sensor of one's own: each line changes one key.
-    let lines = SENSOR.lines().filter(|line| !line.is_empty()).map(str::to_owned);
-    let own = Capture::load_with(capture, &lines.chain([quick]).collect::<Vec<_>>())?;
+    // A sensor of one's own.
+    let own = capture.with(&own_sensor())?;
     let shot = render(&own, Options::default())?;
-    shot.raw.save("own-sensor.dng")?;
+    photosite::save_raw(&shot.raw, "own-sensor.dng")?;
     shot.develop(own.develop())?.save("own-sensor.png")?;
 
     println!(

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Renders the pictures of README.md and scenes/README.md anew: bash scenes/pictures.sh. Takes some ten minutes on two cores.
+# Renders the images of README.md and scenes/README.md anew: bash scenes/pictures.sh. Takes some ten minutes on two cores.
 # The small ones have pixels twice as wide and high, hence a quarter of the exposure time, and more samples each.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -7,7 +7,7 @@ cargo build --release
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
-# picture NAME CAPTURE CHANGES...
+# image NAME CAPTURE CHANGES...
 picture() {
     local name=$1 capture=$2 changes=()
     for change in "${@:3}"; do changes+=(--set "$change"); done

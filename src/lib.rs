@@ -1,19 +1,19 @@
 //! photosite renders a glTF, OBJ, PLY or STL scene as a camera would record it: spectral radiance is path-traced through a
 //! lens, falls on an image sensor as irradiance, becomes electrons, then digital numbers in a raw file, then an RGB
-//! picture. Every stage is a physical quantity with a unit and can be written out on its own.
+//! image. Every stage is a physical quantity with a unit and can be written out on its own.
 //!
 //! ```no_run
 //! # fn main() -> photosite::Result<()> {
 //! let capture = photosite::Capture::load("scenes/cornell-box/capture.toml")?;
 //! let shot = photosite::render(&capture, photosite::Options::default())?;
-//! shot.raw.save("raw.dng")?;
+//! photosite::save_raw(&shot.raw, "raw.dng")?;
 //! shot.develop(capture.develop())?.save("image.png")?;
 //! # Ok(())
 //! # }
 //! ```
 //!
 //! `examples/` has five more programs: an own sensor, one noise stage at a time, a scene that no file holds, stored
-//! light that is exposed many times, a raw file that becomes a picture.
+//! light that is exposed many times, a raw file that becomes an image.
 //!
 //! # The chain
 //!
@@ -25,24 +25,24 @@
 //! | sensor | charge, voltage, digital number | e⁻, V, DN | [`sensor`], [`raw`] |
 //! | development | linear and display-referred RGB | – | [`develop`] |
 //!
-//! [`pipeline`] takes a [`Capture`] through all of them, in memory or into a folder; [`dataset`] does so again and
-//! again.
+//! [`pipeline`] takes a [`Capture`] through all of them, in memory or into a folder; a data set does so again and again.
 //!
 //! # The crates
 //!
-//! | crate | holds | sees |
-//! |---|---|---|
-//! | `photosite-simd` | lanes of numbers; the only `unsafe` code | – |
-//! | `photosite-core` | [`units`], [`math`], [`spectrum`], [`colour`], [`image`], [`projection`], [`cells`], errors | simd |
-//! | `photosite-transport` | [`geometry`] … [`integrator`]: light from its sources to the sensor | simd, core |
-//! | `photosite-imaging` | [`raw`], [`sensor`], [`develop`], [`measure`], [`validation`], [`characterisation`], [`synthetic_noise`] | core |
-//! | `photosite-scene-io` | glTF, OBJ, PLY, STL, environments, IES | core, transport |
-//! | `photosite-calibration` | [`calibration`]: targets, poses, ground truth, camera files | core, transport |
-//! | `photosite-placement` | [`placement`]: places of rigid objects, dropped or standing | core |
-//! | `photosite` | this crate: the [`capture`] language, the [`pipeline`], [`report`]s, files ([`io`]), and the command | all |
+//! | crate | holds |
+//! |---|---|
+//! | `photosite-core` | [`units`], [`math`], [`spectrum`], [`colour`], [`image`], [`projection`], [`cells`], errors |
+//! | `photosite-transport`, `photosite-lens` | [`geometry`] … [`integrator`]: light from its sources to the sensor |
+//! | `photosite-gpu` | the same light transport on graphics cards, for the program (feature `gpu`) |
+//! | `photosite-raw`, `-sensor`, `-develop`, `-measure` | [`raw`], [`sensor`], [`develop`], [`measure`], [`validation`], [`characterisation`], [`synthetic_noise`] |
+//! | `photosite-scene-io`, `-files`, `-mitsuba` | [`io`]: scenes and images of files |
+//! | `photosite-calibration` | [`calibration`]: targets, poses, ground truth, camera files |
+//! | `photosite-capture` | the [`capture`] language, its builders ([`keys`]) and [`report`]s |
+//! | `photosite-pipeline` | the [`pipeline`] |
+//! | `photosite-dataset`, `-placement` | data sets, image sets of a sensor, places of rigid objects (feature `dataset`) |
+//! | `photosite-cli`, `-view` | the program, which no library needs (features `command`, `view`) |
 //!
-//! Transport and imaging do not know each other. Only this crate, the readers of scenes and those of raw files touch
-//! files; only the command prints.
+//! Light transport and sensors do not know each other. `CONTRIBUTING.md` says what each crate may see.
 //!
 //! # Invariants
 //!
@@ -58,29 +58,28 @@
 
 #![forbid(unsafe_code)]
 
-pub mod cache;
-pub mod capture;
-pub mod cli;
-pub mod dataset;
-pub mod emva1288;
-pub mod io;
-pub mod lens_figures;
-mod locked;
-mod picture;
-pub mod pipeline;
-pub mod report;
-pub mod schedulers;
-mod schema_links;
-pub mod sight;
-#[cfg(feature = "view")]
-pub mod view;
-
-pub use capture::Capture;
 pub use photosite_calibration as calibration;
+pub use photosite_capture::{self as capture, Capture, keys, report};
 pub use photosite_core::{Error, Help, Invalid, Remedy, Result, Sandbox};
 pub use photosite_core::{cells, colour, error, image, math, memory, projection, references, spectrum, units};
-pub use photosite_imaging::{characterisation, develop, measure, raw, sensor, synthetic_noise, validation};
+#[cfg(feature = "dataset")]
+pub use photosite_dataset::{self as dataset, emva1288};
+pub use photosite_develop as develop;
+pub use photosite_files::raw_file::{read_raw, save_raw};
+pub use photosite_measure::{characterisation, measures as measure, synthetic_noise, validation};
+pub use photosite_pipeline::{
+    self as pipeline, DevelopedFile, DevelopedImage, Options, Shot, cache, camera_projection, render,
+};
+#[cfg(feature = "dataset")]
 pub use photosite_placement as placement;
+pub use photosite_raw as raw;
+pub use photosite_sensor as sensor;
 pub use photosite_transport::{bsdf, film, geometry, integrator, light, optics, sampler, scene, texture};
-pub use picture::{DevelopedFile, Picture};
-pub use pipeline::{Options, Shot, render};
+
+/// Files: images, raw images, irradiance, truth, scenes, and the export to Mitsuba.
+pub mod io {
+    pub use photosite_core::{cleanup, output};
+    pub use photosite_files::*;
+    pub use photosite_mitsuba as mitsuba;
+    pub use photosite_scene_io::{ChangedMeshes, MeshChange, MissingNormals, complete, gltf, obj, ply, stl};
+}

@@ -11,5 +11,5 @@ use photosite_simd::Heap;
 static HEAP: Heap = Heap;
 
 fn main() -> ExitCode {
-    photosite::cli::run(std::env::args_os()).into()
+    photosite_cli::run(std::env::args_os()).into()
 }

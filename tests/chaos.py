@@ -184,7 +184,7 @@ def disturbed(options: argparse.Namespace, inputs: Path, disk: Path, is_small: b
             ended(worker)
         done = len(list(output.glob("camera/[0-9]*")))
         if done == options.frames and counts.kills < options.kills:
-            # There is nothing left to disturb: some pictures lose a file, some go.
+            # There is nothing left to disturb: some images lose a file, some go.
             for number in random.sample(range(options.frames), options.frames // 2):
                 picture = output / "camera" / f"{number:06}"
                 try:
@@ -221,7 +221,7 @@ def main() -> None:
         (inputs / "set.toml").write_text(SET.replace("FRAMES", str(options.frames)))
         subprocess.run(command(options.program, inputs / "whole"), cwd=inputs, check=True)
         whole = contents(inputs / "whole")
-        # Room for the set, for a picture of each worker, and little more
+        # Room for the set, for an image of each worker, and little more
         mib = 4 + 2 * sum(map(len, whole.values())) // (1 << 20)
         is_small = mounted(disk, mib)
         try:

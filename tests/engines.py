@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Workers of an engine that are killed make one data set: `python3 tests/engines.py PROGRAM --engine local|ray|dask`.
+"""Workers that are killed make one data set: `python3 tests/engines.py PROGRAM`.
 
-The Python package must be there, and the engine of tests/judges/requirements-engines.txt. A driver of its own process
-makes a stereo set on four workers (Dataset.run). At random moments a worker that is at work gets SIGKILL, and once the
-driver, which is started again. In the end
+The Python package must be there. A driver of its own process makes a stereo set on four workers (Dataset.run). At random
+moments a worker that is at work gets SIGKILL, and once the driver, which is started again. In the end
 
 - every file has the bytes of a run of PROGRAM in one process, and there is no other file;
-- of pictures that were begun, as the system tells of their folders, for each killed worker at most those of one frame
+- of images that were begun, as the system tells of their folders, for each killed worker at most those of one frame
   are begun twice;
 - no process is left, those of a killed driver included.
 """
@@ -48,11 +47,7 @@ DRIVER = """\
 import sys
 import photosite as ps
 if __name__ == "__main__":
-    engine, address, split = sys.argv[1:]
-    done = ps.Dataset("set.toml").run(
-        "out", engine=engine, address=address or None, workers=4, threads=1, split=split, progress=False
-    )
-    print(done)
+    print(ps.Dataset("set.toml").run("out", workers=4, threads=1, split=sys.argv[1], progress=False))
 """
 WORKERS = 4
 CAMERAS = ("left", "right")
@@ -73,12 +68,11 @@ def marked() -> "dict[int, tuple[int, str]]":
         except OSError:
             pass
     found.pop(os.getpid(), None)
-    # A helper of this process, which ends with it.
-    return {pid: what for pid, what in found.items() if "multiprocessing.resource_tracker" not in what[1]}
+    return found
 
 
 class Begun:
-    """Counts the folders in which pictures are begun, CAMERA/.NUMBER.XXXXXX.partial, with inotify."""
+    """Counts the folders in which images are begun, CAMERA/.NUMBER.XXXXXX.partial, with inotify."""
 
     def __init__(self, folder: Path) -> None:
         self.names: "list[str]" = []
@@ -103,54 +97,19 @@ class Begun:
                 at += 16 + length
 
 
-def local_cluster() -> "tuple[str, Callable[[int], list[int]], Callable[[], None]]":
-    def workers(driver: int) -> "list[int]":
-        return [pid for pid, (parent, what) in marked().items() if parent == driver and "local_worker" in what]
-
-    return "", workers, lambda: None
-
-
-def ray_cluster() -> "tuple[str, Callable[[int], list[int]], Callable[[], None]]":
-    os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
-    from ray.cluster_utils import Cluster
-
-    node = {"num_cpus": WORKERS // 2, "object_store_memory": 100_000_000}
-    cluster = Cluster(initialize_head=True, head_node_args={**node, "include_dashboard": False})
-    cluster.add_node(**node)
-
-    def workers(driver: int) -> "list[int]":
-        # Idle ones have another title.
-        return [pid for pid, (_, what) in marked().items() if what.startswith("ray::carry_out")]
-
-    return cluster.address, workers, cluster.shutdown
-
-
-def dask_cluster() -> "tuple[str, Callable[[int], list[int]], Callable[[], None]]":
-    from dask.distributed import LocalCluster
-
-    cluster = LocalCluster(
-        n_workers=WORKERS, threads_per_worker=1, processes=True, dashboard_address=None, host="127.0.0.1", silence_logs=50
-    )
-
-    def workers(driver: int) -> "list[int]":
-        return [nanny.pid for nanny in cluster.workers.values() if nanny.pid]
-
-    return cluster.scheduler_address, workers, cluster.close
-
-
-CLUSTERS = {"local": local_cluster, "ray": ray_cluster, "dask": dask_cluster}
+def workers_of(driver: int) -> "list[int]":
+    return [pid for pid, (parent, what) in marked().items() if parent == driver and "_engines.worker" in what]
 
 
 class Test:
     def __init__(self, options: argparse.Namespace, folder: Path) -> None:
         self.options, self.folder, self.output = options, folder, folder / "out"
-        self.address, self.workers, self.shutdown = CLUSTERS[options.engine]()
         self.drivers = 0
 
     def start(self) -> "subprocess.Popen[bytes]":
         self.drivers += 1
         with open(self.folder / f"driver-{self.drivers}.log", "wb") as log:
-            command = [sys.executable, "driver.py", self.options.engine, self.address, self.options.split]
+            command = [sys.executable, "driver.py", self.options.split]
             return subprocess.Popen(command, cwd=self.folder, stdout=log, stderr=subprocess.STDOUT)
 
     def done(self) -> int:
@@ -169,7 +128,7 @@ class Test:
         return (self.folder / f"driver-{self.drivers}.log").read_text(errors="replace")
 
     def disturb(self) -> None:
-        """Kills workers, and the driver in between, each when so many pictures exist."""
+        """Kills workers, and the driver in between, each when so many images exist."""
         pictures = self.options.frames * len(CAMERAS)
         # Some moments before the end: whoever is killed is to be at work.
         moments = sorted(random.sample(range(2, pictures - 3 * WORKERS), self.options.kills + 1))
@@ -177,15 +136,15 @@ class Test:
         driver = self.start()
         try:
             for moment in moments:
-                self.wait(driver, lambda: self.done() >= moment, f"picture {moment}")
+                self.wait(driver, lambda: self.done() >= moment, f"image {moment}")
                 time.sleep(random.uniform(0, 0.2))
                 if moment == of_driver:
                     self.kill_driver(driver)
                     driver = self.start()
                     continue
-                self.wait(driver, lambda: bool(self.workers(driver.pid)), "worker")
-                worker = random.choice(self.workers(driver.pid))
-                print(f"picture {self.done()}: SIGKILL to worker {worker}", flush=True)
+                self.wait(driver, lambda: bool(workers_of(driver.pid)), "worker")
+                worker = random.choice(workers_of(driver.pid))
+                print(f"image {self.done()}: SIGKILL to worker {worker}", flush=True)
                 os.kill(worker, signal.SIGKILL)
             status = driver.wait(self.options.limit_s)
         finally:
@@ -196,12 +155,11 @@ class Test:
         print(self.log(), end="")
 
     def kill_driver(self, driver: "subprocess.Popen[bytes]") -> None:
-        workers = self.workers(driver.pid)
-        print(f"picture {self.done()}: SIGKILL to the driver", flush=True)
+        workers = workers_of(driver.pid)
+        print(f"image {self.done()}: SIGKILL to the driver", flush=True)
         driver.kill()
         driver.wait()
-        if self.options.engine == "local":
-            gone(lambda: {pid: what for pid, what in marked().items() if pid in workers}, "workers outlive the driver")
+        gone(lambda: {pid: what for pid, what in marked().items() if pid in workers}, "workers outlive the driver")
 
 
 def gone(left: Callable[[], "dict[int, tuple[int, str]]"], complaint: str) -> None:
@@ -225,13 +183,12 @@ def dataset(program: Path, folder: Path, output: str, *more: str) -> None:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program", type=Path, help="the photosite binary")
-    parser.add_argument("--engine", choices=CLUSTERS, required=True)
     parser.add_argument("--split", choices=["frames", "samples"], default="frames")
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--kills", type=int, default=10)
     parser.add_argument("--samples", type=int, default=125, help="samples per pixel: how long a frame takes")
     parser.add_argument("--seed", type=int, default=34)
-    parser.add_argument("--limit-s", type=float, default=120, help="longest wait for a picture")
+    parser.add_argument("--limit-s", type=float, default=120, help="longest wait for an image")
     options = parser.parse_args()
     options.program = options.program.resolve()
     random.seed(options.seed)
@@ -248,12 +205,8 @@ def main() -> None:
         # Frames that there are not: the folder is made, and nothing in it.
         dataset(options.program, folder, "out", "--frames", str(options.frames))
         pictures = Begun(folder / "out")
-        test = Test(options, folder)
-        try:
-            test.disturb()
-            whole, found = sums(folder / "whole"), sums(folder / "out")
-        finally:
-            test.shutdown()
+        Test(options, folder).disturb()
+        whole, found = sums(folder / "whole"), sums(folder / "out")
         gone(marked, "processes are left")
     differ = [name for name in sorted(whole.keys() | found.keys()) if whole.get(name) != found.get(name)]
     if differ:
@@ -261,14 +214,14 @@ def main() -> None:
     all_s = f"{time.monotonic() - begun:.0f} s, of which {whole_s:.0f} for one process"
     killed = f"{options.kills} workers and the driver killed; all {len(whole)} files have the bytes of one process"
     if options.split == "samples":
-        print(f"{options.engine}, by samples: {killed}; {all_s}")
+        print(f"by samples: {killed}; {all_s}")
         return
     twice = len(pictures.names) - options.frames * len(CAMERAS)
     # With the driver each of its workers may die.
     most = (options.kills + WORKERS) * len(CAMERAS)
-    print(f"{options.engine}: {killed}; {twice} pictures were begun twice, at most {most} may be; {all_s}")
+    print(f"{killed}; {twice} images were begun twice, at most {most} may be; {all_s}")
     if not 0 < twice <= most:
-        sys.exit("no kill hit a picture under way" if twice <= 0 else "more was made twice than was under way")
+        sys.exit("no kill hit an image under way" if twice <= 0 else "more was made twice than was under way")
 
 
 if __name__ == "__main__":

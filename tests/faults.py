@@ -3,8 +3,8 @@
 
 Each fault below is one change of the program that is plausibly a slip: a square forgotten, a sign turned, a rounding left
 out. The program is copied to a folder of its own, the change is made there, and the tests that watch over that step are run.
-They must compile and fail. Without names all are tried, which takes long; `.ci/run` tries another one each day. That each
-text to change still stands in the sources, once, is looked up for all of them every time.
+They must compile and fail. Without names all are tried, which takes long. That each text to change still stands in the
+sources, once, is looked up for all of them every time, and by `--check` alone.
 """
 
 import argparse
@@ -56,8 +56,8 @@ FAULTS = {
         "bsdf_",
     ),
     "falloff-by-the-square-of-the-cosine": Fault(
-        "cos2 * cos2 * of_picture",
-        "cos2 * of_picture",
+        "cos2 * cos2 * of_image",
+        "cos2 * of_image",
         PHYSICS,
         "lens::",
     ),
@@ -77,8 +77,8 @@ FAULTS = {
     "dark-current-by-the-cube-of-temperature": Fault(
         "(warm / cool).powf(1.5)",
         "(warm / cool).powf(3.0)",
-        crate("imaging"),
-        "sensor::",
+        crate("sensor"),
+        "",
     ),
     "a-response-pattern-that-adds": Fault(
         "mean * (1.0 + deviation).max(0.0)",
@@ -90,21 +90,21 @@ FAULTS = {
         "        // Adding a half and cutting rounds halves up, which is right for the levels of 0 and more that are left.\n"
         "        (level.clamp(0.0, self.max_dn) + 0.5) as u16",
         "        level.clamp(0.0, self.max_dn) as u16",
-        crate("imaging"),
-        "sensor::",
+        crate("sensor"),
+        "",
     ),
     # Raw files and development
     "predictions-from-the-start-of-the-row": Fault(
         "numbers[(y - 1) * row_length + x]",
         "numbers[(y - 1) * row_length]",
-        crate("imaging"),
-        "raw::lossless_jpeg",
+        crate("raw"),
+        "lossless_jpeg",
     ),
     "diagonals-that-add-to-a-colour": Fault(
         "4.0 * (along[1] + along[2]) - diagonal - along[0]",
         "4.0 * (along[1] + along[2]) + diagonal - along[0]",
-        crate("imaging"),
-        "develop::demosaic",
+        crate("develop"),
+        "demosaic",
     ),
     "adaptation-to-the-wrong-white": Fault(
         "DMat3::from_diagonal((cones * to) / (cones * from))",
@@ -116,7 +116,7 @@ FAULTS = {
     "dark-noise-with-that-of-rounding": Fault(
         "dark_noise_e: (dark_variance - 1.0 / 12.0).sqrt() / gain",
         "dark_noise_e: dark_variance.sqrt() / gain",
-        crate("imaging"),
+        crate("measure"),
         "characterisation::",
     ),
     "depth-of-the-other-sign": Fault(
@@ -140,14 +140,14 @@ FAULTS = {
     "pixel-centres-at-halves": Fault(
         "[[fx, skew, cx - 0.5], [0.0, fy, cy - 0.5], [0.0, 0.0, 1.0]]",
         "[[fx, skew, cx], [0.0, fy, cy], [0.0, 0.0, 1.0]]",
-        "-p photosite --lib",
+        crate("capture"),
         "report::",
     ),
     "light-from-half-of-the-sky": Fault(
         'Some(("illuminance_lux", lux / PI))',
         'Some(("illuminance_lux", lux / (2.0 * PI)))',
-        "-p photosite --lib",
-        "capture::",
+        crate("capture"),
+        "",
     ),
 }
 
@@ -198,6 +198,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("names", nargs="*", metavar="NAME", help="faults to try; all without")
     parser.add_argument("--list", action="store_true", help="print the names and end")
+    parser.add_argument("--check", action="store_true", help="look up the texts to change and end")
     parser.add_argument("--quick", action="store_true", help="with --list: those that unit tests of one crate find")
     parser.add_argument("--cargo-profile", default="release", help="profile to build with (default: release)")
     arguments = parser.parse_args()
@@ -209,6 +210,8 @@ def main() -> None:
         parser.error(f"no such fault: {', '.join(sorted(unknown))}; --list prints those that there are")
     for name in FAULTS:
         place(name, ROOT)
+    if arguments.check:
+        return
     missed = [name for name in arguments.names or FAULTS if not is_noticed(name, arguments.cargo_profile)]
     if missed:
         sys.exit(f"{len(missed)} faults that no test noticed: {', '.join(missed)}")

@@ -4,15 +4,15 @@
 use std::io::Cursor;
 
 use libfuzzer_sys::fuzz_target;
-use photosite::Picture;
+use photosite::DevelopedImage;
 use photosite::develop::DevelopSettings;
 use photosite::raw::read_dng;
 
 fuzz_target!(|data: &[u8]| {
-    // Large pictures take their time.
+    // Large images take their time.
     if let Ok(raw) = read_dng(Cursor::new(data))
         && raw.data.len() <= 4096
     {
-        let _ = Picture::develop(&raw, &DevelopSettings::default());
+        let _ = DevelopedImage::develop(&raw, &DevelopSettings::default());
     }
 });

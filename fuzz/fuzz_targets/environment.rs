@@ -1,4 +1,4 @@
-//! Environment pictures: HDR and EXR.
+//! Environment images: HDR and EXR.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

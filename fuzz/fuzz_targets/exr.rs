@@ -10,9 +10,9 @@ use photosite::io::raw_exr::read_raw_exr;
 use photosite::io::spectral_exr::irradiance;
 
 fuzz_target!(|data: &[u8]| {
-    let Ok(picture) = read_exr(Cursor::new(data)) else { return };
-    let _ = irradiance(picture.clone());
-    let _ = electrons(picture);
+    let Ok(image) = read_exr(Cursor::new(data)) else { return };
+    let _ = irradiance(image.clone());
+    let _ = electrons(image);
     if let Ok(raw) = read_raw_exr(Cursor::new(data)) {
         raw.validate().expect("whole");
     }

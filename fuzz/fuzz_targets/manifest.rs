@@ -1,4 +1,4 @@
-//! `manifest.jsonl`, the list of the pictures of a data set.
+//! `manifest.jsonl`, the list of the images of a data set.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 
 pub use captures::{Captures, render};
 
-/// Small files that inputs may name: geometry, spectra, pictures.
+/// Small files that inputs may name: geometry, spectra, images.
 pub fn files() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/files"))
 }

@@ -16,6 +16,7 @@ from ._dataset import Dataset, Frame, FramePicture
 from ._emva1288 import ChannelFigures, Emva1288Report, Figures, SpatialFigures, emva1288, emva1288_report
 from ._engines.run import EngineRun
 from ._errors import Error, FileError, InputError, PhotositeWarning, ResourceError
+from ._fit import CameraFit, Parameter, fit
 from ._light import Light, render, render_into, trace
 from ._photosite import __version__
 from ._raw import Cfa, ColourCalibration, PixelArea, Raw, develop, read_raw
@@ -26,6 +27,7 @@ from ._targets import Marker, Targets, project, unproject
 
 __all__ = [
     "Camera",
+    "CameraFit",
     "Capture",
     "Cfa",
     "ChannelFigures",
@@ -44,6 +46,7 @@ __all__ = [
     "Layers",
     "Light",
     "Marker",
+    "Parameter",
     "PhotositeWarning",
     "PixelArea",
     "Raw",
@@ -58,6 +61,7 @@ __all__ = [
     "emva1288",
     "emva1288_report",
     "expose",
+    "fit",
     "load",
     "project",
     "read_raw",

@@ -15,7 +15,7 @@ __all__ = ["Camera"]
 class Camera:
     """A camera in OpenCV's conventions: x right, y down, z forward; whole pixel coordinates at pixel centres.
 
-    A point X of the world, in m, is at R @ X + t in the camera's coordinates, and its picture, without distortion, at
+    A point X of the world, in m, is at R @ X + t in the camera's coordinates, and its image, without distortion, at
     K @ (R @ X + t).
 
     Attributes:

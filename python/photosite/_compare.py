@@ -1,4 +1,4 @@
-"""Comparison of pictures: how far they lie apart, and whether noise explains it."""
+"""Comparison of images: how far they lie apart, and whether noise explains it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ._raw import Raw
 
 __all__ = ["Comparison", "DifferencePicture", "compare"]
 
-#: A picture: numbers, a raw image, or the path of a file.
+#: An image: numbers, a raw image, or the path of a file.
 Picture = Union["npt.ArrayLike", Raw, Path]
 #: Variances: one for all numbers, an array of them, or the path of an EXR file.
 Variance = Union[float, "npt.ArrayLike", Path]
@@ -25,7 +25,7 @@ Variance = Union[float, "npt.ArrayLike", Path]
 
 @dataclass(frozen=True)
 class DifferencePicture:
-    """The differences of two pictures in false colours: blue where a is below b, red where it is above.
+    """The differences of two images in false colours: blue where a is below b, red where it is above.
 
     Attributes:
         image: (H, W, 3) uint8.
@@ -40,7 +40,7 @@ class DifferencePicture:
 
 @dataclass(frozen=True)
 class Comparison:
-    """How two pictures differ; b counts as the reference.
+    """How two images differ; b counts as the reference.
 
     Attributes:
         outcome: ``"agree"``, ``"differ"``, or ``"not judged"`` without variances and limits.
@@ -50,7 +50,7 @@ class Comparison:
             ``non_finite``, ``variance_of``, ``z_scores``. None stands for what is infinite or does not exist.
         worst: the pixels that differ most: ``x``, ``y``, ``channel``, ``a``, ``b``, and ``z`` and ``p_value`` if known.
         verdict: whether noise explains the differences, and by which bounds; None where no channel has the variances of
-            both pictures.
+            both images.
         untested: what noise cannot be asked about, and what to do about it.
         report: all of it as ``photosite compare --json`` prints it.
     """
@@ -66,11 +66,11 @@ class Comparison:
 
     @property
     def agrees(self) -> Optional[bool]:
-        """Whether nothing tells the pictures apart; None where they are not judged."""
+        """Whether nothing tells the images apart; None where they are not judged."""
         return None if self.outcome == "not judged" else self.outcome == "agree"
 
     def picture(self, *, range: Optional[float] = None) -> DifferencePicture:
-        """The differences as a picture.
+        """The differences as an image.
 
         Args:
             range: the difference at the ends of the colours; without, 4 for z-scores, and of relative differences what
@@ -105,7 +105,7 @@ def compare(
     max_rmse: Optional[float] = None,
     max_relative_mse: Optional[float] = None,
 ) -> Comparison:
-    """Compares two pictures, as ``photosite compare`` does.
+    """Compares two images, as ``photosite compare`` does.
 
     Args:
         a: an array (H, W) or (H, W, C), a :class:`Raw`, or the path of an EXR, PNG, TIFF, JPEG, NPY or raw file. Channels
@@ -121,16 +121,16 @@ def compare(
         samples_b: the same of b.
         channels: compare these channels only; of a mosaic ``raw``, or ``R``, ``G``, ``B``.
         masked: compare the masked pixels of raw images, too, not only those that see light.
-        alpha: probability of saying that pictures differ which agree.
+        alpha: probability of saying that images differ which agree.
         epsilon: the ε of the relative MSE, the mean of (a − b)²/(b² + ε·mean(b)²).
-        peak: white for the PSNR; without, the largest number that the picture can hold, or the largest of b.
+        peak: white for the PSNR; without, the largest number that the image can hold, or the largest of b.
         worst: how many of the pixels that differ most are listed.
         max_mean_difference_percent: most that the mean of a channel may differ, in percent of that of b.
-        max_rmse: most that the root mean squared error of a channel may be, in the unit of the pictures.
+        max_rmse: most that the root mean squared error of a channel may be, in the unit of the images.
         max_relative_mse: most that the relative mean squared error of a channel may be.
 
     Raises:
-        InputError: pictures that do not fit together, channels that do not exist, arrays that do not hold numbers.
+        InputError: images that do not fit together, channels that do not exist, arrays that do not hold numbers.
         FileError: a file cannot be read.
     """
     _number("alpha", alpha, 0 < alpha < 1, "between 0 and 1")
@@ -180,7 +180,7 @@ def _number(name: str, value: Optional[float], is_fit: bool, wanted: str) -> Non
 def _compared(
     name: str, picture: Picture, variance: Optional[Variance], samples: Optional[int], masked: bool
 ) -> "_photosite.ComparedPicture":
-    """A picture with its variances."""
+    """An image with its variances."""
     compared = _of(name, picture, masked)
     if samples is not None:
         if variance is not None:

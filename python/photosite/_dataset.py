@@ -27,12 +27,12 @@ from ._shot import TRUTH_UNITS, Layers, noise_unit
 
 __all__ = ["Dataset", "Frame", "FramePicture"]
 
-#: The extensions of raw files, those that say most first.
-_RAW_FILES = ("dng", "exr", "npy", "tiff", "pgm")
+#: The extensions of raw files, those of files that state most first.
+_RAW_FILES = _photosite.raw_endings()
 
 
 class FramePicture:
-    """The picture of one camera in a frame: what its folder holds, read when it is asked for.
+    """The image of one camera in a frame: what its folder holds, read when it is asked for.
 
     Attributes:
         camera_name: the name of the camera.
@@ -72,7 +72,7 @@ class FramePicture:
 
     @cached_property
     def image(self) -> "npt.NDArray[Any]":
-        """The developed picture: (H, W, 3) uint8, or uint16 of 16 bits; (H, W) of grey."""
+        """The developed image: (H, W, 3) uint8, or uint16 of 16 bits; (H, W) of grey."""
         return _photosite.read_codes(os.fspath(self._file("image.png", "output.image = true")))
 
     @cached_property
@@ -137,7 +137,7 @@ class FramePicture:
         return several[0]
 
     def _missing(self, what: str, wanted: str) -> InputError:
-        reason = f"the pictures of this data set have no {what}"
+        reason = f"the images of this data set have no {what}"
         help = f"ask for it in its capture file: {wanted}"
         return InputError(f"{self.folder}: {reason}", file=self.folder, reason=reason, help=help)
 
@@ -149,7 +149,7 @@ class FramePicture:
 
 
 class Frame(Mapping[str, FramePicture]):
-    """A frame of a data set: the pictures of its cameras by their names.
+    """A frame of a data set: the images of its cameras by their names.
 
     Attributes:
         number: its number.
@@ -180,7 +180,7 @@ class Dataset(Sequence[Frame]):
     """The frames of a data set file, rendered when they are asked for, unless they are there.
 
     ``len(dataset)``, ``dataset[7]``, ``dataset[:4]``, ``for frame in dataset``. Frame i has the bytes of the command's
-    frame i. Several processes, and the command, can fill one folder together: each picture is made by one of them.
+    frame i. Several processes, and the command, can fill one folder together: each image is made by one of them.
 
     Args:
         path: a data set file (``.toml``).
@@ -225,7 +225,7 @@ class Dataset(Sequence[Frame]):
 
     @property
     def _compiled(self) -> "_photosite.Dataset":
-        # Another process reads the files only where it has to make a picture.
+        # Another process reads the files only where it has to make an image.
         if self._read is None:
             self._read = _photosite.Dataset.read(self._path, self._overrides)
         return self._read
@@ -237,7 +237,7 @@ class Dataset(Sequence[Frame]):
 
     @property
     def folder(self) -> FilePath:
-        """Where its pictures are."""
+        """Where its images are."""
         return self._folder
 
     @property
@@ -281,13 +281,13 @@ class Dataset(Sequence[Frame]):
         Args:
             threads: threads to use; without, those of the data set.
             progress: False for no bar, True for one, None for one in terminals and notebooks, or a function that is
-                called with how many pictures are done, and of how many.
+                called with how many images are done, and of how many.
 
         Returns:
-            How many pictures were made by this process; others may make some meanwhile.
+            How many images were made by this process; others may make some meanwhile.
 
         Raises:
-            KeyboardInterrupt: Ctrl-C; pictures that are done stay, one that is under way leaves a checkpoint.
+            KeyboardInterrupt: Ctrl-C; images that are done stay, one that is under way leaves a checkpoint.
         """
         told = listener(progress, "render", "pictures")
         made = self._compiled.render(os.fspath(self._folder), list(self._numbers), threads or self._threads, told)
@@ -299,8 +299,6 @@ class Dataset(Sequence[Frame]):
         self,
         output: Optional[Path] = None,
         *,
-        engine: str = "local",
-        address: Optional[str] = None,
         workers: Optional[int] = None,
         threads: Optional[int] = None,
         frames: Optional[Iterable[int]] = None,
@@ -309,26 +307,20 @@ class Dataset(Sequence[Frame]):
         keep_going: bool = False,
         progress: Progress = None,
     ) -> EngineRun:
-        """Renders the frames that are missing on many processes or machines, and writes manifest, calibration files and
-        README.
+        """Renders the frames that are missing on several processes of this machine, and writes manifest, calibration
+        files and README.
 
         Tasks are as many frames as take about 25 s at the pace seen so far. Frames of a worker that dies go to another
         one; those that it had finished stay. A run that was killed, driver and all, continues when it is called again. The
-        result has the bytes of ``photosite dataset``. Workers read the data set file by its path, and need photosite in
-        the same version.
+        result has the bytes of ``photosite dataset``, which several machines run beside each other on one folder.
 
         Args:
-            output: a folder that all machines see, or a place in an object store as ``fsspec`` names it,
-                ``s3://bucket/set``; without, the folder of the data set.
-            engine: "local", processes of this machine; "ray" or "dask", which must be installed.
-            address: where the cluster is: ``host:6379`` or "auto" for Ray, ``tcp://host:8786`` for Dask. Without, the
-                one that this process is connected to; Ray otherwise starts one of this machine.
-            workers: tasks under way at once, at most; without, as many as there are cores, or as the cluster takes.
-            threads: threads of each worker; without, those of the data set, else 1 on a cluster and the worker's share
-                of the cores on this machine.
+            output: the folder to write to; without, that of the data set.
+            workers: tasks under way at once, at most; without, as many as there are cores.
+            threads: threads of each worker; without, those of the data set, else the worker's share of the cores.
             frames: numbers of frames to make; without, all of this data set.
-            split: "frames", or "samples" where pictures are few and large: tasks are then samples of one frame, and
-                take disk for as many films, at most 16 or so a picture, until it is whole.
+            split: "frames", or "samples" where images are few and large: tasks are then samples of one frame, and
+                take disk for as many films, at most 16 or so an image, until it is whole.
             retries: further tries of what fails for a reason that may pass, such as a full disk, and of frames whose
                 worker dies.
             keep_going: whether frames that cannot be made are in the result, rather than in an error at the end.
@@ -336,11 +328,9 @@ class Dataset(Sequence[Frame]):
                 called with how many frames, or samples of them, are done, and of how many.
 
         Raises:
-            Error: frames that could not be made, when the others are done; a reason that does not pass; a cluster that
-                does not answer.
-            InputError: the place holds another data set; an engine that is not installed; a file that a machine does
-                not have.
-            KeyboardInterrupt: Ctrl-C ends the workers, of Dask at the end of the task under way; what is done stays.
+            Error: frames that could not be made, when the others are done; a reason that does not pass.
+            InputError: the folder holds another data set; an argument that cannot be used.
+            KeyboardInterrupt: Ctrl-C ends the workers; what is done stays.
         """
         if output is None and not self._keeps:
             raise invalid("output", "a data set in a temporary folder needs a permanent place", 'run("out")')
@@ -355,13 +345,13 @@ class Dataset(Sequence[Frame]):
             if value is not None and value < least:
                 raise invalid(name, f"expected at least {least}, got {value}")
         place = os.fspath(self._folder) if output is None else path_of("output", output)
+        if "://" in place:
+            raise invalid("output", f"{place!r} is a URL", "give a folder, and copy it to the store when the run is over")
         request = Request(
             path=self._path,
             overrides=self._overrides,
-            output=place if "://" in place else os.path.abspath(place),
+            output=os.path.abspath(place),
             frames=numbers,
-            engine=engine,
-            address=address,
             workers=workers,
             threads=threads or self._threads,
             split=split,
@@ -374,7 +364,7 @@ class Dataset(Sequence[Frame]):
         """Writes ``manifest.jsonl``, calibration files and ``README.md``, as the command does at its end.
 
         Returns:
-            How many pictures exist.
+            How many images exist.
         """
         present, _, _ = self._compiled.write_index(os.fspath(self._folder))
         return present

@@ -133,6 +133,7 @@ def emva1288(
     output: Optional[Path] = None,
     overwrite: bool = False,
     set: Optional[Mapping[str, Any]] = None,
+    like: Optional[Path] = None,
     channels: Optional[Sequence[str]] = None,
     wavelength_nm: Optional[float] = None,
     steps: int = 50,
@@ -140,7 +141,7 @@ def emva1288(
     saturation_time_s: Optional[float] = None,
     sweep_nm: Sequence[float] = (),
     temperatures_c: Sequence[float] = (),
-    temperature_c: float = 25.0,
+    temperature_c: Optional[float] = None,
     gain_db: float = 0.0,
     size_px: "Optional[tuple[int, int]]" = None,
     seed: int = 0,
@@ -154,6 +155,8 @@ def emva1288(
         output: a folder that keeps the images; without, they go when they are measured.
         overwrite: replace image sets that are in the folder already.
         set: keys of the sensor to change: ``{"noise.read_noise_e": 2}``.
+        like: take the same images as this set, a descriptor or a folder of image sets: its exposure times, photons,
+            numbers of images and size, in place of ``steps``, ``spatial`` and ``saturation_time_s``.
         channels: names of the channels; without, all.
         wavelength_nm: wavelength of the light, 300 to 1100; without, where each channel's quantum efficiency is
             greatest.
@@ -162,7 +165,7 @@ def emva1288(
         saturation_time_s: exposure time that saturates; without, long enough to measure the dark current.
         sweep_nm: measure the quantum efficiency at these wavelengths, too.
         temperatures_c: measure the dark current at these temperatures, too.
-        temperature_c: temperature of the sensor.
+        temperature_c: temperature of the sensor; without, 25 °C, or that of ``like``.
         gain_db: gain of all exposures.
         size_px: columns and rows of the images; without, 512 × 512, or what the sensor has.
         seed: seed of temporal noise; another camera of the same make is ``set={"serial": 1}``.
@@ -193,6 +196,7 @@ def emva1288(
     name, changes = (sensor.source, sensor.changes) if isinstance(sensor, Sensor) else (path_of("sensor", sensor), [])
     request = {
         "overrides": [*changes, *assignments({} if set is None else set)],
+        "like": None if like is None else path_of("like", like),
         "channels": None if channels is None else [str(name) for name in channels],
         "wavelength_nm": None if wavelength_nm is None else float(wavelength_nm),
         "steps": int(steps),
@@ -200,7 +204,7 @@ def emva1288(
         "saturation_time_s": None if saturation_time_s is None else float(saturation_time_s),
         "sweep_nm": [float(nm) for nm in sweep_nm],
         "temperatures_c": [float(celsius) for celsius in temperatures_c],
-        "temperature_c": float(temperature_c),
+        "temperature_c": None if temperature_c is None else float(temperature_c),
         "gain_db": float(gain_db),
         "size": None if size_px is None else _size(size_px),
         "seed": int(seed),

@@ -93,7 +93,7 @@ class Light:
 
     @cached_property
     def noise_ratio(self) -> Optional[float]:
-        """Monte Carlo noise over the noise of the sensor at the exposure of the capture, root-mean-square over the picture,
+        """Monte Carlo noise over the noise of the sensor at the exposure of the capture, root-mean-square over the image,
         as the command tells it: 0.1 is not seen, 1 is as much again. None in the dark and after a single sample of each
         pixel."""
         return self._compiled.noise_ratio()
@@ -148,7 +148,8 @@ class Light:
             seed: seed of the sensor's temporal noise; the fixed pattern belongs to ``sensor.serial``. The same seed draws
                 the same random numbers for a pixel at every time and gain. Exposures whose noise should be independent
                 need seeds of their own.
-            frames: so many exposures, one after the other, each with temporal noise of its own.
+            frames: so many exposures, one after the other, each with temporal noise of its own: frames of the series that
+                ``render_into`` writes, with image lag, gain control and the times of a bracket.
             set: values for other keys of ``sensor``, ``exposure``, ``develop`` and ``output``, as in
                 ``{"sensor.noise.read_noise_e": 3}``. A sensor with other filters or quantum efficiency needs light that
                 was traced with ``output.irradiance``.
@@ -161,9 +162,6 @@ class Light:
             InputError: an exposure that the sensor cannot make, a key that light transport has used already.
         """
         changes = exposure_changes(self._capture, time_s=time_s, gain_db=gain_db, seed=seed, set=set)
-        differ = self._capture._compiled.series()[2]
-        if differ is not None:
-            warn_all([f"{differ} has no effect on exposures to traced light; render_into makes the whole series"])
         shots = self._compiled.expose(changes, count("frames", frames), count("threads", threads, None))
         made = [Shot(shot, self._capture) for shot in shots]
         return made[0] if frames is None else made
@@ -244,7 +242,7 @@ def trace(
     film_memory_gib: Optional[float] = None,
     checkpoint: Optional[Path] = None,
 ) -> Light:
-    """Traces the light of a capture, in memory. Of a series in which things move it is that of the first picture.
+    """Traces the light of a capture, in memory. Of a series in which things move it is that of the first image.
 
     Args:
         capture: a capture, or what :func:`load` takes.
@@ -253,20 +251,20 @@ def trace(
         threads: threads to use; as many as there are cores unless said. The light does not depend on it.
         progress: True for a bar, False for none, or a function of the paths that are done and all paths; a bar in
             terminals and notebooks unless said.
-        film_memory_gib: most memory for the film, GiB: a picture that needs more is traced in strips; 4 unless said.
+        film_memory_gib: most memory for the film, GiB: an image that needs more is traced in strips; 4 unless said.
         checkpoint: a folder in which work that is interrupted (Ctrl-C) is kept, and from which the same call goes on,
             as the command ``photosite render`` does. It is gone when the work is done.
 
     Raises:
         InputError: what only the whole scene shows to be wrong.
-        ResourceError: a picture that needs more memory than there is.
+        ResourceError: an image that needs more memory than there is.
         KeyboardInterrupt: Ctrl-C, within 0.1 s.
     """
     wanted = _to_trace(capture, samples, seed)
     memory = None if film_memory_gib is None else number("film_memory_gib", film_memory_gib)
-    frames, moves, _ = wanted._compiled.series()
+    frames, moves = wanted._compiled.series()
     if moves and frames > 1:
-        warn_all([f"things move, so light is traced for the first of {frames} pictures alone; render_into makes them all"])
+        warn_all([f"things move, so light is traced for the first of {frames} images alone; render_into makes them all"])
     place = None if checkpoint is None else path_of("checkpoint", checkpoint)
     compiled = _photosite.trace(
         wanted._compiled, count("threads", threads, None), listener(progress, "tracing"), memory, place
@@ -311,7 +309,7 @@ def render_into(
     film_memory_gib: Optional[float] = None,
     overwrite: bool = False,
 ) -> "dict[str, Any]":
-    """Renders a capture into a folder, with all pictures of its series, as the command ``photosite render`` does.
+    """Renders a capture into a folder, with all images of its series, as the command ``photosite render`` does.
 
     What is interrupted leaves a checkpoint there, and the same call goes on from it. What is there already, made by the
     same version of the same keys and files, is left as it is. A warning tells of Monte Carlo noise that may be seen beside

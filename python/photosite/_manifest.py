@@ -1,4 +1,4 @@
-"""Pictures of a data set that its manifest vouches for: they can be opened, and nothing is to be planned."""
+"""Images of a data set that its manifest vouches for: they can be opened, and nothing is to be planned."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any, Optional
 
 __all__ = ["Manifest"]
 
-#: How a line of a picture begins, so that only those that are asked for are read whole.
+#: How a line of an image begins, so that only those that are asked for are read whole.
 _HEAD = re.compile(rb'\{"frame":(\d+),"frames":\d+,"camera":("(?:[^"\\]|\\.)*")')
 
 
@@ -21,11 +21,11 @@ class Manifest:
         self._folder = folder
         self._stamps: "list[Any]" = []
         self._fingerprint: "Optional[str]" = None
-        # Where the line of a picture begins in the file.
+        # Where the line of an image begins in the file.
         self._lines: "dict[tuple[int, str], int]" = {}
 
     def lists(self, frame: int, cameras: "tuple[str, ...]", fingerprint: str) -> bool:
-        """Whether all pictures of a frame of the data set with that fingerprint are listed, and there in the listed
+        """Whether all images of a frame of the data set with that fingerprint are listed, and there in the listed
         sizes."""
         try:
             self._refresh()

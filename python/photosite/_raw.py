@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, Optional, Union, cast
@@ -113,40 +114,79 @@ class Raw:
     """
 
     def __init__(self, compiled: "_photosite.Raw") -> None:
-        # Made by the package: `read_raw`, `Raw.of`, `with_data`.
+        # Made by the package: `read_raw`, `Raw.from_array`, `with_data`.
         self._compiled = compiled
 
     @classmethod
-    def of(
+    def from_array(
         cls,
         data: "npt.ArrayLike",
         *,
         cfa: str = "mono",
-        black_level_dn: float = 0.0,
+        black_level_dn: "Union[float, Sequence[float]]" = 0.0,
         white_level_dn: int = 65_535,
+        bits: Optional[int] = None,
+        colour_matrix: "Optional[npt.ArrayLike]" = None,
+        as_shot_neutral: "Optional[Sequence[float]]" = None,
+        noise_profile: "Optional[npt.ArrayLike]" = None,
+        camera_model: str = "",
+        camera_serial: str = "",
+        exposure_time_s: float = 0.0,
+        iso: Optional[int] = None,
+        f_number: Optional[float] = None,
+        focal_length_mm: Optional[float] = None,
+        pixel_pitch_um: Optional[float] = None,
     ) -> "Raw":
-        """A raw image of numbers of which nothing else is known.
+        """A raw image of digital numbers, to be saved as DNG, developed or measured.
 
         Args:
             data: (H, W) or (H, W, C) integers from 0 to 65535.
             cfa: the colour filter array: ``"RGGB"``, ``"mono"``, ``"full:RGB"``; see :class:`Cfa`.
-            black_level_dn: number of no light, DN.
+            black_level_dn: number of no light, DN; or one for each channel, in the order of ``cfa.channels`` of the image.
             white_level_dn: smallest number at which a pixel counts as saturated, DN.
+            bits: bits of the numbers; without, those that the white level needs, 8 or more.
+            colour_matrix: (C, 3), XYZ → camera under D65, a row for each channel. Without, channels R, G and B are taken
+                for those of linear sRGB, so that developers that want colours have some; others have none.
+            as_shot_neutral: the camera's response to the scene's white, per channel; without, equal ones.
+            noise_profile: (C, 2), S and O of each channel: the variance of the normalised signal x is S·x + O.
+            camera_model: name of the camera.
+            camera_serial: serial number of the camera.
+            exposure_time_s: exposure time, s.
+            iso: ISO speed.
+            f_number: f-number.
+            focal_length_mm: focal length, mm.
+            pixel_pitch_um: distance of the pixels, µm.
 
         Raises:
-            InputError: numbers that are none of 16 bits, a shape that does not suit the filters.
+            InputError: numbers that are none of 16 bits, or more than ``bits``; a shape that does not suit the filters.
         """
         numbers = _digital_numbers("data", data)
-        if not 0 <= black_level_dn <= 65_535:
-            raise invalid("black_level_dn", f"expected a number from 0 to 65535, got {black_level_dn}")
         if not (0 < white_level_dn <= 65_535 and int(white_level_dn) == white_level_dn):
             raise invalid("white_level_dn", f"expected a whole number from 1 to 65535, got {white_level_dn}")
-        shape, black, white = numbers.shape[:2], float(black_level_dn), int(white_level_dn)
+        shape, white = numbers.shape[:2], int(white_level_dn)
         flat = numbers.reshape(-1)
-        raw = cls(_photosite.Raw.of_numbers((shape[0], shape[1]), flat, cfa, black, white))
+        raw = cls(_photosite.Raw.of_numbers((shape[0], shape[1]), flat, cfa, 0.0, white))
         if raw.shape != numbers.shape:
             raise invalid("data", f"expected shape {raw.shape} of {cfa!r}, got {numbers.shape}")
-        return raw
+        known = raw._known
+        channels = raw.cfa.channels
+        known["bits"] = _bits(bits, raw.bits, int(numbers.max()))
+        known["black_level_dn"] = {**known["black_level_dn"], **_black_level(raw, black_level_dn)}
+        metadata: "dict[str, Any]" = known["metadata"]
+        metadata.update(_colours(channels, raw.cfa.pattern, colour_matrix, as_shot_neutral))
+        if noise_profile is not None:
+            metadata["noise_profile"] = _numbers("noise_profile", noise_profile, (len(channels), 2))
+        amounts = {"exposure_time_s": exposure_time_s, "iso": iso, "f_number": f_number}
+        amounts.update({"focal_length_mm": focal_length_mm, "pixel_pitch_um": pixel_pitch_um})
+        for name, value in amounts.items():
+            if value is not None and not (0 <= value < float("inf") and (value > 0 or name == "exposure_time_s")):
+                raise invalid(name, f"expected a number above 0, got {value}")
+        metadata.update(camera_model=str(camera_model), camera_serial=str(camera_serial))
+        metadata.update(exposure_time_s=float(exposure_time_s), iso=None if iso is None else int(iso))
+        metadata["f_number"] = None if f_number is None else float(f_number)
+        metadata["focal_length_m"] = None if focal_length_mm is None else focal_length_mm * 1e-3
+        metadata["pixel_pitch_m"] = None if pixel_pitch_um is None else [pixel_pitch_um * 1e-6] * 2
+        return cls(_photosite.Raw.of_description(json.dumps(known), np.ascontiguousarray(flat)))
 
     # Numbers
 
@@ -371,7 +411,7 @@ class Raw:
 
     @property
     def baseline_exposure_ev(self) -> float:
-        """By how much a developer brightens the picture unasked, EV."""
+        """By how much a developer brightens the image unasked, EV."""
         ev: float = self._metadata["baseline_exposure_ev"]
         return ev
 
@@ -413,6 +453,66 @@ def _unpickle(description: str, numbers: "npt.NDArray[np.uint16]") -> Raw:
     return Raw(_photosite.Raw.of_description(description, np.ascontiguousarray(numbers)))
 
 
+# XYZ → linear sRGB (IEC 61966-2-1), a row for each channel.
+_SRGB = {
+    "R": [3.2406, -1.5372, -0.4986],
+    "G": [-0.9689, 1.8758, 0.0415],
+    "B": [0.0557, -0.2040, 1.0570],
+}
+# EXIF's number of CIE illuminant D65.
+_D65 = 21
+
+
+def _bits(bits: Optional[int], least: int, largest: int) -> int:
+    if bits is None:
+        bits = least
+    if not (1 <= bits <= 16 and int(bits) == bits):
+        raise invalid("bits", f"expected a whole number from 1 to 16, got {bits}")
+    if largest >= 1 << int(bits):
+        help = "state the bits or the white level of the numbers, or clip them"
+        raise invalid("data", f"the number {largest} takes more than {bits} bits", help)
+    return int(bits)
+
+
+def _black_level(raw: Raw, level: "Union[float, Sequence[float]]") -> "dict[str, Any]":
+    """Tile of black levels, and its columns."""
+    levels = np.atleast_1d(np.asarray(level, np.float64))
+    if not (np.all(levels >= 0) and np.all(levels <= 65_535)):
+        raise invalid("black_level_dn", f"expected numbers from 0 to 65535, got {level}")
+    channels = raw.cfa.channels
+    if levels.shape == (1,):
+        return {"width": 1, "tile": [float(levels[0])]}
+    if levels.shape != (len(channels),):
+        raise invalid("black_level_dn", f"expected one number, or one for each of {', '.join(channels)}, got {level}")
+    tile = [[float(levels[channel]) for channel in row] for row in raw.cfa.tile]
+    return {"width": len(tile[0]), "tile": [number for row in tile for number in row]}
+
+
+def _numbers(name: str, values: Any, shape: "tuple[int, ...]") -> Any:
+    """Finite numbers of this shape as lists."""
+    try:
+        array = np.asarray(values, np.float64)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.shape != shape or not np.all(np.isfinite(array)):
+        raise invalid(name, f"expected finite numbers of shape {shape}, got {values!r}")
+    return array.tolist()
+
+
+def _colours(channels: "tuple[str, ...]", pattern: str, matrix: Any, neutral: Any) -> "dict[str, Any]":
+    if matrix is None and (pattern == "mono" or not set(channels) <= set(_SRGB)):
+        if neutral is not None:
+            raise invalid("as_shot_neutral", "says nothing without a colour_matrix", "give both")
+        return {}
+    rows = [_SRGB[name] for name in channels] if matrix is None else _numbers("colour_matrix", matrix, (len(channels), 3))
+    calibration = {"light": _D65, "colour_matrix": rows, "forward_matrix": None}
+    white = [1.0] * len(channels) if neutral is None else _numbers("as_shot_neutral", neutral, (len(channels),))
+    if min(white) <= 0:
+        raise invalid("as_shot_neutral", f"expected numbers above 0, got {neutral}")
+    largest = max(white)
+    return {"calibrations": [calibration], "as_shot_neutral": [number / largest for number in white]}
+
+
 def _digital_numbers(name: str, data: Any) -> "npt.NDArray[np.uint16]":
     """Integers of 16 bits, C-contiguous."""
     array = as_array(name, data, (2, 3), "(H, W) or (H, W, C)")
@@ -448,7 +548,7 @@ def develop(
     linear: bool = False,
     **keys: Any,
 ) -> "npt.NDArray[Any]":
-    """Develops a raw image, or light of high dynamic range, to a picture, as ``photosite develop`` does.
+    """Develops a raw image, or light of high dynamic range, to an image, as ``photosite develop`` does.
 
     Args:
         raw: a :class:`Raw`, the path of a file that ``photosite develop`` reads, or an array (H, W) or (H, W, 3) of
@@ -461,7 +561,7 @@ def develop(
             ``tone_curve``, ``colour_space``, ``exposure_ev``, ``bits`` and more; ``photosite schema`` describes them all.
 
     Returns:
-        (H, W, 3) uint8, or uint16 with ``bits=16``: the codes of the command's PNG or TIFF file; (H, W) of grey pictures;
+        (H, W, 3) uint8, or uint16 with ``bits=16``: the codes of the command's PNG or TIFF file; (H, W) of grey images;
         float32 with ``linear``, and of colours that are none for viewers, as CIELAB and XYZ are.
 
     Raises:
@@ -471,7 +571,7 @@ def develop(
     settings = assignments(keys, "develop.")
     if is_path(raw):
         if like is not None:
-            raise invalid("like", "a file itself says what its numbers mean", "read it with read_raw, or leave out like")
+            raise invalid("like", "a file itself says what its pixel values mean", "read it with read_raw, or leave out like")
         return _photosite.develop(None, path_of("raw", raw), settings, bool(linear))
     if isinstance(raw, Raw):
         image = raw
@@ -481,5 +581,5 @@ def develop(
         image = like.with_data(raw)
     else:
         numbers = _digital_numbers("raw", raw)
-        image = Raw.of(numbers, cfa="mono" if numbers.ndim == 2 else "full:RGB")
+        image = Raw.from_array(numbers, cfa="mono" if numbers.ndim == 2 else "full:RGB")
     return _photosite.develop(image._compiled, None, settings, bool(linear))  # pyright: ignore[reportPrivateUsage]

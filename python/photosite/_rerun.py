@@ -20,14 +20,14 @@ from ._errors import Error, FileError, InputError, PhotositeWarning
 
 __all__ = ["to_rerun"]
 
-#: What a lens may bend the picture without a warning, px.
+#: What a lens may bend the image without a warning, px.
 _NEGLIGIBLE_PX = 0.5
 
 
 def to_rerun(dataset: Union[Dataset, Path], path: Path, /) -> None:
     """Writes a data set as a recording (``.rrd``) for the Rerun viewer; needs ``pip install rerun-sdk``.
 
-    Poses are at ``world/CAMERA``, with the pinhole, the developed picture, depth, and numbers of instances and materials
+    Poses are at ``world/CAMERA``, with the pinhole, the developed image, depth, and numbers of instances and materials
     at ``world/CAMERA/image`` and below it; raw numbers at ``raw/CAMERA``. The timelines are ``frame`` and, along a
     trajectory, ``time``. Other layers of truth are left out. Recordings hold the time of their writing: two of one data
     set differ in their bytes.
@@ -145,7 +145,7 @@ def _bent(camera: Camera) -> Optional[str]:
     if camera.projection == "perspective":
         return None
     if camera.projection != "brown-conrady":
-        return f"the picture does not follow the {camera.projection} lens"
+        return f"the image does not follow the {camera.projection} lens"
     coefficients = np.zeros(12)
     coefficients[: len(camera.distortion)] = camera.distortion
     k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4 = coefficients
@@ -158,4 +158,4 @@ def _bent(camera: Camera) -> Optional[str]:
     across = x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x) + s1 * r2 + s2 * r2 * r2 - x
     down = y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y + s3 * r2 + s4 * r2 * r2 - y
     px = float(np.hypot(across * camera.K[0, 0], down * camera.K[1, 1]).max())
-    return f"the picture does not follow the distortion, which is up to {px:.1f} px," if px > _NEGLIGIBLE_PX else None
+    return f"the image does not follow the distortion, which is up to {px:.1f} px," if px > _NEGLIGIBLE_PX else None

@@ -1,4 +1,4 @@
-"""Sensors alone, exposed to anybody's pictures of light."""
+"""Sensors alone, exposed to anybody's images of light."""
 
 from __future__ import annotations
 
@@ -184,7 +184,7 @@ class Sensor:
             compiled = _photosite.expose_irradiance(cube, centres, white, changes, times, threads)
         elif unit is None:
             help = "give wavelengths_nm for spectral irradiance, or unit, for example unit=\"lux\", one=500"
-            raise invalid("unit", "nothing says what the numbers of the light are", help)
+            raise invalid("unit", "nothing says what the pixel values of the light are", help)
         else:
             numbers, names = self._planes(light, unit, channels)
             length = None if wavelength_nm is None else number("wavelength_nm", wavelength_nm)

@@ -20,21 +20,7 @@ from ._raw import Raw
 __all__ = ["Layers", "Shot"]
 
 #: Layers of ground truth and their units.
-TRUTH_UNITS = {
-    "depth": "m",
-    "distance": "m",
-    "position": "m",
-    "normal": "",
-    "shading-normal": "",
-    "uv": "",
-    "albedo": "",
-    "object-position": "m",
-    "nocs": "",
-    "instance": "",
-    "material": "",
-    "flow": "px",
-    "disparity": "px",
-}
+TRUTH_UNITS = dict(_photosite.truth_units())
 
 
 class Layers(Mapping[str, "npt.NDArray[np.float32]"]):
@@ -112,7 +98,7 @@ class Shot:
 
     @cached_property
     def image(self) -> "npt.NDArray[Any]":
-        """The picture as the capture's ``[develop]`` says: (h, w, 3) uint8, (h, w) without colours, uint16 for more
+        """The image as the capture's ``[develop]`` says: (h, w, 3) uint8, (h, w) without colours, uint16 for more
         than 8 bits. :func:`photosite.develop` develops :attr:`raw` in other ways."""
         return self._compiled.image()
 
@@ -214,7 +200,7 @@ class Shot:
 
     @cached_property
     def noise_ratio(self) -> Optional[float]:
-        """Monte Carlo noise over the noise of the sensor at this exposure, root-mean-square over the picture, as the command
+        """Monte Carlo noise over the noise of the sensor at this exposure, root-mean-square over the image, as the command
         tells it: 0.1 is not seen, 1 is as much again. None in the dark, after a single sample of each pixel, and for light
         that does not come from a scene."""
         return self._compiled.noise_ratio()
@@ -228,7 +214,7 @@ class Shot:
     # Out
 
     def save(self, folder: Path, *, overwrite: bool = False) -> "dict[str, Any]":
-        """Writes what the command writes, with the same bytes: the raw image, the picture, electrons, and what else
+        """Writes what the command writes, with the same bytes: the raw image, the developed image, electrons, and what else
         ``[output]`` of the capture asks for, with ``capture.json`` last.
 
         The command that gives the same has one seed for light and noise: of a shot whose seed is not that of its light

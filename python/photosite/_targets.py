@@ -1,4 +1,4 @@
-"""Calibration targets, and where points appear in a picture."""
+"""Calibration targets, and where points appear in an image."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ def _unpickle(kind: str, keys: "dict[str, Any]") -> Targets:
 
 
 def project(capture: CaptureLike, points: "npt.ArrayLike", *, camera_space: bool = False) -> "npt.NDArray[np.float64]":
-    """Where points appear in the picture of a capture's camera, through the whole lens.
+    """Where points appear in the image of a capture's camera, through the whole lens.
 
     Args:
         capture: a capture as :func:`load` makes it, or what that takes.

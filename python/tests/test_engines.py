@@ -1,4 +1,4 @@
-"""Data sets on many processes: the local engine with real workers, and the driver with an engine that fails on purpose."""
+"""Data sets on several processes: with real workers, and with ones that fail on purpose."""
 
 from __future__ import annotations
 
@@ -6,36 +6,34 @@ import os
 import random
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import threading
 import time
 from collections import Counter
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Callable, Optional
 
 import photosite as ps
 import pytest
 from conftest import Command, contents
-from photosite._engines import driver, pace, plan
-from photosite._engines.address import check_reachable
-from photosite._engines.driver import Driver
-from photosite._engines.pace import Pace
-from photosite._engines.plan import FramePlan, Plan
+from photosite._engines import driver, plan
+from photosite._engines.driver import Answers, Driver
+from photosite._engines.plan import FramePlan, Pace, Plan
 from photosite._engines.sample_plan import SamplePlan
-from photosite._engines.task import Ended, Failure, Outcome, Task
+from photosite._engines.task import Failure, Job, Outcome, Task
 
 ON_POSIX = pytest.mark.skipif(os.name == "nt", reason="sends signals")
 
 
 def workers_of(driver: int) -> "list[int]":
-    """Processes of a local engine."""
+    """Worker processes of a driver."""
     # Whole lines, however narrow a terminal is said to be.
     command = ["ps", "-ww", "-eo", "pid,ppid,args"]
     lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
     fields = [line.split(None, 2) for line in lines[1:]]
-    return [int(pid) for pid, parent, what in fields if int(parent) == driver and "_engines.local_worker" in what]
+    return [int(pid) for pid, parent, what in fields if int(parent) == driver and "_engines.worker" in what]
 
 
 def lives(pid: int) -> bool:
@@ -183,8 +181,10 @@ def test_places_that_cannot_be_used(file: Path, tmp_path: Path) -> None:
         dataset.run(file)
     with pytest.raises(ps.InputError, match="temporary folder"):
         dataset.run()
-    with pytest.raises(ps.InputError, match="memory of this one"):
-        dataset.run("memory://set")
+    with pytest.raises(ps.InputError, match="output: 's3://bucket/set' is a URL") as caught:
+        dataset.run("s3://bucket/set")
+    assert caught.value.help and "give a folder" in caught.value.help
+    assert not Path("s3:").exists()
     assert os.listdir(tmp_path / "full") == ["letter.txt"]
 
 
@@ -220,29 +220,18 @@ def test_a_full_disk_ends_the_run_and_damages_nothing(
         subprocess.run(["umount", str(disk)], check=True)
 
 
-def test_a_machine_without_the_file(file: Path, tmp_path: Path) -> None:
+def test_a_file_that_is_gone(file: Path, tmp_path: Path) -> None:
     dataset = ps.Dataset(file)
     file.rename(tmp_path / "elsewhere.toml")
-    with pytest.raises(FileNotFoundError, match=r"set.toml.*on the machine"):
+    with pytest.raises(FileNotFoundError, match="set.toml"):
         dataset.run(tmp_path / "out", workers=1)
 
 
-def test_a_machine_with_another_file(file: Path, tmp_path: Path) -> None:
+def test_a_file_that_has_changed(file: Path, tmp_path: Path) -> None:
     dataset = ps.Dataset(file)
     file.write_text(file.read_text().replace("seed = 1", "seed = 2"))
     with pytest.raises(ps.InputError, match="contains another data set"):
         dataset.run(tmp_path / "out", workers=1)
-
-
-@pytest.mark.parametrize("engine", ["ray", "dask"])
-def test_an_engine_that_is_not_installed(
-    file: Path, tmp_path: Path, engine: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(sys.modules, "ray", None)
-    monkeypatch.setitem(sys.modules, "dask.distributed", None)
-    with pytest.raises(ps.InputError, match=f"'{engine}' needs the package {engine}") as caught:
-        ps.Dataset(file).run(tmp_path / "out", engine=engine)
-    assert caught.value.help and "pip install" in caught.value.help
 
 
 def test_workers_that_do_not_start(file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -251,27 +240,14 @@ def test_workers_that_do_not_start(file: Path, tmp_path: Path, monkeypatch: pyte
         ps.Dataset(file).run(tmp_path / "out", workers=1)
 
 
-def test_an_address_where_nobody_answers() -> None:
-    with socket.socket() as unheard:
-        unheard.bind(("127.0.0.1", 0))
-        port = unheard.getsockname()[1]
-        with pytest.raises(ps.Error, match=f"no cluster answers at 'ray://127.0.0.1:{port}'"):
-            check_reachable(f"ray://127.0.0.1:{port}")
-        unheard.listen()
-        check_reachable(f"127.0.0.1:{port}")
-    check_reachable("auto")
-
-
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        ({"engine": "slurm"}, "engine: expected 'local', 'ray' or 'dask'"),
         ({"split": "pixels"}, "split: expected"),
         ({"workers": 0}, "workers: expected at least 1"),
         ({"threads": 0}, "threads: expected at least 1"),
         ({"retries": -1}, "retries: expected at least 0"),
         ({"frames": [4, 5]}, "frames: there is no frame 5"),
-        ({"address": "here:1"}, "address: the local engine does not take one"),
     ],
 )
 def test_arguments_are_checked(file: Path, tmp_path: Path, arguments: "dict[str, Any]", complaint: str) -> None:
@@ -280,112 +256,58 @@ def test_arguments_are_checked(file: Path, tmp_path: Path, arguments: "dict[str,
     assert not (tmp_path / "out").exists()
 
 
-class TestStores:
-    """file:// stands for a store: nothing of it is used that stores have not."""
+class FakeWorkers:
+    """Stand for processes: each ends its tasks at once, as it is told to."""
 
-    @pytest.fixture(autouse=True)
-    def needs_fsspec(self) -> None:
-        pytest.importorskip("fsspec")
-
-    def test_a_store_gets_the_bytes_of_a_folder(self, file: Path, tmp_path: Path, whole: "dict[str, bytes]") -> None:
-        url = f"file://{tmp_path}/store/set"
-        first = ps.Dataset(file).run(url, workers=2, frames=[0, 4])
-        assert (first.made, first.present) == (2, 0)
-        times = {path: path.stat().st_mtime_ns for path in (tmp_path / "store").rglob("raw.dng")}
-        rest = ps.Dataset(file).run(url, workers=2)
-        assert (rest.made, rest.present) == (3, 2)
-        assert contents(tmp_path / "store/set") == whole
-        assert all(path.stat().st_mtime_ns == time for path, time in times.items())
-
-    def test_pictures_without_a_report_are_made_again(
-        self, file: Path, tmp_path: Path, whole: "dict[str, bytes]"
-    ) -> None:
-        store, url = tmp_path / "store", f"file://{tmp_path}/store"
-        ps.Dataset(file).run(url, workers=1)
-        (store / "left/000001/capture.json").unlink()
-        (store / "left/000001/raw.dng").write_bytes(b"half")
-        assert ps.Dataset(file).run(url, workers=1).made == 1
-        assert contents(store) == whole
-        (store / "right/000002/capture.json").write_text('{"files": [')
-        with pytest.raises(ps.Error, match="damaged") as caught:
-            ps.Dataset(file).run(url, workers=1)
-        assert caught.value.is_temporary
-        ps.Dataset(file).run(url, workers=1)
-        assert contents(store) == whole
-
-    def test_stores_that_cannot_be_used(self, file: Path, tmp_path: Path) -> None:
-        url = f"file://{tmp_path}/store"
-        ps.Dataset(file, set={"render.samples_per_pixel": 1}).run(url, frames=[0], workers=1)
-        with pytest.raises(ps.InputError, match="file://.*/store contains another data set"):
-            ps.Dataset(file).run(url)
-        with pytest.raises(ps.InputError, match="does not contain a data set"):
-            ps.Dataset(file).run(f"file://{tmp_path}")
-        with pytest.raises(ps.InputError, match="not a store that fsspec can open"):
-            ps.Dataset(file).run("nowhere://set")
-        with pytest.raises(ps.InputError, match="split: .* not a store"):
-            ps.Dataset(file).run(url + "2", split="samples")
-
-    def test_a_machine_with_another_file(self, file: Path, tmp_path: Path) -> None:
-        dataset = ps.Dataset(file)
-        file.write_text(file.read_text().replace("seed = 1", "seed = 2"))
-        with pytest.raises(ps.InputError, match="is not the same here"):
-            dataset.run(f"file://{tmp_path}/store", workers=1)
-
-
-def test_a_cluster_without_workers_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(driver, "_PATIENCE_S", 0.0)
-    engine = FakeEngine(0, lambda task: Outcome("here", 0.1))
-
-    def listen(message: "list[str]") -> None:
-        assert "no worker" in message[0]
-        engine.come(2)
-
-    monkeypatch.setattr(driver, "warn_all", listen)
-    work = FramePlan([0, 1, 2], 3)
-    Driver(engine, work, None).run()
-    assert work.progress() == (3, 3)
-
-
-class FakeEngine:
-    """Ends tasks one after the other, each as it is told to."""
-
-    def __init__(self, slots: int, end: "Callable[[Task], Optional[Outcome]]") -> None:
-        self.lost_workers, self._slots, self._end = 0, slots, end
+    def __init__(self, end: "Callable[[Task], Optional[Outcome]]") -> None:
         self.tasks: "list[Task]" = []
-        self._running: "dict[int, Task]" = {}
+        self._end = end
 
-    def slots(self) -> int:
-        return self._slots
+    def __call__(self, job: Job, answers: Answers) -> "FakeWorker":
+        return FakeWorker(self, answers)
 
-    def come(self, slots: int) -> None:
-        self._slots = slots
-
-    def submit(self, key: int, task: Task) -> None:
-        assert len(self._running) < self._slots
-        self._running[key] = task
+    def answer(self, task: Task) -> "Optional[dict[str, Any]]":
         self.tasks.append(task)
+        outcome = self._end(task)
+        return None if outcome is None else asdict(outcome)
 
-    def ended(self, wait_s: float) -> "list[Ended]":
-        if not self._running:
-            return []
-        key = next(iter(self._running))
-        return [Ended(key, self._end(self._running.pop(key)), "was ended by SIGKILL")]
 
-    def close(self) -> None:
+class FakeWorker:
+    """One of these."""
+
+    def __init__(self, workers: FakeWorkers, answers: Answers) -> None:
+        self.task: "Optional[Task]" = None
+        self.is_ready = True
+        self._workers, self._answers = workers, answers
+
+    def begin(self, task: Task) -> None:
+        self.task = task
+        self._answers.put((self, self._workers.answer(task)))  # type: ignore[arg-type]
+
+    def why_gone(self) -> str:
+        return "was ended by SIGKILL"
+
+    def ask_to_end(self) -> None:
+        pass
+
+    def end(self, until: float) -> None:
         pass
 
 
-def drive(slots: int, work: Plan, end: "Callable[[Task], Optional[Outcome]]") -> FakeEngine:
-    engine = FakeEngine(slots, end)
-    Driver(engine, work, None).run()
-    return engine
+def drive(count: int, work: Plan, end: "Callable[[Task], Optional[Outcome]]") -> "list[Task]":
+    """The tasks of a plan, as so many workers get them."""
+    workers = FakeWorkers(end)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(driver, "WorkerProcess", workers)
+        Driver(work, Job("set.toml", [], "out", 1), count, None).run()
+    return workers.tasks
 
 
 def test_tasks_grow_with_the_pace_and_shrink_at_the_end() -> None:
-    engine = drive(4, FramePlan(list(range(2000)), 3), lambda task: Outcome("here", 0.5 * len(task.frames)))
-    sizes = [len(task.frames) for task in engine.tasks]
+    tasks = drive(4, FramePlan(list(range(2000)), 3), lambda task: Outcome(0.5 * len(task.frames)))
+    sizes = [len(task.frames) for task in tasks]
     assert sum(sizes) == 2000 and sizes[:4] == [1] * 4, "nothing is known at first"
-    assert max(sizes) == pace.TASK_S / 0.5
+    assert max(sizes) == plan.TASK_S / 0.5
     assert sizes[-1] == 1 and len(sizes) < 100
     begun = 0
     for size in sizes:
@@ -407,7 +329,7 @@ def test_a_frame_that_takes_its_workers_along_is_given_up() -> None:
 
     def end(task: Task) -> Optional[Outcome]:
         seen.update(task.frames)
-        return None if 7 in task.frames else Outcome("here", 0.01 * len(task.frames))
+        return None if 7 in task.frames else Outcome(0.01 * len(task.frames))
 
     work = FramePlan(list(range(40)), 3)
     drive(2, work, end)
@@ -423,7 +345,7 @@ def test_what_may_pass_is_tried_again_and_what_does_not_ends_the_run(monkeypatch
         def end(task: Task) -> Outcome:
             tries.update(task.frames)
             failures = [Failure(i, "disk full", True) for i in task.frames if i == 3 and tries[i] <= most]
-            return Outcome("here", 0.1, failures)
+            return Outcome(0.1, failures)
 
         return end
 
@@ -439,15 +361,15 @@ def test_what_may_pass_is_tried_again_and_what_does_not_ends_the_run(monkeypatch
 def test_errors_of_a_worker_end_the_run_unless_they_may_pass(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(plan, "_FIRST_PAUSE_S", 0.001)
     parts: "dict[str, Any]" = {"file": None, "line": None, "key": "", "reason": "no", "help": None}
-    answers = [Outcome("there", error=["FileError", "busy", {**parts, "errno": 16, "is_temporary": True}])]
+    answers = [Outcome(error=["FileError", "busy", {**parts, "errno": 16, "is_temporary": True}])]
     work = FramePlan([0, 1], 3)
-    drive(1, work, lambda task: answers.pop() if answers else Outcome("there", 0.1))
+    drive(1, work, lambda task: answers.pop() if answers else Outcome(0.1))
     assert work.progress() == (2, 2) and not work.failed
-    error = Outcome("there", error=["InputError", "no such key", {**parts, "is_temporary": False}])
-    with pytest.raises(ps.InputError, match=r"no such key \(on the machine there\)"):
+    error = Outcome(error=["InputError", "no such key", {**parts, "is_temporary": False}])
+    with pytest.raises(ps.InputError, match="no such key"):
         drive(1, FramePlan([0, 1], 3), lambda task: error)
-    with pytest.raises(ps.Error, match="a worker on there failed:\nTraceback"):
-        drive(1, FramePlan([0, 1], 3), lambda task: Outcome("there", fault="Traceback"))
+    with pytest.raises(ps.Error, match="a worker failed:\nTraceback"):
+        drive(1, FramePlan([0, 1], 3), lambda task: Outcome(fault="Traceback"))
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -464,14 +386,14 @@ def test_parts_cover_each_sample_once_whatever_was_there(seed: int) -> None:
         if losses[key] < 3 and luck.random() < 0.2:
             losses[key] += 1
             return None
-        return Outcome("here", luck.uniform(0.1, 40))
+        return Outcome(luck.uniform(0.1, 40))
 
     work = SamplePlan([0, 1, 2], samples, present, begun, 3)
-    engine = drive(3, work, end)
+    tasks = drive(3, work, end)
     assert not work.failed and work.progress() == (3 * samples, 3 * samples)
-    merges = {task.frames[0]: task.parts for task in engine.tasks if task.samples is None}
+    merges = {task.frames[0]: task.parts for task in tasks if task.samples is None}
     assert set(merges) == {0, 1, 2}
-    traced = {(task.frames[0], *task.samples) for task in engine.tasks if task.samples is not None}
+    traced = {(task.frames[0], *task.samples) for task in tasks if task.samples is not None}
     for frame, parts in merges.items():
         assert parts[0][0] == 0 and parts[-1][1] == samples
         assert all(one[1] == next[0] for one, next in zip(parts, parts[1:])), parts

@@ -265,110 +265,31 @@ def test_folders_are_filled_as_by_the_command(room: Path, tmp_path: Path, comman
 
 def test_series_that_move_say_that_light_is_of_the_first_picture(room: Path) -> None:
     capture = ps.load(room, set={"camera.motion.velocity_m_per_s": [0.5, 0, 0], "exposure.frames": 4})
-    with pytest.warns(ps.PhotositeWarning, match="first of 4 pictures") as warned:
+    with pytest.warns(ps.PhotositeWarning, match="first of 4 images") as warned:
         ps.trace(capture)
     assert warned[0].filename == __file__
 
 
-def test_brackets_say_that_they_are_made_in_folders(room: Path) -> None:
-    light = ps.trace(ps.load(room, set={"exposure.bracket_ev": [-1, 0, 1]}))
-    with pytest.warns(ps.PhotositeWarning, match="the bracket has no effect"):
-        light.expose(frames=3)
-
-
-def test_gain_control_acts_from_frame_to_frame_as_in_folders(room: Path, tmp_path: Path) -> None:
-    keys = {"exposure.time_s": 0.001, "exposure.frames": 3, "exposure.gain_control": {}, "output.raw": ["npy"]}
-    capture = ps.load(room, set=keys)
-    shots = ps.trace(capture).expose(frames=3)
-    ps.render_into(capture, tmp_path / "out")
-    for frame, shot in enumerate(shots):
-        np.testing.assert_array_equal(shot.raw, np.load(tmp_path / f"out/raw-{frame:04d}.npy"))
-    assert len({shot.gain_db for shot in shots}) == 3
-
-
-def test_nothing_is_printed(room: Path) -> None:
-    code = f"import photosite as ps; shot = ps.render({str(room)!r}, samples=5000); shot.image; shot.save({str(room.parent / 'out')!r})"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert (done.stdout, done.stderr) == ("", "")
+KEYS = {"exposure.time_s": 0.001, "output.raw": ["npy"]}
 
 
 @pytest.mark.parametrize(
-    ("changes", "key"),
-    [
-        ({"time_s": -1}, "exposure.time_s"),
-        ({"time_s": float("nan")}, "exposure.time_s"),
-        ({"time_s": "long"}, "exposure.time_s"),
-        ({"gain_db": 1e9}, "exposure.gain_db"),
-        ({"seed": -1}, "render.seed"),
-        ({"frames": 0}, "frames"),
-        ({"frames": 1.5}, "frames"),
-        ({"threads": 0}, "threads"),
-        ({"set": 3}, "set"),
-        ({"set": {"lens.f_number": 2}}, ""),
-        ({"set": {"sensor.resolution_px": [32, 32]}}, "sensor.resolution_px"),
-        ({"set": {"output.irradiance": True}}, "output.irradiance"),
-        ({"set": {"sensor.preset": "sony-imx249-mono"}}, "sensor"),
-    ],
-    ids=str,
+    "keys",
+    [{"exposure.frames": 3, "exposure.gain_control": {}}, {"exposure.bracket_ev": [-1, 0, 1]}],
+    ids=["gain control", "bracket"],
 )
-def test_exposures_that_cannot_be_made_are_refused(room: Path, changes: "dict[str, Any]", key: str) -> None:
-    light = ps.trace(room, samples=1)
-    with pytest.raises(ps.InputError) as error:
-        light.expose(**changes)
-    assert error.value.key == key
+def test_frames_of_a_series_are_those_of_folders(room: Path, tmp_path: Path, keys: "dict[str, Any]") -> None:
+    capture = ps.load(room, set={**KEYS, **keys})
+    ps.render_into(capture, tmp_path / "out")
+    files = [np.load(tmp_path / f"out/raw-{frame:04d}.npy") for frame in range(3)]
+    shots = ps.trace(capture).expose(frames=3)
+    for raw, shot in zip(files, shots):
+        np.testing.assert_array_equal(shot.raw, raw)
+    np.testing.assert_array_equal(ps.expose(tmp_path / "out").raw, files[0])
+    assert len({(shot.gain_db, shot.time_s) for shot in shots}) == 3
 
 
-def test_shots_tell_of_monte_carlo_noise_as_the_command_does(room: Path, tmp_path: Path, command: Command) -> None:
-    with pytest.warns(ps.PhotositeWarning, match=r"Monte Carlo noise is .* that of the sensor: .*; samples=8 would halve it") as told:
-        shot = ps.render(room, samples=2, seed=3)
-    assert len([one for one in told if "Monte Carlo" in str(one.message)]) == 1
-    command("render", room, "--quiet", "-o", tmp_path / "out", "--spp", "2", "--set", "render.seed=3")
-    expected = json.loads((tmp_path / "out" / "capture.json").read_text())["render"]["noise_ratio"]
-    assert shot.noise_ratio == pytest.approx(expected, rel=1e-12) and shot.noise_ratio is not None
-    assert f"Monte Carlo noise {shot.noise_ratio:.2g} ×" in repr(shot)
-    # At another exposure the sensor's noise is another, and so is its ratio: that of the shot, not that of the light.
-    light = ps.trace(room, samples=2, seed=3)
-    longer = light.expose(time_s=4 * shot.time_s)
-    assert light.noise_ratio == pytest.approx(expected, rel=1e-12)
-    assert longer.noise_ratio is not None and longer.noise_ratio > shot.noise_ratio
-    with pytest.warns(ps.PhotositeWarning, match="Monte Carlo noise is not known: .*; samples=2 does"):
-        single = ps.render(room, samples=1)
-    assert single.noise_ratio is None and "Monte Carlo" not in repr(single)
-    with pytest.warns(ps.PhotositeWarning, match="Monte Carlo noise is"):
-        ps.render_into(room, tmp_path / "into", samples=2)
-
-
-def test_results_outlive_what_they_were_made_from(room: Path) -> None:
-    shot = ps.render(room)
-    raw, depth = np.asarray(shot.raw), shot.truth["depth"]
-    copies = raw.copy(), depth.copy()
-    del shot
-    for _ in range(20):
-        ps.render(room)
-    assert np.array_equal(raw, copies[0]) and np.array_equal(depth, copies[1])
-
-
-def test_memory_stays_flat(room: Path) -> None:
-    def resident_mib() -> float:
-        pages = int(Path("/proc/self/statm").read_text().split()[1])
-        return pages * os.sysconf("SC_PAGE_SIZE") / 2**20
-
-    def work(times: int) -> None:
-        for _ in range(times):
-            ps.load(room)
-
-    if not Path("/proc/self/statm").exists():
-        pytest.skip("nothing tells how much memory there is in use")
-    work(200)
-    before = resident_mib()
-    work(1000)
-    assert resident_mib() - before < 16
-
-
-def test_xarray_has_named_axes_and_units(room: Path) -> None:
-    pytest.importorskip("xarray")
-    data = ps.render(room).to_xarray()
-    assert data.electrons.dims == ("y", "x", "channel") and data.electrons.attrs["units"] == "e-"
-    assert data.raw.dims == ("y", "x") and list(data.channel.values) == ["R", "G", "B"]
-    light = ps.trace(ps.load(room, set={"output.irradiance": {"bands_nm": [400, 700, 50]}})).to_xarray()
-    assert light.irradiance.dims == ("y", "x", "wavelength_nm") and light.wavelength_nm.values[0] == 425
+def test_brackets_have_no_more_frames_than_times(room: Path) -> None:
+    light = ps.trace(ps.load(room, set={"exposure.bracket_ev": [-1, 0, 1]}))
+    with pytest.raises(ps.InputError, match="there is no frame 3"):
+        light.expose(frames=4)

@@ -169,14 +169,59 @@ def test_numbers_that_are_none_are_refused(raw: ps.Raw, data: object, complaint:
     assert (caught.value.file, caught.value.key) == ("<python>", "data")
 
 
-def test_raw_of_an_array() -> None:
-    raw = ps.Raw.of(mosaic(), cfa="GBRG", black_level_dn=64, white_level_dn=4095)
+def test_raw_of_an_array(tmp_path: Path) -> None:
+    raw = ps.Raw.from_array(mosaic(), cfa="GBRG", black_level_dn=64, white_level_dn=4095)
     assert (raw.bits, raw.black_level_dn, raw.white_level_dn, str(raw.cfa)) == (12, 64.0, 4095, "GBRG")
     assert np.array_equal(np.asarray(raw), mosaic())
-    assert ps.Raw.of(np.zeros((2, 3, 3), np.uint8), cfa="full:RGB").shape == (2, 3, 3)
-    for arguments in ({"cfa": "RGX1"}, {"cfa": "full:RGB"}, {"white_level_dn": 0}, {"black_level_dn": float("nan")}):
+    assert ps.Raw.from_array(np.zeros((2, 3, 3), np.uint8), cfa="full:RGB").shape == (2, 3, 3)
+    wrong: "list[dict[str, Any]]" = [
+        {"cfa": "RGX1"},
+        {"cfa": "full:RGB"},
+        {"white_level_dn": 0},
+        {"black_level_dn": float("nan")},
+        {"black_level_dn": [1.0, 2.0]},
+        {"bits": 4},
+        {"bits": 17},
+        {"cfa": "RGGB", "colour_matrix": np.eye(2)},
+        {"cfa": "RGGB", "as_shot_neutral": [1.0, 0.0, 1.0]},
+        {"as_shot_neutral": [1.0]},
+        {"noise_profile": [1.0]},
+        {"iso": 0},
+    ]
+    for arguments in wrong:
         with pytest.raises(ps.InputError):
-            ps.Raw.of(mosaic(), **arguments)
+            ps.Raw.from_array(mosaic(), **arguments)
+
+
+def test_what_is_stated_of_an_array_is_in_its_file(tmp_path: Path) -> None:
+    raw = ps.Raw.from_array(
+        mosaic(),
+        cfa="RGGB",
+        black_level_dn=[60.0, 64.0, 68.0],
+        white_level_dn=4000,
+        bits=14,
+        as_shot_neutral=[0.5, 1.0, 0.8],
+        noise_profile=[[1e-4, 1e-6]] * 3,
+        camera_model="my camera",
+        camera_serial="7",
+        exposure_time_s=0.02,
+        iso=400,
+        f_number=2.8,
+        focal_length_mm=50,
+        pixel_pitch_um=3.45,
+    )
+    raw.save(tmp_path / "array.dng")
+    read = ps.read_raw(tmp_path / "array.dng")
+    assert np.array_equal(np.asarray(read), mosaic())
+    assert raw.bits == 14
+    assert (read.white_level_dn, read.camera_model, read.camera_serial, read.iso) == (4000, "my camera", "7", 400)
+    assert isinstance(read.black_level_dn, np.ndarray) and read.black_level_dn[:2, :2].tolist() == [[60, 64], [64, 68]]
+    assert (read.exposure_time_s, read.f_number, read.focal_length_m) == pytest.approx((0.02, 2.8, 0.05))
+    assert read.as_shot_neutral is not None and read.as_shot_neutral.tolist() == pytest.approx([0.5, 1.0, 0.8])
+    assert read.noise_profile.tolist() == pytest.approx(np.array([[1e-4, 1e-6]] * 3))
+    # sRGB's white is (1, 1, 1) of XYZ's (0.9505, 1, 1.089).
+    [calibration] = read.calibrations
+    assert calibration.colour_matrix @ [0.9505, 1.0, 1.089] == pytest.approx([1.0, 1.0, 1.0], abs=1e-3)
 
 
 @pytest.mark.parametrize("name", ["missing.dng", "folder", "text.dng", "empty.dng", "half.dng"])
@@ -267,7 +312,7 @@ def test_arrays_are_developed_like_a_raw_image(rendered: Path) -> None:
     expected = ps.develop(raw)
     assert np.array_equal(ps.develop(np.array(raw), like=raw), expected)
     assert np.array_equal(ps.develop(np.asfortranarray(raw), like=raw), expected)
-    with pytest.warns(ps.PhotositeWarning, match="holds numbers alone"):
+    with pytest.warns(ps.PhotositeWarning, match="holds pixel values alone"):
         assert ps.develop(np.array(raw)).shape == (48, 64)
     told = ps.develop(np.array(raw), raw={"cfa": "RGGB", "black_level_dn": 64, "white_level_dn": 4095})
     assert told.shape == (48, 64, 3)

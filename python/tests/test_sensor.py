@@ -125,7 +125,7 @@ def test_what_is_assumed_and_left_out_is_said() -> None:
     with pytest.warns(ps.PhotositeWarning, match="white balance is that of D65"):
         sensor.expose(light, wavelengths_nm=NM, time_s=0.01)
     light[3, 4, 0] = -1e-9
-    with pytest.warns(ps.PhotositeWarning, match="1 numbers below 0"):
+    with pytest.warns(ps.PhotositeWarning, match="1 pixel values below 0"):
         sensor.expose(light, wavelengths_nm=NM, time_s=0.01, illuminant="D65")
 
 

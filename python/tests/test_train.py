@@ -82,7 +82,7 @@ def test_folders_of_other_shards_are_refused(folder: Path, command: Command) -> 
 
 def test_sets_that_are_not_whole_are_refused(folder: Path) -> None:
     (folder / "manifest.jsonl").write_text("".join((folder / "manifest.jsonl").read_text().splitlines(True)[:3]))
-    with pytest.raises(ps.InputError, match="3 of 5 pictures exist"):
+    with pytest.raises(ps.InputError, match="3 of 5 images exist"):
         train.webdataset(folder, folder.with_name("shards"))
 
 

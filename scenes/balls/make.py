@@ -18,7 +18,7 @@ from gltf_file import GltfFile, sphere  # noqa: E402
 WIDTH, HEIGHT = 512, 256
 TURBIDITY = 2.6
 SUN_ELEVATION = math.radians(38.0)
-SUN_AZIMUTH = math.radians(-78.0)   # from the middle of the picture, to the right positive
+SUN_AZIMUTH = math.radians(-78.0)   # from the middle of the image, to the right positive
 SUN_RADIUS = math.radians(7.0)
 SUN_EDGE = math.radians(3.0)        # half the width of its soft edge
 SUN_LUX = 62_000.0                  # on a plane across its rays
@@ -80,7 +80,7 @@ def linear_srgb(luminance, x, y):
 
 
 def direction(column, row):
-    """Unit vector of a pixel's centre: the top row is +Y, the middle of the picture looks along -Z."""
+    """Unit vector of a pixel's centre: the top row is +Y, the middle of the image looks along -Z."""
     theta, phi = math.pi * (row + 0.5) / HEIGHT, 2 * math.pi * ((column + 0.5) / WIDTH - 0.5)
     return math.sin(theta) * math.sin(phi), math.cos(theta), -math.sin(theta) * math.cos(phi)
 
@@ -138,7 +138,7 @@ def sky_picture():
 
 
 def write_hdr(path, rows):
-    """Radiance's RGBE picture with run lengths (G. Ward, "Real Pixels", Graphics Gems II, 1991)."""
+    """Radiance's RGBE image with run lengths (G. Ward, "Real Pixels", Graphics Gems II, 1991)."""
     data = bytearray(b"#?RADIANCE\n# A clear sky, written by make.py; 1.0 is white of 1000 nit\nFORMAT=32-bit_rle_rgbe\n\n")
     data += f"-Y {len(rows)} +X {len(rows[0])}\n".encode()
     for row in rows:

@@ -13,7 +13,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
 from gltf_file import GltfFile, lathe, sphere  # noqa: E402
 
-# Distance in millimetres, where across the picture (-1 left edge, 1 right edge), colour in linear sRGB.
+# Distance in millimetres, where across the image (-1 left edge, 1 right edge), colour in linear sRGB.
 PAWNS = (
     (205, -0.66, (0.55, 0.04, 0.03)),
     (245, -0.36, (0.80, 0.22, 0.03)),
@@ -22,7 +22,7 @@ PAWNS = (
     (480, 0.50, (0.05, 0.25, 0.50)),
     (640, 0.72, (0.25, 0.08, 0.40)),
 )
-HALF_WIDTH = 2.4 / 13.04            # of the picture, at distance 1
+HALF_WIDTH = 2.4 / 13.04            # of the image, at distance 1
 LAMPS = 34
 LAMP_RADIUS = 4.5
 LAMP_COLOURS = (

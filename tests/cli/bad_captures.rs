@@ -1,5 +1,5 @@
 //! Capture files that cannot be used. Each kind of message has its own test beside the reader; here are those that the
-//! whole way to the user's screen is checked with.
+//! whole way to a render is checked with, and two that are followed to the user's screen.
 
 use rstest::rstest;
 
@@ -54,17 +54,17 @@ fn folder(capture: String) -> Folder {
     "[materials.wall]\ntype = 'diffuse'\nreflectance = { texture = 'wood.png' }",
     6,
     "materials.wall.reflectance.texture: cannot read wood.png",
-    "put the picture there, or correct its name"
+    "put the image there, or correct its name"
 )]
-fn errors_name_file_key_and_line(
-    #[case] more: &str,
-    #[case] line: usize,
-    #[case] message: &str,
-    #[case] help: &str,
-    #[values("render", "info")] command: &str,
-) {
-    let folder = folder(format!("{HEAD}{more}\n"));
-    folder.fail(&format!("{command} capture.toml"), 1, &[&format!("capture.toml:{line}: "), message, help]);
+fn errors_name_file_key_and_line(#[case] more: &str, #[case] line: usize, #[case] message: &str, #[case] help: &str) {
+    folder(format!("{HEAD}{more}\n")).refuse("capture.toml", &[&format!("capture.toml:{line}: "), message, help]);
+}
+
+#[rstest]
+fn commands_print_them(#[values("render", "info")] command: &str) {
+    let folder = folder(format!("{HEAD}[lens]\nf_number = 0\n"));
+    let wanted = ["capture.toml:5: lens.f_number: must be above 0, got 0", "for example f_number = 2.8"];
+    folder.fail(&format!("{command} capture.toml"), 1, &wanted);
 }
 
 #[rstest]
@@ -85,12 +85,12 @@ fn errors_of_the_scene_name_file_key_and_line(
     #[case] message: &str,
     #[case] help: &str,
 ) {
-    folder(HEAD.replace(from, to)).fail("render capture.toml", 1, &[&format!("capture.toml:{line}: "), message, help]);
+    folder(HEAD.replace(from, to)).refuse("capture.toml", &[&format!("capture.toml:{line}: "), message, help]);
 }
 
 #[test]
 fn an_empty_capture_is_told_what_is_missing() {
-    folder(String::new()).fail("render capture.toml", 1, &["capture.toml: camera: there is none", "write [camera]"]);
+    folder(String::new()).refuse("capture.toml", &["capture.toml: camera: there is none", "write [camera]"]);
 }
 
 /// Curves: what is wrong, what the message says of the file and what it advises.
@@ -104,7 +104,7 @@ fn errors_of_curves_name_their_file_and_line(#[case] csv: &str, #[case] message:
     let folder =
         folder(format!("{HEAD}[materials.wall]\ntype = 'diffuse'\nreflectance = {{ file = 'data/curve.csv' }}"));
     folder.add("data/curve.csv", csv);
-    folder.fail("render capture.toml", 1, &["capture.toml:6: materials.wall.reflectance: ", message, help]);
+    folder.refuse("capture.toml", &["capture.toml:6: materials.wall.reflectance: ", message, help]);
 }
 
 #[rstest]
@@ -115,8 +115,8 @@ fn errors_of_curves_name_their_file_and_line(#[case] csv: &str, #[case] message:
     ".exr"
 )]
 #[case::other(
-    Some("no picture"),
-    "sky.hdr: is neither Radiance HDR, which begins with #?RADIANCE, nor OpenEXR: it begins with \"no picture\"",
+    Some("no image"),
+    "sky.hdr: is neither Radiance HDR, which begins with #?RADIANCE, nor OpenEXR: it begins with \"no image\"",
     ".exr"
 )]
 fn broken_environments_are_refused(#[case] sky: Option<&str>, #[case] message: &str, #[case] help: &str) {
@@ -124,21 +124,21 @@ fn broken_environments_are_refused(#[case] sky: Option<&str>, #[case] message: &
     if let Some(sky) = sky {
         folder.add("sky.hdr", sky);
     }
-    folder.fail("render capture.toml", 1, &["capture.toml:3: scene.environment.image: ", message, help]);
+    folder.refuse("capture.toml", &["capture.toml:3: scene.environment.image: ", message, help]);
 }
 
 #[test]
 fn environments_of_few_bits_are_refused() {
     let folder = folder(HEAD.replace("illuminant = 'D65'", "image = 'sky.png'"));
     folder.add("sky.png", encoded(&image::RgbImage::new(2, 1).into(), image::ImageFormat::Png));
-    folder.fail("render capture.toml", 1, &["capture.toml:3: ", "sky.png: is neither Radiance HDR", ".hdr"]);
+    folder.refuse("capture.toml", &["capture.toml:3: ", "sky.png: is neither Radiance HDR", ".hdr"]);
 }
 
 #[test]
 fn errors_of_a_sensor_file_name_that_file() {
     let folder = folder(format!("{HEAD}[sensor]\npreset = 'mine.toml'\n"));
-    let preset = include_str!("../../crates/photosite-imaging/assets/sensors/sony-imx249-mono.toml");
+    let preset = include_str!("../../crates/photosite-sensor/assets/sensors/sony-imx249-mono.toml");
     folder.add("mine.toml", preset.replace("full_well_e", "full_wel_e"));
     let line = preset.lines().position(|line| line.starts_with("full_well_e =")).expect("the key") + 1;
-    folder.fail("render capture.toml", 1, &[&format!("mine.toml:{line}: "), "did you mean `full_well_e`?"]);
+    folder.refuse("capture.toml", &[&format!("mine.toml:{line}: "), "did you mean `full_well_e`?"]);
 }

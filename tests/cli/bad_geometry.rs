@@ -139,7 +139,7 @@ fn damaged_scenes_are_refused(
         _ => format!("{name}: "),
     };
     let folder = Folder::new([(name, bytes)]);
-    folder.fail(&format!("render {name}"), 1, &[&format!("{place}{message}"), help]);
+    folder.refuse(name, &[&format!("{place}{message}"), help]);
 }
 
 /// A document whose buffer is read from another place.
@@ -177,9 +177,9 @@ fn with_attribute(name: &str, accessor: u32) -> Document {
 /// References that lead nowhere or round in circles, numbers of the wrong kind, counts that nothing backs, chunks that
 /// are cut: one error that names the place.
 #[rstest]
-#[case::picture(textured(triangle()).with("/textures", json!([{ "source": 3 }])), "textures[0].source: refers to images[3]")]
+#[case::image(textured(triangle()).with("/textures", json!([{ "source": 3 }])), "textures[0].source: refers to images[3]")]
 #[case::sampler(textured(triangle()).with("/textures", json!([{ "source": 0, "sampler": 2 }])), "textures[0].sampler: refers to samplers[2]")]
-#[case::no_picture(textured(triangle()).with("/images", json!([{ "mimeType": "image/png" }])), "images[0]: has neither a uri nor a bufferView")]
+#[case::no_image(textured(triangle()).with("/images", json!([{ "mimeType": "image/png" }])), "images[0]: has neither a uri nor a bufferView")]
 #[case::uv_set(textured(triangle()).with("/materials/0/pbrMetallicRoughness/baseColorTexture", json!({ "index": 0, "texCoord": 2 })), "uses TEXCOORD_2")]
 #[case::wrap(sampled(json!({ "wrapS": 1 })), "samplers[0].wrapS: is unknown")]
 #[case::filter(sampled(json!({ "magFilter": 1 })), "samplers[0]: has an unknown filter")]
@@ -219,14 +219,14 @@ fn damaged_containers_are_refused(#[case] name: &str, #[case] bytes: Vec<u8>, #[
 }
 
 fn refused(bytes: Vec<u8>, name: &str, message: &str) {
-    Folder::new([(name, bytes)]).fail(&format!("render {name}"), 1, &[name, message]);
+    Folder::new([(name, bytes)]).refuse(name, &[name, message]);
 }
 
 #[rstest]
-#[case::missing(None, "cannot read wood.png", "put the picture there")]
+#[case::missing(None, "cannot read wood.png", "put the image there")]
 #[case::torn(Some("\u{89}PNG"), "cannot decode wood.png", "export it again")]
 fn textures_of_obj_materials_are_named_by_their_line(
-    #[case] picture: Option<&str>,
+    #[case] image: Option<&str>,
     #[case] message: &str,
     #[case] help: &str,
 ) {
@@ -234,10 +234,10 @@ fn textures_of_obj_materials_are_named_by_their_line(
         ("a.obj", b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl m\nf 1/1 2/1 3/1\n".to_vec()),
         ("a.mtl", b"newmtl m\nKd 1 1 1\nmap_Kd wood.png\n".to_vec()),
     ]);
-    if let Some(picture) = picture {
-        folder.add("wood.png", picture);
+    if let Some(image) = image {
+        folder.add("wood.png", image);
     }
-    folder.fail("render a.obj", 1, &["a.mtl:3: map_Kd: ", message, help]);
+    folder.refuse("a.obj", &["a.mtl:3: map_Kd: ", message, help]);
 }
 
 /// Documents that programs write may be a single line of megabytes.

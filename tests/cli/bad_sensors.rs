@@ -1,4 +1,4 @@
-//! Sensors that cannot be, and stages that are switched, through the command line.
+//! Sensors that cannot be: errors of renders, most of them in this process.
 
 use rstest::rstest;
 
@@ -185,7 +185,7 @@ fn impossible_sensors_are_refused_with_key_and_line(#[case] more: &str, #[case] 
     // What a preset lacks has no line.
     let place =
         if message == "sensor.channels." { "capture.toml:".to_owned() } else { format!("capture.toml:{line}: ") };
-    folder(format!("{HEAD}{more}\n")).fail("render capture.toml", 1, &[&place, message, help]);
+    folder(format!("{HEAD}{more}\n")).refuse("capture.toml", &[&place, message, help]);
 }
 
 /// `preset` and `without` are read before the other keys of a sensor.
@@ -199,7 +199,7 @@ fn keys_that_make_a_sensor_are_known_as_the_others(#[case] set: &str, #[case] me
 
 #[test]
 fn errors_in_a_sensor_file_of_ones_own_name_its_line() {
-    let preset = include_str!("../../crates/photosite-imaging/assets/sensors/sony-imx249-mono.toml");
+    let preset = include_str!("../../crates/photosite-sensor/assets/sensors/sony-imx249-mono.toml");
     for (key, wrong) in [("read_noise_e", "-1.0"), ("bits", "40"), ("full_well_e", "0")] {
         let folder = folder(format!("{HEAD}[sensor]\npreset = 'mine.toml'\n"));
         let line = preset.lines().position(|line| line.starts_with(&format!("{key} ="))).expect("the key");
@@ -211,6 +211,7 @@ fn errors_in_a_sensor_file_of_ones_own_name_its_line() {
         folder.add("mine.toml", lines.join("\n").replace("../../../photosite-core/assets/spectra/", "spectra/"));
         let curve = include_str!("../../crates/photosite-core/assets/spectra/quantum-efficiency/sony-imx249-mono.csv");
         folder.add("spectra/quantum-efficiency/sony-imx249-mono.csv", curve);
+        // The value is in the line that is shown.
         folder.fail("render capture.toml", 1, &[&format!("mine.toml:{}: ", line + 1), key, wrong]);
     }
 }

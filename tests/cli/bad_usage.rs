@@ -45,7 +45,7 @@ fn earlier_results_are_kept_unless_told_otherwise() {
         2,
         &["out contains the results of an earlier render", "--force"],
     );
-    // A picture of that name may be anything, a texture for example.
+    // An image of that name may be anything, a texture for example.
     folder.add("image.png", "mine");
     folder.fail("render capture.toml -o .", 2, &[". already contains a file image.png", "--force"]);
     // A failure must not cost the results that are there either.
@@ -91,7 +91,7 @@ fn a_render_that_fails_takes_its_folders_away() {
 #[rstest]
 #[case::capture("nothing.toml")]
 #[case::scene("nothing.glb")]
-#[case::picture("nothing.exr")]
+#[case::image("nothing.exr")]
 fn missing_files_are_named(#[case] name: &str) {
     let folder = Folder::new([]);
     for command in ["render", "info"] {

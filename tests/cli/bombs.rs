@@ -1,4 +1,4 @@
-//! Files that say little and mean much: what is packed in them takes no more memory than a picture of their kind may.
+//! Files that say little and mean much: what is packed in them takes no more memory than an image of their kind may.
 
 use std::io::Write;
 use std::process::Command;
@@ -23,7 +23,7 @@ fn chunk(kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
     [&(data.len() as u32).to_be_bytes()[..], kind, data, &sum.to_be_bytes()].concat()
 }
 
-/// A picture of 4 × 4 pixels with a chunk more behind its header.
+/// An image of 4 × 4 pixels with a chunk more behind its header.
 fn png_with(more: &[u8]) -> Vec<u8> {
     let png = encoded(&DynamicImage::ImageRgb8(RgbImage::new(4, 4)), ImageFormat::Png);
     // The signature of 8 bytes and IHDR of 25.
@@ -98,7 +98,7 @@ fn texts_that_nest_without_end_are_refused() {
     }
 }
 
-/// What files hold is quoted by its beginning.
+/// Content of files is quoted by its beginning.
 #[test]
 fn messages_do_not_repeat_long_words() {
     let word = "w".repeat(100_000);

@@ -1,6 +1,6 @@
 //! Brackets: the same light exposed for different times, and merged.
 
-use photosite::io::exr::{Attribute, ExrPicture, read_exr};
+use photosite::io::exr::{Attribute, ExrImage, read_exr};
 use photosite::raw::write_dng;
 use rstest::rstest;
 use serde_json::json;
@@ -8,7 +8,7 @@ use serde_json::json;
 use crate::folder::Folder;
 use crate::room::room;
 
-fn exr(folder: &Folder, name: &str) -> ExrPicture {
+fn exr(folder: &Folder, name: &str) -> ExrImage {
     let file = std::fs::File::open(folder.path(name)).expect("a file");
     read_exr(std::io::BufReader::new(file)).expect("an EXR file")
 }
@@ -27,7 +27,7 @@ fn a_bracket_is_a_raw_file_for_each_time_and_their_light() {
         let raw = folder.raw(&format!("out/raw-{frame:04}.dng"));
         assert!((raw.metadata.exposure_time_s / time - 1.0).abs() < 1e-6);
     }
-    // The picture is that of the time that was asked for, which comes first here, and so has the noise of a single one.
+    // The image is that of the time that was asked for, which comes first here, and so has the noise of a single one.
     let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
     folder.add("single.toml", capture.replace("bracket_ev = [0, -3, 4]", ""));
     folder.succeed("render single.toml -o single");
@@ -56,7 +56,7 @@ fn files_and_render_merge_to_the_same_light() {
     let [many, single] = ["merged.exr", "single.exr"].map(|name| std::fs::read(folder.path(name)).expect("a file"));
     assert!(many == single, "order of files and number of threads make no difference");
     let [ours, merged] = ["out/hdr.exr", "merged.exr"].map(|name| exr(&folder, name));
-    let time = |picture: &ExrPicture| picture.attributes.iter().find(|(name, _)| name == "exposureTime").cloned();
+    let time = |image: &ExrImage| image.attributes.iter().find(|(name, _)| name == "exposureTime").cloned();
     let of_longest =
         |(_, time): (String, Attribute)| matches!(time, Attribute::Number(s) if (s / 0.0016 - 1.0).abs() < 1e-6);
     assert!(time(&ours).is_some_and(of_longest) && time(&merged).is_some_and(of_longest));
@@ -64,14 +64,14 @@ fn files_and_render_merge_to_the_same_light() {
         // What files state of times and colours is rounded to fractions of 32 bits.
         assert!(a.data.iter().zip(&b.data).all(|(a, b)| (a - b).abs() <= 1e-5 * a.abs().max(1e-3)), "{}", a.name);
     }
-    // Light has no tone curve, whatever pictures are made of it.
+    // Light has no tone curve, whatever images are made of it.
     folder.succeed(
         "merge-hdr out/raw-0002.dng out/raw-0000.dng out/raw-0001.dng -o toned.exr --set develop.tone_curve=filmic",
     );
     assert!(std::fs::read(folder.path("toned.exr")).expect("a file") == many);
     let shown = folder.succeed("merge-hdr out/raw-0002.dng out/raw-0000.dng -o two.exr --set develop.colour_model=lab");
     assert!(shown.stderr.contains("develop.colour_model does not affect merged light"), "{}", shown.stderr);
-    // It reaches further than any of its pictures: 1 saturates the longest of them.
+    // It reaches further than any of its images: 1 saturates the longest of them.
     let brightest = merged.planes.channels()[0].data.iter().copied().fold(0.0, f32::max);
     assert!(brightest > 4.0, "{brightest}");
     // The same bytes on any number of threads.
@@ -91,11 +91,11 @@ fn files_and_render_merge_to_the_same_light() {
 }
 
 #[rstest]
-#[case::one("out/raw-0000.dng", 2, &["a bracket has 2 to 32 pictures, not 1", "same light"])]
-#[case::same("out/raw-0000.dng out/raw-0000.dng", 2, &["all pictures were exposed for", "different times"])]
+#[case::one("out/raw-0000.dng", 2, &["a bracket has 2 to 32 images, not 1", "same light"])]
+#[case::same("out/raw-0000.dng out/raw-0000.dng", 2, &["all images were exposed for", "different times"])]
 #[case::missing("out/raw-0000.dng nothing.dng", 1, &["nothing.dng"])]
 #[case::no_raw("out/raw-0000.dng out/image.png", 1, &["out/image.png"])]
-#[case::speed("out/raw-0000.dng faster/raw.dng", 1, &["faster/raw.dng: ISO: was taken at ISO", "the first picture at ISO"])]
+#[case::speed("out/raw-0000.dng faster/raw.dng", 1, &["faster/raw.dng: ISO: was taken at ISO", "the first image at ISO"])]
 #[case::untimed("out/raw-0000.dng untimed.dng", 1, &["untimed.dng: ExposureTime: the file does not say"])]
 #[case::format("out/raw-0000.dng out/raw-0001.dng -o merged.png", 2, &["merged.png cannot hold the range", ".exr"])]
 fn what_is_no_bracket_is_refused_by_file(#[case] arguments: &str, #[case] status: i32, #[case] words: &[&str]) {

@@ -1,4 +1,4 @@
-//! Pixels that are no plain grid, from the capture to the picture: hexagonal cells, a round image area, the samples of a
+//! Pixels that are no plain grid, from the capture to the image: hexagonal cells, a round image area, the samples of a
 //! frame grabber, a gain that follows the light.
 
 use rstest::rstest;
@@ -23,7 +23,7 @@ fn report(folder: &Folder, name: &str) -> Value {
 const HEXAGONS: &str = "pixel_pitch_um = [200, 173.2]\ncells = 'hexagonal'";
 
 #[test]
-fn hexagons_become_square_pixels_in_the_picture_and_from_the_file() {
+fn hexagons_become_square_pixels_in_the_image_and_from_the_file() {
     let folder = folder(HEXAGONS, "");
     let told = folder.succeed("render board.toml -o out").text();
     assert!(told.contains("CFALayout") && !told.contains("not regular"), "{told}");
@@ -78,14 +78,14 @@ fn beyond_the_image_circle_there_is_nothing() {
     folder.fail(
         "expose out --set sensor.image_circle_mm=4 -o x",
         1,
-        &["sensor.image_circle_mm: the picture was rendered"],
+        &["sensor.image_circle_mm: the image was rendered"],
     );
     folder.succeed("expose out --set sensor.image_circle_mm=2 -o y --quiet");
 }
 
-/// Of a pinhole of 6 mm, f is 6/0.2 = 30 pixels, and 24 columns and 36 rows of samples are ¾ and 3/2 of the pixels.
+/// Test of a pinhole of 6 mm: f is 6/0.2 = 30 pixels, and 24 columns and 36 rows of samples are ¾ and 3/2 of the pixels.
 #[test]
-fn the_camera_of_the_picture_is_that_of_the_samples() {
+fn the_camera_of_the_image_is_that_of_the_samples() {
     let folder = folder("pixel_pitch_um = [200, 200]\nframe_grabber.size_px = [24, 36]", "");
     folder.succeed("render board.toml --set develop.square_pixels=false -o out --quiet");
     let report = report(&folder, "out");
@@ -131,7 +131,7 @@ fn gain_control_follows_the_light_from_frame_to_frame() {
     folder.succeed("expose out -o again --quiet");
     assert_eq!(gains("again"), found);
     let told = folder.succeed("render agc.toml --set exposure.frames=1 -o one").text();
-    assert!(told.contains("exposure.gain_control: acts from one picture"), "{told}");
+    assert!(told.contains("exposure.gain_control: acts from one image"), "{told}");
 }
 
 #[test]

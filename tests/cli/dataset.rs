@@ -46,7 +46,7 @@ pub(crate) fn board_under_sky() -> String {
     BOARD.replace("illuminant = 'D65', illuminance_lux = 500", "image = 'sky.hdr', nit_per_unit = 100")
 }
 
-/// A picture of the sky, grey of that value.
+/// An image of the sky, grey of that value.
 pub(crate) fn sky(value: u8) -> Vec<u8> {
     let mut file = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n".to_vec();
     file.extend([value, value, value, 129].repeat(8));
@@ -93,11 +93,11 @@ sweep = [20, 45]
 ";
 
 #[test]
-fn a_rig_takes_pictures_from_many_poses() {
+fn a_rig_takes_images_from_many_poses() {
     let folder = folder(STEREO);
     let outcome = folder
         .succeed("dataset set.toml -o out --set output.truth=['disparity','depth'] --set lens.focal_length_mm=5.5");
-    assert!(outcome.stderr.contains("made 12 pictures; 12 of 12"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("made 12 images; 12 of 12"), "{}", outcome.stderr);
     let lines = manifest(&folder, "out");
     assert_eq!(lines.len(), 12);
     for (i, line) in lines.iter().enumerate() {
@@ -118,7 +118,7 @@ fn a_rig_takes_pictures_from_many_poses() {
         assert!((offset[0] + 0.1).abs() < 1e-12 && offset[1].abs() < 1e-12 && offset[2].abs() < 1e-12, "{offset:?}");
     }
     let seeds: std::collections::BTreeSet<_> = lines.iter().map(|line| line["seed"].as_u64()).collect();
-    assert_eq!(seeds.len(), 12, "every picture has noise of its own");
+    assert_eq!(seeds.len(), 12, "every image has noise of its own");
 }
 
 #[test]
@@ -154,15 +154,15 @@ fn frames_made_apart_are_those_made_together() {
     let folder = folder(STEREO);
     folder.succeed("dataset set.toml -o whole --threads 2");
     let first = folder.succeed("dataset set.toml -o parts --frames 4..6 --threads 1");
-    assert!(first.stderr.contains("made 4 pictures; 4 of 12"), "{}", first.stderr);
+    assert!(first.stderr.contains("made 4 images; 4 of 12"), "{}", first.stderr);
     folder.succeed("dataset set.toml -o parts --frames 0..5");
     assert_eq!(files(&folder, "whole"), files(&folder, "parts"));
     let again = folder.succeed("dataset set.toml -o parts");
-    assert!(again.stderr.contains("made 0 pictures; 12 of 12"), "{}", again.stderr);
+    assert!(again.stderr.contains("made 0 images; 12 of 12"), "{}", again.stderr);
     assert_eq!(files(&folder, "whole"), files(&folder, "parts"));
 }
 
-/// Each run makes some pictures before it is killed, at another place each time.
+/// Each run makes some images before it is killed, at another place each time.
 #[test]
 fn a_set_that_is_killed_again_and_again_ends_as_one_that_is_not() {
     let folder = folder("frames = 20\n[poses.random]\ntarget = 'board'\ndistance_m = [0.6, 0.9]\nmargin_px = 1\n");
@@ -199,11 +199,11 @@ fn a_longer_set_goes_on_where_a_shorter_one_ended() {
     let longer = "capture = 'board.toml'\nframes = 3\n[poses.random]\nlook_at_m = [0, 0, 0]\ndistance_m = [0.6, 0.9]\n";
     folder.add("set.toml", longer);
     let outcome = folder.succeed("dataset set.toml -o out");
-    assert!(outcome.stderr.contains("made 1 picture; 3 of 3"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("made 1 image; 3 of 3"), "{}", outcome.stderr);
 }
 
 #[test]
-fn pictures_of_two_sets_are_not_mixed() {
+fn images_of_two_sets_are_not_mixed() {
     let folder = folder("frames = 1\n");
     folder.succeed("dataset set.toml -o out");
     folder.fail(
@@ -334,7 +334,7 @@ fn errors_of_changes_name_what_asks_for_them(#[case] dataset: &str, #[case] want
     assert!(outcome.stderr.len() < 1000 && !outcome.stderr.contains("--set"), "{}", outcome.stderr);
 }
 
-/// What the command line says is its own.
+/// Errors of values that the command line gives name the command line.
 #[test]
 fn errors_of_arguments_name_them() {
     let long = format!("lens.psf.kernel=[{}]", "0.125,".repeat(200));

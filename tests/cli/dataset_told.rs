@@ -1,4 +1,4 @@
-//! What a user is told of a data set: how noisy its pictures are, and each kind of warning once.
+//! Words to the user about a data set: how noisy its images are, and each kind of warning once.
 
 use serde_json::Value;
 
@@ -37,7 +37,7 @@ fn each_kind_of_warning_is_said_once_with_its_number_of_frames() {
     assert_eq!(tried.matches("is saturated").count(), 1, "{tried}");
 }
 
-/// What autofocus costs a data set, and what to write, is said where it is lost.
+/// Losses by autofocus in a data set are said where they occur, with what to write instead.
 #[test]
 fn files_of_cameras_that_autofocus_moves_are_told_of() {
     let focused = folder("frames = 2\n[poses.random]\ntarget = 'board'\ndistance_m = [0.6, 0.9]\nmargin_px = 1\n");

@@ -23,7 +23,7 @@ fn report(folder: &Folder, arguments: &str) -> Value {
 }
 
 #[test]
-fn the_same_settings_give_the_picture_of_render() {
+fn the_same_settings_give_the_image_of_render() {
     for table in ["", "[develop]\ndemosaic = 'bilinear'\nexposure_ev = 1.0\ntone_curve = 'filmic'\n"] {
         let folder = rendered(table);
         folder.succeed("develop out/raw.dng -o again.png --capture capture.toml");
@@ -56,15 +56,15 @@ fn every_format_and_setting_can_be_chosen() {
     .iter()
     .enumerate()
     {
-        let picture = format!("{i}.png");
-        let found = report(&folder, &format!("out/raw.dng -o {picture} --set develop.{setting}"));
+        let image = format!("{i}.png");
+        let found = report(&folder, &format!("out/raw.dng -o {image} --set develop.{setting}"));
         let (key, value) = setting.split_once('=').expect("a key and a value");
         let shown = found["settings"][key].to_string();
         assert_eq!(shown.trim_matches('"').trim_end_matches(".0"), value, "{found}");
-        assert!(bytes(&folder, &picture) != bytes(&folder, "out/image.png"), "{setting}");
+        assert!(bytes(&folder, &image) != bytes(&folder, "out/image.png"), "{setting}");
     }
-    for picture in ["a.png", "a.tiff", "a.jpg", "a.ppm", "a.exr"] {
-        let found = report(&folder, &format!("out/raw.dng -o {picture}"));
+    for image in ["a.png", "a.tiff", "a.jpg", "a.ppm", "a.exr"] {
+        let found = report(&folder, &format!("out/raw.dng -o {image}"));
         assert_eq!((&found["resolution_px"], &found["demosaic"]), (&json!([32, 24]), &json!("menon")));
     }
     folder.succeed("compare a.tiff a.png");
@@ -83,8 +83,8 @@ fn what_goes_wrong_is_told() {
     folder.add("torn.dng", &bytes(&folder, "out/raw.dng")[..2000]);
     folder.add("notes.txt", b"not a raw file");
     for (arguments, status, wanted) in [
-        ("out/raw.dng -o p.gif", 2, &["p.gif", ".png, .tiff, .jpg, .pgm, .ppm, .exr or .npy"][..]),
-        ("out/raw.dng -o p.pgm", 2, &["a PGM file holds grey, the picture has R, G, B", ".ppm"]),
+        ("out/raw.dng -o p.gif", 2, &["p.gif", ".png, .tiff, .jpg, .pgm, .ppm, .npy or .exr"][..]),
+        ("out/raw.dng -o p.pgm", 2, &["a PGM file holds grey, the image has R, G, B", ".ppm"]),
         ("out/raw.dng -o out/image.png", 2, &["already exists", "--force"]),
         ("out/raw.dng -o nowhere/p.png", 1, &["nowhere: does not exist, or is not a folder"]),
         ("missing.dng", 1, &["missing.dng", "cannot read"]),
@@ -120,7 +120,7 @@ fn what_goes_wrong_is_told() {
 }
 
 #[test]
-fn pictures_take_the_steps_that_are_not_of_raw_files() {
+fn images_take_the_steps_that_are_not_of_raw_files() {
     let folder = rendered("");
     folder.succeed("develop out/raw.dng -o light.exr");
     // The same light, encoded now or then.
@@ -143,7 +143,7 @@ fn pictures_take_the_steps_that_are_not_of_raw_files() {
 }
 
 #[test]
-fn image_png_is_the_picture_of_the_camera_that_the_report_tells() {
+fn image_png_is_the_image_of_the_camera_that_the_report_tells() {
     let folder = room("[render]\nsamples_per_pixel = 4\n[develop]\ndigital_zoom = 2.0\nresize_px = [64, 48]\n");
     folder.succeed("render capture.toml -o out");
     let report: Value = serde_json::from_slice(&bytes(&folder, "out/capture.json")).expect("JSON");
@@ -195,21 +195,21 @@ fn files_of_numbers_of_every_kind_become_linear_light() {
         folder.add(name, file);
         folder.succeed(&format!("develop {name} -o linear.exr --force -q"));
         let file = std::fs::File::open(folder.path("linear.exr")).expect("written");
-        let picture = photosite::io::exr::read_exr(std::io::BufReader::new(file)).expect("EXR").planes;
+        let image = photosite::io::exr::read_exr(std::io::BufReader::new(file)).expect("EXR").planes;
         let names = if numbers.len() == 6 { vec!["Y"] } else { vec!["R", "G", "B"] };
         for (i, channel) in names.iter().enumerate() {
             let expected: Vec<f64> =
                 numbers.iter().skip(i).step_by(names.len()).map(|&number| f64::from(number) / white).collect();
-            let found = picture.plane(channel).unwrap_or_else(|| panic!("{name}: {channel}"));
+            let found = image.plane(channel).unwrap_or_else(|| panic!("{name}: {channel}"));
             // 32-bit floats on both sides.
             let off = expected.iter().zip(found).map(|(a, b)| (a - f64::from(*b)).abs()).fold(0.0, f64::max);
             assert!(found.len() == 6 && off < 1e-6, "{name} {channel}: {found:?} instead of {expected:?}");
         }
         folder.succeed(&format!("info {name}"));
         let said = folder.succeed(&format!("develop {name} -o shown.ppm --force")).stderr;
-        assert!(said.contains(&format!("{name} holds numbers alone")) && said.contains("develop.raw"), "{said}");
+        assert!(said.contains(&format!("{name} holds pixel values alone")) && said.contains("develop.raw"), "{said}");
         let told = folder.succeed(&format!("develop {name} -o shown.ppm --force --set develop.raw.black_level_dn=0"));
-        assert!(!told.stderr.contains("numbers alone"), "{}", told.stderr);
+        assert!(!told.stderr.contains("pixel values alone"), "{}", told.stderr);
     }
     // Grey goes into a PGM file: P5, its largest number 255 or 65535.
     folder.succeed("develop grey.tif -o shown.pgm -q --set develop.tone_curve=linear");
@@ -228,7 +228,7 @@ fn files_of_numbers_of_every_kind_become_linear_light() {
 }
 
 #[test]
-fn measures_of_pictures() {
+fn measures_of_images() {
     let folder = rendered("");
     let value = |arguments: &str| -> Value {
         serde_json::from_str(&folder.succeed(&format!("measure {arguments} --json")).stdout).expect("JSON")
@@ -267,14 +267,14 @@ ideal = true
 ";
 
 #[test]
-fn a_grey_wall_is_as_bright_in_the_ideal_picture_as_in_the_developed_one() {
+fn a_grey_wall_is_as_bright_in_the_ideal_image_as_in_the_developed_one() {
     let wall = "usemtl wall\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n";
     let folder = Folder::new([("wall.obj", wall.into()), ("capture.toml", WALL.into())]);
     folder.succeed("render capture.toml -o out");
     folder.succeed("develop out/raw.dng -o out/developed.exr");
-    let mean = |picture: &str, channel: usize| {
+    let mean = |image: &str, channel: usize| {
         let found: Value =
-            serde_json::from_str(&folder.succeed(&format!("measure histogram {picture} --json")).stdout).expect("JSON");
+            serde_json::from_str(&folder.succeed(&format!("measure histogram {image} --json")).stdout).expect("JSON");
         (
             found[channel]["mean"].as_f64().expect("a number"),
             found[channel]["standard_deviation"].as_f64().expect("one"),
@@ -291,7 +291,7 @@ fn a_grey_wall_is_as_bright_in_the_ideal_picture_as_in_the_developed_one() {
     assert!(bytes(&folder, "out/ideal.png").starts_with(b"\x89PNG"));
 }
 
-/// What the schema says a key of [develop] may be.
+/// Values that a key of [develop] may have by the schema.
 fn values_of(schema: &Value, property: &Value) -> Vec<String> {
     if let Some(reference) = property["$ref"].as_str().or_else(|| property["allOf"][0]["$ref"].as_str()) {
         let path = reference.trim_start_matches('#');
@@ -416,7 +416,7 @@ fn files_of_numbers_alone_can_be_told_what_they_are() {
         assert!(bytes(&folder, &format!("{kind}.png")) == bytes(&folder, "dng.png"), "{kind}");
     }
     for (setting, words) in [
-        ("raw.cfa=full:RGB", &["develop.raw.cfa", "3 numbers per pixel, the file 1"][..]),
+        ("raw.cfa=full:RGB", &["develop.raw.cfa", "3 values per pixel, the file 1"][..]),
         ("raw.cfa=RGBGR", &["develop.raw.cfa", "do not form a square tile"]),
         ("raw.white_level_dn=0", &["develop.raw.white_level_dn", "leave no range"]),
         ("raw.as_shot_neutral=[1,1]", &["develop.raw.as_shot_neutral", "2 entries"]),
@@ -435,9 +435,9 @@ fn a_nonlinear_sensor_develops_with_and_without_its_table() {
     folder.succeed("develop out/raw.dng -o linear.png --set develop.exposure_ev=-2");
     folder
         .succeed("develop out/raw.dng -o nonlinear.png --set develop.exposure_ev=-2 --set develop.linearisation=false");
-    let mean = |picture: &str| -> f64 {
+    let mean = |image: &str| -> f64 {
         let found: Value =
-            serde_json::from_str(&folder.succeed(&format!("measure histogram {picture} --json")).stdout).expect("JSON");
+            serde_json::from_str(&folder.succeed(&format!("measure histogram {image} --json")).stdout).expect("JSON");
         found[1]["mean"].as_f64().expect("a number")
     };
     // A gamma lifts what lies between black and white.
@@ -445,7 +445,7 @@ fn a_nonlinear_sensor_develops_with_and_without_its_table() {
 }
 
 #[test]
-fn pictures_are_measured_in_the_colours_that_their_files_say() {
+fn images_are_measured_in_the_colours_that_their_files_say() {
     let wall = "usemtl wall\nv -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nf 1 2 3 4\n";
     // A colour that sRGB holds, with all its noise.
     let capture = WALL.replace("0.5", "'colour-checker/09-moderate-red'");
@@ -482,7 +482,7 @@ fn pictures_are_measured_in_the_colours_that_their_files_say() {
         let found = difference(a, b);
         assert!(found < 0.3, "{a}: {found}");
     }
-    // JPEG halves the resolution of colours; the picture is small.
+    // JPEG halves the resolution of colours; the image is small.
     let found = difference("a.jpg", "a.ppm");
     assert!(found < 5.0, "{found}");
     let numbers = folder.succeed("measure similarity out/electrons.exr out/electrons.exr --json").stdout;
@@ -516,7 +516,7 @@ fn checkers_are_found_by_capture_or_report_and_the_right_file_is_blamed() {
     folder.fail("measure checker chart/ideal.exr --capture out", 1, &["out: is a folder"]);
 }
 
-/// What a file of so many pixels would hold, and does not.
+/// Content that a file of so many pixels would hold, and does not.
 #[cfg(target_os = "linux")]
 #[test]
 fn files_that_claim_to_be_huge_take_no_memory() {

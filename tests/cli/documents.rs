@@ -19,12 +19,12 @@ fn page(path: &str) -> String {
     fs::read_to_string(repository().join(path)).expect("a page")
 }
 
-/// What the schema has against a capture file.
+/// Faults that the schema finds in a capture file.
 fn complaint(capture: &str) -> Option<String> {
     complaint_of("capture", capture)
 }
 
-/// What the schema of a kind of file has against one.
+/// Faults that the schema of a kind of file finds in one.
 fn complaint_of(kind: &str, file: &str) -> Option<String> {
     let schema = Folder::new([]).succeed(&format!("schema {kind}")).stdout;
     let mut compiler = Compiler::new();
@@ -67,7 +67,7 @@ fn the_data_sets_of_the_documents_fit_their_schema() {
     }
 }
 
-/// What the program refuses of a data set for its shape, its schema refuses too.
+/// Data sets that the program refuses for their shape are refused by the schema, too.
 #[rstest]
 #[case::good("frames = 2\n", true)]
 #[case::key("frame = 2\n", false)]
@@ -94,7 +94,7 @@ fn the_scenes_fit_schema_and_program() {
     }
 }
 
-/// What the program refuses for its shape, the schema refuses too.
+/// Captures that the program refuses for their shape are refused by the schema, too.
 #[rstest]
 #[case::good("", true)]
 #[case::table("[lense]\n", false)]
@@ -141,7 +141,7 @@ fn the_capture_of_the_guide_is_one() {
 }
 
 #[test]
-fn the_files_of_the_first_picture_appear() {
+fn the_files_of_the_first_image_appear() {
     let tutorial = page("docs/tutorials/first-picture.md");
     let rows = tutorial.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next());
     let named: BTreeSet<&str> = rows.filter(|name| name.contains('.') && !name.contains(' ')).collect();

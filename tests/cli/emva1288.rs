@@ -154,3 +154,31 @@ fn what_cannot_be_done_is_refused(#[case] arguments: &str, #[case] status: i32, 
     ]);
     folder.fail(arguments, status, &[message]);
 }
+
+#[test]
+fn two_sets_stand_side_by_side() {
+    let folder = Folder::new([]);
+    for (name, changes) in [("a", ""), ("b", "--seed 5"), ("c", "--set noise.read_noise_e=7.5")] {
+        let size = "--size 64x48 --steps 10 --spatial 6 -q";
+        folder.succeed(&format!("emva1288 sony-imx249-mono {size} -o {name} {changes}"));
+    }
+    let figures = |other: &str| {
+        let printed = json(&folder.succeed(&format!("emva1288-report a {other} --json --force")).stdout);
+        printed[0]["figures"].as_array().expect("a list").clone()
+    };
+    let score = |figures: &[Value], symbol: &str| {
+        let row = figures.iter().find(|row| row["symbol"] == symbol).expect(symbol);
+        row["standard_errors"].as_f64().unwrap_or_else(|| panic!("{row}"))
+    };
+    let same = figures("b");
+    for symbol in ["η", "K", "R", "σ_d", "σ_y.dark", "DSNU₁₂₈₈", "PRNU₁₂₈₈", "μ_I.mean"] {
+        assert!(score(&same, symbol).abs() < 4.5, "{symbol}: {}", score(&same, symbol));
+    }
+    // The offset of a line through 10 dark pairs of 3072 pixels knows σ_d to some 2 %, of which 1.2 e⁻ of 6.3 are ten.
+    let other = figures("c");
+    assert!(score(&other, "σ_d") > 5.0 && score(&other, "K").abs() < 4.5, "{other:?}");
+    let page = std::fs::read_to_string(folder.path("a/comparison.html")).expect("the page");
+    assert!(page.contains("in standard errors") && page.contains("Photon transfer curve"));
+    let text = folder.succeed("emva1288-report a/Y/emva1288.txt c/Y/emva1288.txt -o page.html").stdout;
+    assert!(text.contains("standard errors") && text.contains("System gain"), "{text}");
+}

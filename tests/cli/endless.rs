@@ -25,7 +25,7 @@ use crate::room::room;
      horizontal_fov_deg=20,flux_lm=1}]"
 )]
 #[case::raw("develop FILE.dng")]
-#[case::picture("compare FILE.png FILE.png")]
+#[case::image("compare FILE.png FILE.png")]
 #[case::data_set("dataset FILE.toml")]
 fn devices_and_pipes_are_no_inputs(#[case] arguments: &str, #[values("device", "pipe")] kind: &str) {
     let folder = room("[render]\nsamples_per_pixel = 1\n");

@@ -131,7 +131,7 @@ fn an_input_that_vanished() {
         assert!(process.try_wait().expect("a child").is_none(), "it ended early");
         sleep(Duration::from_millis(1));
     }
-    // It has begun the first picture.
+    // It has begun the first image.
     send("STOP", process.id());
     sleep(Duration::from_millis(50));
     fs::rename(folder.path("sky.hdr"), folder.path("elsewhere.hdr")).expect("renamed");

@@ -31,10 +31,10 @@ fn sums(folder: &Folder, name: &str) -> Vec<f64> {
 #[case::most("exposure.time_s=1", true)]
 #[case::little("exposure.time_s=0.0001", false)]
 #[case::automatic("exposure.auto=true", false)]
-fn a_picture_that_is_mostly_saturated_is_told_of(#[case] set: &str, #[case] is_told: bool) {
+fn an_image_that_is_mostly_saturated_is_told_of(#[case] set: &str, #[case] is_told: bool) {
     let folder = room("[render]\nsamples_per_pixel = 8\n[output]\nraw = ['dng']\n");
     let told = folder.succeed(&format!("render capture.toml -o out --set {set}")).stderr;
-    assert_eq!(told.contains("% of the picture is saturated: shorten exposure.time_s"), is_told, "{told}");
+    assert_eq!(told.contains("% of the image is saturated: shorten exposure.time_s"), is_told, "{told}");
     let raw = folder.raw("out/raw.dng");
     let saturated = raw.data.iter().filter(|&&dn| dn >= raw.white_level_dn).count();
     assert_eq!(saturated > raw.data.len() / 2, is_told, "{saturated} of {}", raw.data.len());
@@ -51,7 +51,7 @@ fn small_bright_things_that_automatic_exposure_clips_are_told_of() {
                    focal_length_mm = 6\n[sensor]\npreset = 'sony-imx249-mono'\nresolution_px = [96, 72]\n\
                    pixel_pitch_um = [80, 80]\n[exposure]\nauto = true\n[render]\nsamples_per_pixel = 16\n";
     let folder = Folder::new([("capture.toml", capture.into())]);
-    let words = "% of the picture is saturated, which automatic exposure allows";
+    let words = "% of the image is saturated, which automatic exposure allows";
     let saturated = |name: &str| {
         let raw = folder.raw(&format!("{name}/raw.dng"));
         raw.data.iter().filter(|&&dn| dn >= raw.white_level_dn).count()
@@ -64,7 +64,7 @@ fn small_bright_things_that_automatic_exposure_clips_are_told_of() {
     assert_eq!(saturated("whole"), 0);
 }
 
-/// The search for the matrices of a sensor takes longer than to expose a small picture: a number in the report that no
+/// The search for the matrices of a sensor takes longer than to expose a small image: a number in the report that no
 /// search would find must arrive in the raw file.
 #[test]
 fn the_colours_of_a_sensor_are_not_fitted_again() {
@@ -121,7 +121,7 @@ fn what_is_not_changed_gives_the_same_bytes_as_render(#[case] exposure: &str, #[
     }
     // And what was exposed can be exposed again.
     folder.succeed("expose again/electrons.exr -o third");
-    assert!(folder.results("third")["image.png"] == first_picture(&folder));
+    assert!(folder.results("third")["image.png"] == first_image(&folder));
 }
 
 #[test]
@@ -172,7 +172,7 @@ fn what_is_set_takes_the_place_of_what_says_the_same() {
     assert_eq!((&bracket["time_s"], &bracket["bracket_s"]), (&json!(0.002), &json!([0.004, 0.001, 0.002])));
 }
 
-fn first_picture(folder: &Folder) -> Vec<u8> {
+fn first_image(folder: &Folder) -> Vec<u8> {
     folder.results("out")["image.png"].clone()
 }
 
@@ -274,7 +274,7 @@ fn any_sensor_can_be_exposed_to_irradiance() {
 }
 
 #[test]
-fn a_picture_without_a_report_takes_its_sensor_from_the_arguments() {
+fn an_image_without_a_report_takes_its_sensor_from_the_arguments() {
     let folder = rendered("");
     folder.add("light.exr", folder.results("out")["electrons.exr"].clone());
     let outcome = folder.succeed("expose light.exr --set exposure.time_s=0.0002");
@@ -326,7 +326,7 @@ fn what_cannot_be_exposed_is_told() {
 }
 
 #[test]
-fn pictures_of_something_else_are_refused() {
+fn images_of_something_else_are_refused() {
     let folder = rendered("");
     let file = folder.results("out")["electrons.exr"].clone();
     let planes = read_exr(Cursor::new(&file)).expect("readable").planes;
@@ -420,7 +420,7 @@ fn automatic_exposure_says_where_it_ends() {
     let said = limited(0.2, gain_db);
     assert!(
         said.contains(
-            "at a gain of 0.00 dB, and the picture is 2.3 EV darker than it should be: write exposure.max_time_s = "
+            "at a gain of 0.00 dB, and the image is 2.3 EV darker than it should be: write exposure.max_time_s = "
         ),
         "{said}"
     );
@@ -430,7 +430,7 @@ fn automatic_exposure_says_where_it_ends() {
     assert!((1.0 - 1e-9..=1.1).contains(&(needed / free)), "{needed} s for {free} s");
     // 10 dB are √10.
     let said = limited(0.01, "--set exposure.max_gain_db=10");
-    assert!(said.contains("at a gain of 10.00 dB, and the picture is 5.0 EV darker than it should be"), "{said}");
+    assert!(said.contains("at a gain of 10.00 dB, and the image is 5.0 EV darker than it should be"), "{said}");
 
     // Times are in inverse proportion to light, but for the dark current. Where none is stated, 4 s are the longest, and
     // the gain rises as far as it can.
@@ -442,7 +442,7 @@ fn automatic_exposure_says_where_it_ends() {
             "",
             // At this gain the noise reaches below black, too.
             2,
-            ["longest time, 4 s (exposure.max_time_s)", "at a gain of 30.00 dB, and the picture is 4.9 EV darker"],
+            ["longest time, 4 s (exposure.max_time_s)", "at a gain of 30.00 dB, and the image is 4.9 EV darker"],
         ),
         (500.0 * free * 1e7, "", 1, ["shorter than shutters are", "lens.f_number"]),
     ] {

@@ -7,7 +7,7 @@ use crate::dataset::BOARD;
 use crate::folder::Folder;
 use crate::room::room;
 
-/// What the user was warned of, in any order.
+/// Warnings that the user got, in any order.
 fn said(report: &Value) -> Vec<String> {
     let list = report["warnings"].as_array().expect("a list");
     let mut said: Vec<String> = list.iter().map(|text| text.as_str().expect("a text").to_owned()).collect();
@@ -30,7 +30,7 @@ fn is_said_again(folder: &Folder, capture: &str, set: &str, words: &str) {
 }
 
 #[rstest]
-#[case::glass_before_a_lamp("", "caustics of lamps without a surface")]
+#[case::glass_before_a_lamp("", "caustics of lights without a surface")]
 #[case::rough_metal("--set materials.gold.roughness=0.9", "the microfacets of the material \"gold\" lose")]
 #[case::idle_key_of_a_lens(
     "--set lens.blades=0 --set lens.blade_rotation_deg=3",
@@ -91,7 +91,7 @@ fn warnings_of_a_target_are_said_again(
     is_said_again(&folder, "board.toml", &format!("--set {set}"), words);
 }
 
-/// What another sensor is not made of is not said of it; what is said of the scene stays.
+/// Warnings about a sensor are not said of another one; those about the scene stay.
 #[test]
 fn warnings_of_a_sensor_go_with_it() {
     let folder = room("[render]\nsamples_per_pixel = 1\n[output]\nraw = ['npy']\n");

@@ -5,16 +5,18 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use miette::Diagnostic;
 use photosite::image::Estimate;
 use photosite::io::electrons::read_electrons;
 use photosite::raw::{RawImage, read_dng};
+use photosite::{Capture, Options};
 use serde_json::Value;
 use tempfile::TempDir;
 
 /// A folder of input files that goes away with the test.
 pub(crate) struct Folder(TempDir);
 
-/// What a run of the command printed and returned.
+/// Output and status of a run of the command.
 #[derive(Debug)]
 pub(crate) struct Outcome {
     pub(crate) status: Option<i32>,
@@ -96,6 +98,21 @@ impl Folder {
         outcome
     }
 
+    /// Begins to render a capture in this process, as `photosite render` does, which must fail with an error that contains
+    /// all of `wanted`, in message and help, and must leave nothing behind.
+    pub(crate) fn refuse(&self, capture: &str, wanted: &[&str]) {
+        let before = self.contents();
+        let begun = Capture::load(self.path(capture)).and_then(|it| photosite::render(&it, Options::default()));
+        let error = begun.map(|_| ()).expect_err(capture);
+        let help = error.help().map(|help| help.to_string()).unwrap_or_default();
+        // Paths as they are printed in the folder.
+        let text = format!("{error} {help}").replace(&format!("{}/", self.0.path().display()), "");
+        for words in wanted {
+            assert!(text.contains(words), "{words:?} is missing in: {text}");
+        }
+        assert_eq!(self.contents(), before, "nothing is left behind");
+    }
+
     /// All files and folders below the folder, with the bytes of the files.
     pub(crate) fn contents(&self) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
         fn add(folder: &Path, found: &mut BTreeMap<PathBuf, Option<Vec<u8>>>) {
@@ -136,12 +153,12 @@ impl Folder {
 
     /// A DNG file.
     pub(crate) fn raw(&self, name: &str) -> RawImage {
-        read_dng(fs::File::open(self.path(name)).expect(name)).expect("a raw picture")
+        read_dng(fs::File::open(self.path(name)).expect(name)).expect("a raw image")
     }
 }
 
 impl Outcome {
-    /// What was printed on standard error, in one line of single blanks.
+    /// Text on standard error, in one line of single blanks.
     pub(crate) fn text(&self) -> String {
         self.stderr.split_whitespace().collect::<Vec<_>>().join(" ")
     }

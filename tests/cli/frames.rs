@@ -24,7 +24,7 @@ fn frames_are_numbered_and_differ_by_zero_mean_noise() {
 }
 
 #[test]
-fn a_series_begins_with_the_single_picture() {
+fn a_series_begins_with_the_single_image() {
     let folder = room("[render]\nsamples_per_pixel = 4");
     folder.succeed("render capture.toml -o single");
     folder.succeed("render capture.toml -o series --set exposure.frames=2");

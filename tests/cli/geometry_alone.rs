@@ -64,7 +64,7 @@ fn everything_else_takes_its_default(#[values("obj", "ply", "stl", "gltf", "glb"
     assert_eq!(report["exposure"]["auto"], true);
 
     // The circle around the triangle's bounding box touches 90 % of the shorter side, so all corners are in the
-    // picture, and they take up a good part of it.
+    // image, and they take up a good part of it.
     let pixels = CORNERS.map(|corner| project(&report["camera"], corner));
     let (low, high) = (pixels[0].min(pixels[1]).min(pixels[2]), pixels[0].max(pixels[1]).max(pixels[2]));
     assert!(low.cmpge(DVec2::ZERO).all() && high.cmple(DVec2::new(47.0, 31.0)).all(), "{low} to {high}");
@@ -80,7 +80,7 @@ fn everything_else_takes_its_default(#[values("obj", "ply", "stl", "gltf", "glb"
 #[test]
 fn even_light_is_one_word() {
     let folder = folder();
-    // Facing the sky, without a surface in the way of most of the picture.
+    // Facing the sky, without a surface in the way of most of the image.
     folder.succeed(&format!("render sail.obj {SMALL} {TO_THE_SKY} --set scene.environment=even"));
     let report = folder.report("sail");
     let electrons = folder.electrons("sail");
@@ -183,7 +183,7 @@ fn a_scene_without_lights_gets_a_clear_day_from_the_left_of_its_camera_and_a_gro
 }
 
 #[test]
-fn what_init_writes_gives_the_same_pictures() {
+fn what_init_writes_gives_the_same_images() {
     let folder = folder();
     let named = json!({ "camera": 0, "name": "a \"b\"", "translation": [0.1, 0.5, 6] });
     folder.add("camera.gltf", with_camera(&[named]).text());

@@ -9,7 +9,7 @@ use crate::room::room;
 
 const FEW: &str = "[render]\nsamples_per_pixel = 2\n";
 
-/// What makes a folder `out`, after the commands before it.
+/// Command that makes a folder `out`, after the commands before it.
 fn commands(what: &str) -> (&'static [&'static str], &'static str) {
     const PARTS: [&str; 2] =
         ["render capture.toml --samples 0..1 -o part0", "render capture.toml --samples 1..2 -o part1"];
@@ -60,7 +60,7 @@ fn what_has_lost_a_file_is_made_again(#[values("render", "part", "merge")] what:
     assert!(whole == fs::read(folder.path(lost)).expect("there again"));
 }
 
-/// Each decides what the picture is: keys, and files that the capture, its scene and its materials name.
+/// Each decides what the image is: keys, and files that the capture, its scene and its materials name.
 #[rstest]
 #[case::another_seed("render capture.toml --seed 3 -o out", "")]
 #[case::another_key("render capture.toml --set exposure.gain_db=6 -o out", "")]
@@ -74,7 +74,7 @@ fn what_is_not_the_same_is_refused(#[case] command: &str, #[case] changed: &str)
     folder.succeed("render capture.toml -o out");
     change(&folder, changed);
     if command.contains("--samples") {
-        // A part leaves the picture as it is: it has other files.
+        // A part leaves the image as it is: it has other files.
         folder.fail(command, 2, &["out contains the results of an earlier render"]);
         return;
     }
@@ -99,8 +99,8 @@ fn change(folder: &Folder, name: &str) {
     let mut bytes = fs::read(&path).unwrap_or_else(|_| panic!("{name} is there"));
     match name.rsplit('.').next() {
         Some("png") => {
-            let picture = image::load_from_memory(&bytes).expect("a picture").adjust_contrast(10.0);
-            picture.save(&path).expect("written");
+            let image = image::load_from_memory(&bytes).expect("an image").adjust_contrast(10.0);
+            image.save(&path).expect("written");
             return;
         }
         Some("toml") => {

@@ -2,7 +2,7 @@
 //!
 //! Both are Monte Carlo estimates with the variance of each pixel, so the verdict is that of `photosite compare`: no
 //! pixel and no mean is further off than noise explains (Šidák's correction, α = 0.01 for all pixels of a file). After
-//! a change that is meant to change pictures, look at them, then store them anew with another seed than the test's:
+//! a change that is meant to change images, look at them, then store them anew with another seed than the test's:
 //! `for f in tests/gltf/*.gltf; do photosite render tests/gltf/capture.toml …` as [`render`] has it, and the
 //! `electrons.exr` of each as `tests/gltf/expected/NAME.exr`.
 

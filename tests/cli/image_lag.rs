@@ -50,7 +50,7 @@ fn frames_of_a_series_leave_charge_to_each_other(#[case] motion: &str) {
 }
 
 #[test]
-fn a_data_set_says_that_its_pictures_start_empty() {
+fn a_data_set_says_that_its_images_start_empty() {
     let folder = folder("", "");
     folder.add("set.toml", "capture = 'board.toml'\nframes = 2\n");
     let told = folder.succeed("dataset set.toml -o set").text();

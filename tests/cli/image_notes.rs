@@ -1,4 +1,4 @@
-//! What files state and nobody follows is said by every command that reads an image.
+//! Statements of files that nobody follows are said by every command that reads an image.
 
 use std::io::Cursor;
 
@@ -26,9 +26,9 @@ fn exif() -> Vec<u8> {
 
 /// A JPEG file with that block behind its beginning.
 fn jpeg() -> Vec<u8> {
-    let picture = RgbImage::from_fn(SIZE[0], SIZE[1], |x, y| [code(x, y); 3].into());
+    let image = RgbImage::from_fn(SIZE[0], SIZE[1], |x, y| [code(x, y); 3].into());
     let mut file = Cursor::new(Vec::new());
-    DynamicImage::from(picture).write_to(&mut file, ImageFormat::Jpeg).expect("encoded");
+    DynamicImage::from(image).write_to(&mut file, ImageFormat::Jpeg).expect("encoded");
     let block = [&b"Exif\0\0"[..], &exif()].concat();
     let segment = [&[0xff, 0xe1], &(block.len() as u16 + 2).to_be_bytes()[..], &block].concat();
     let mut bytes = file.into_inner();
@@ -137,7 +137,7 @@ fn pages_of_images_of_a_set_are_said_to_be_left_out() {
     let images: Vec<_> =
         folder.contents().into_keys().filter(|path| path.extension().is_some_and(|e| e == "tiff")).collect();
     for path in &images {
-        let read = photosite::raw::read(&folder.path(&path.to_string_lossy())).expect("an image");
+        let read = photosite::read_raw(&folder.path(&path.to_string_lossy())).expect("an image");
         let mut file = Cursor::new(Vec::new());
         let mut encoder = TiffEncoder::new(&mut file).expect("begun");
         for _ in 0..2 {

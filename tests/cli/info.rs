@@ -30,7 +30,7 @@ fn of_a_capture() {
     let text = folder.succeed("info capture.toml").stdout;
     assert_eq!(line(&text, "materials"), "floor, wall, lamp, glass, gold, cloth");
     assert_eq!(line(&text, "cameras"), "none");
-    assert_eq!(line(&text, "environment"), "the picture sky.hdr, 16 × 8 pixels");
+    assert_eq!(line(&text, "environment"), "the image sky.hdr, 16 × 8 pixels");
     assert_eq!(line(&text, "lens"), "4 mm f/1.4");
     assert_eq!(line(&text, "resolution_px"), "32 × 24");
     assert_eq!(line(&text, "exposure_time_s"), "0.0002");
@@ -116,7 +116,7 @@ fn of_damaged_results() {
 
 #[test]
 fn of_sensors() {
-    let assets = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/photosite-imaging/assets/sensors");
+    let assets = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/photosite-sensor/assets/sensors");
     let folder = Folder::new([]);
     let rows: Value = serde_json::from_str(&folder.succeed("sensors --json").stdout).expect("JSON");
     let table = folder.succeed("sensors").stdout;

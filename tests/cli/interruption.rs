@@ -25,8 +25,8 @@ fn a_preview_is_there_while_a_render_runs() {
         let is_finished = folder.path("out/capture.json").exists();
         if let Ok(bytes) = fs::read(folder.path("out/preview.png")) {
             // Whole whenever it is there.
-            let picture = image::load_from_memory(&bytes).expect("a picture");
-            assert_eq!((picture.width(), picture.height()), (32, 24));
+            let image = image::load_from_memory(&bytes).expect("an image");
+            assert_eq!((image.width(), image.height()), (32, 24));
             assert!(!is_finished, "a preview of what is finished");
             seen += 1;
         }
@@ -141,7 +141,7 @@ fn a_killed_render_leaves_no_half_written_file(#[values("file-written", "file-na
         }
         assert_eq!(timeless(folder.report(&name)), timeless(folder.report("whole")));
     }
-    // Three raw files, electrons, irradiance, the picture and the report.
+    // Three raw files, electrons, irradiance, the image and the report.
     assert_eq!(killed as usize, whole.len());
 }
 

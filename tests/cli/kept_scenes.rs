@@ -1,4 +1,4 @@
-//! What pictures of a data set have in common is made once: which changes none of their bytes, whatever varies, and
+//! Scenes that images of a data set share are made once, which changes none of their bytes, whatever varies, and
 //! however many are made at once.
 
 use std::collections::BTreeSet;
@@ -36,7 +36,7 @@ use crate::folder::Folder;
 #[case::object_visible("scene.objects.1.visible", "[true, false]")]
 #[case::material("materials.red.reflectance", "[0.2, 0.6]")]
 #[case::material_that_shines("materials.lamp.emission.luminance_nit", "[100, 2000]")]
-fn pictures_are_those_of_a_process_of_their_own(#[case] key: &str, #[case] choice: &str) {
+fn images_are_those_of_a_process_of_their_own(#[case] key: &str, #[case] choice: &str) {
     let preset = if key == "sensor.cfa" { "set = ['sensor.preset=generic-cmos-color']\n" } else { "" };
     let folder = folder(&format!(
         "{preset}frames = 5\nseed = 2\n[poses.random]\ntarget = 'board'\ndistance_m = [0.7, 1.2]\nmargin_px = 1\n\
@@ -51,7 +51,7 @@ fn pictures_are_those_of_a_process_of_their_own(#[case] key: &str, #[case] choic
     assert!(values.len() >= 2, "{key} varies");
 }
 
-/// Makes a set of so many frames in one process, several pictures at once, and each frame in a process of its own: all
+/// Makes a set of so many frames in one process, several images at once, and each frame in a process of its own: all
 /// files must be the same. They are in `together` then.
 pub(crate) fn assert_same_however_made(folder: &Folder, frames: u32) {
     folder.succeed("dataset set.toml -o together --jobs 1");
@@ -106,7 +106,7 @@ fn add_objects(folder: &Folder) {
 }
 
 #[test]
-fn a_file_that_changes_while_pictures_are_made_of_it_is_noticed() {
+fn a_file_that_changes_while_images_are_made_of_it_is_noticed() {
     let folder = Folder::new([
         ("board.toml", board_under_sky().into()),
         ("sky.hdr", sky(100)),
@@ -114,7 +114,7 @@ fn a_file_that_changes_while_pictures_are_made_of_it_is_noticed() {
     ]);
     let command = "dataset set.toml -o out --quiet --jobs 1 --set render.samples_per_pixel=20000";
     let process = folder.command(command).stderr(Stdio::piped()).spawn().expect("the binary runs");
-    // It has begun the first picture.
+    // It has begun the first image.
     while !folder.path("out/camera").exists() || fs::read_dir(folder.path("out/camera")).expect("a folder").count() < 2
     {
         sleep(Duration::from_millis(1));
@@ -123,20 +123,20 @@ fn a_file_that_changes_while_pictures_are_made_of_it_is_noticed() {
     let output = process.wait_with_output().expect("it ends");
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{errors}");
-    assert!(errors.contains("sky.hdr") && errors.contains("has changed while pictures were made of it"), "{errors}");
+    assert!(errors.contains("sky.hdr") && errors.contains("has changed while images were made of it"), "{errors}");
     // Another process finds another data set.
     folder.fail("dataset set.toml -o out", 2, &["contains another data set"]);
 }
 
 #[test]
-fn lines_of_json_tell_of_each_picture() {
+fn lines_of_json_tell_of_each_image() {
     let folder = folder("frames = 3\n[[cameras]]\nname = 'a'\n[[cameras]]\nname = 'b'\nposition_m = [0.1, 0, 0]\n");
     folder.succeed("dataset set.toml -o out --frames 1");
     let outcome = folder.succeed("dataset set.toml -o out --json --jobs 2");
     let lines: Vec<Value> = outcome.stdout.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-    let (end, pictures) = lines.split_last().expect("lines");
-    assert_eq!(pictures.len(), 4);
-    for (i, line) in pictures.iter().enumerate() {
+    let (end, images) = lines.split_last().expect("lines");
+    assert_eq!(images.len(), 4);
+    for (i, line) in images.iter().enumerate() {
         assert_eq!(
             (&line["event"], &line["made"], line["done"].as_u64()),
             (&"picture".into(), &true.into(), Some(i as u64 + 1))
@@ -167,7 +167,7 @@ fn a_frame_keeps_what_is_asked_for(#[case] arguments: &str, #[case] wanted: &[&s
     folder.succeed(&format!("dataset set.toml -o out{arguments}"));
     let results = folder.results("out/camera/000000");
     assert_eq!(results.keys().map(String::as_str).collect::<Vec<_>>(), wanted);
-    // What is said of the picture stands for itself: rendered again from that, it is the same.
+    // What is said of the image stands for itself: rendered again from that, it is the same.
     folder.succeed("render out/camera/000000/capture.json -o again");
     let again = folder.results("again");
     assert_eq!(again.keys().collect::<Vec<_>>(), results.keys().collect::<Vec<_>>());
@@ -175,7 +175,7 @@ fn a_frame_keeps_what_is_asked_for(#[case] arguments: &str, #[case] wanted: &[&s
 }
 
 #[test]
-fn pictures_without_image_png_have_no_image_in_their_report() {
+fn images_without_image_png_have_no_image_in_their_report() {
     let folder = Folder::new([("board.toml", BOARD.into())]);
     folder.succeed("render board.toml -o out --set output.image=false");
     assert!(folder.report("out")["image"].is_null());

@@ -45,7 +45,7 @@ fn every_layout_is_made_and_the_data_set_left_as_it_is(#[case] format: &str, #[c
     std::fs::create_dir(folder.path("laid")).expect("an empty folder is no hindrance");
     let before = folder.results("out/left/000000");
     let outcome = folder.succeed(&format!("layout out --format {format} -o laid"));
-    assert!(outcome.stderr.contains("laid out 6 pictures in laid"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("laid out 6 images in laid"), "{}", outcome.stderr);
     for file in files {
         assert!(folder.path("laid").join(file).is_file(), "{file} of {:?}", folder.contents().keys());
     }
@@ -63,7 +63,7 @@ fn every_layout_is_made_and_the_data_set_left_as_it_is(#[case] format: &str, #[c
 #[test]
 fn a_part_of_a_data_set_is_refused() {
     let folder = made(SET, "--frames 0..2");
-    let wanted = ["manifest.jsonl: 4 of 6 pictures exist", "the command that makes the data set again"];
+    let wanted = ["manifest.jsonl: 4 of 6 images exist", "the command that makes the data set again"];
     folder.fail("layout out --format colmap -o laid", 1, &wanted);
     folder.succeed("dataset set.toml -o out --quiet");
     folder.succeed("layout out --format colmap -o laid --quiet");
@@ -116,7 +116,7 @@ fn what_a_layout_has_no_words_for_is_refused(
 }
 
 #[test]
-fn pictures_show_things_where_ground_truth_has_them() {
+fn images_show_things_where_ground_truth_has_them() {
     let distortion = "--set lens.distortion={model='brown-conrady',k=[-0.1,0,0],p=[0,0]}";
     let folder = made(SET, distortion);
     // What the raw file says of the lens is not applied.
@@ -131,18 +131,18 @@ fn pictures_show_things_where_ground_truth_has_them() {
     folder.fail("layout out --format colmap -o laid", 1, &wanted);
 }
 
-/// Whatever changes the pixels, the camera of a layout has those of its pictures.
+/// Whatever changes the pixels, the camera of a layout has those of its images.
 #[rstest]
 #[case::kept_wide("--set sensor.pixel_pitch_um=[200,150]", [32, 24])]
 #[case::squared("--set sensor.pixel_pitch_um=[200,150] --set develop.square_pixels=true", [43, 24])]
 #[case::binned("--set exposure.binning=[2,2]", [16, 12])]
 #[case::region("--set exposure.region_px=[4,2,24,16]", [24, 16])]
 #[case::resized("--set develop.resize_px=[48,40]", [48, 40])]
-fn cameras_of_layouts_have_the_pixels_of_their_pictures(#[case] change: &str, #[case] size: [u32; 2]) {
+fn cameras_of_layouts_have_the_pixels_of_their_images(#[case] change: &str, #[case] size: [u32; 2]) {
     let folder = made(SET, change);
     folder.succeed("layout out --format colmap -o laid");
-    let picture = image::open(folder.path("laid/images/left/000000.png")).expect("a picture");
-    assert_eq!([picture.width(), picture.height()], size);
+    let image = image::open(folder.path("laid/images/left/000000.png")).expect("an image");
+    assert_eq!([image.width(), image.height()], size);
     let cameras = std::fs::read_to_string(folder.path("laid/sparse/0/cameras.txt")).expect("a file");
     let words = format!(" {} {} ", size[0], size[1]);
     assert_eq!(cameras.matches(&words).count(), 2, "{cameras}");
@@ -206,7 +206,7 @@ fn calibrations_come_with_the_data_set_where_lenses_keep() {
     assert!(!zoomed.path("out/calibration").exists());
 }
 
-/// Reports have the pose of the middle of the picture; earlier ones had that of its start, without saying when it is.
+/// Reports have the pose of the middle of the image; earlier ones had that of its start, without saying when it is.
 #[test]
 fn data_sets_whose_poses_are_of_the_start_are_laid_out_as_before() {
     let poses = "[poses.trajectory]\nframe_rate_hz = 10\nposes = [\n\

@@ -29,7 +29,7 @@ fn every_command_that_reads_scenes_says_how_to_go_on_and_does_so() {
 }
 
 #[test]
-fn a_report_renders_the_same_picture_again() {
+fn a_report_renders_the_same_image_again() {
     let folder = folder();
     folder.succeed(&format!("render tri.obj -o a --lenient {SMALL}"));
     assert_eq!(folder.report("a")["capture"]["scene"]["lenient"], json!(true));
@@ -41,7 +41,7 @@ fn a_report_renders_the_same_picture_again() {
     folder.succeed("merge part-0..1 part-1..2 -o c");
     folder.succeed("render a/capture.json -o d");
     for other in ["b", "c", "d"] {
-        let read = |name: &str| std::fs::read(folder.path(&format!("{name}/image.png"))).expect("a picture");
+        let read = |name: &str| std::fs::read(folder.path(&format!("{name}/image.png"))).expect("an image");
         assert!(read("a") == read(other), "{other}");
     }
 }

@@ -48,7 +48,7 @@ fn points_appear_where_the_model_puts_them(#[case] lens: &str, #[case] column: f
 }
 
 #[rstest]
-#[case::fold("distortion = { model = 'brown-conrady', k = [-0.6] }", &["folds back over its own picture", "max_angle_deg"])]
+#[case::fold("distortion = { model = 'brown-conrady', k = [-0.6] }", &["folds back over its own image", "max_angle_deg"])]
 #[case::model("distortion = { model = 'kannala-brandt', k = [1, 2, 3, 4, 5] }", &["lens.distortion.k", "4 of these"])]
 #[case::prism("distortion = { model = 'division', k = [0.1], s = [1] }", &["lens.distortion.s", "no such coefficients"])]
 #[case::misfit("projection = 'fisheye'\ndistortion = { model = 'brown-conrady', k = [0.1] }", &["kannala-brandt"])]
@@ -226,7 +226,7 @@ fn a_pinhole_has_no_focus(#[case] focus: &str, #[case] warning: &str) {
     assert_eq!(report["lens"]["image_distance_mm"], 16.0);
 }
 
-/// Where the light of a picture is in the mean, px.
+/// Where the light of an image is in the mean, px.
 fn centroid(planes: &Planes) -> [f64; 2] {
     let (data, width) = (&planes.channels()[0].data, planes.width());
     let sum: f64 = data.iter().map(|&e| f64::from(e)).sum();
@@ -309,11 +309,11 @@ fn lit(lens: &str) -> String {
     )
 }
 
-/// The share of black pixels that the warning states is that of the picture, in even light from all sides.
+/// The share of black pixels that the warning states is that of the image, in even light from all sides.
 #[rstest]
 #[case::larger_than_the_image_circle(0.7, true)]
 #[case::within_the_image_circle(0.3, false)]
-fn a_picture_beyond_the_image_circle_is_black_and_that_is_said(#[case] pitch_mm: f64, #[case] is_said: bool) {
+fn an_image_beyond_the_image_circle_is_black_and_that_is_said(#[case] pitch_mm: f64, #[case] is_said: bool) {
     let pitch_um = 1e3 * pitch_mm;
     let folder = Folder::new([(
         "capture.toml",

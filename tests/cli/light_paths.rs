@@ -59,7 +59,7 @@ fn room_through_glass(keys: &str) -> Folder {
     folder
 }
 
-/// Of a prescription, light lands in other pixels than its paths came from, and paths from lights find their own way in.
+/// Test of a prescription, whose light lands in other pixels than its paths came from, and paths from lights find their own way in.
 #[test]
 fn so_are_those_through_a_prescription() {
     let folder = room_through_glass("light_paths = 1.3");
@@ -164,33 +164,16 @@ fn wall(material: &str, keys: &str) -> Folder {
 }
 
 #[rstest]
-#[case::matt("type = 'diffuse'\nreflectance = 0.5", true)]
-#[case::rough_metal("type = 'conductor'\nmetal = 'Ag'\nroughness = 0.7", true)]
-#[case::metal("type = 'conductor'\nmetal = 'Ag'\nroughness = 0.4", false)]
-#[case::glass("type = 'dielectric'\nindex = 1.5", false)]
-#[case::rough_plastic("type = 'plastic'\nreflectance = 0.5\nroughness = 0.7", true)]
-#[case::plastic("type = 'plastic'\nreflectance = 0.5\nroughness = 0.4", false)]
-#[case::flat_phong("type = 'phong'\ndiffuse = 0.3\nspecular = 0.6\nexponent = 10", true)]
-#[case::phong("type = 'phong'\ndiffuse = 0.3\nspecular = 0.6\nexponent = 50", false)]
-#[case::matt_mix(
-    "type = 'mix'\nweight = 0.5\nfirst = { type = 'diffuse', reflectance = 0.5 }\n\
-     second = { type = 'diffuse', reflectance = 0.2 }",
-    true
-)]
-#[case::mix_of_mixes(
-    "type = 'mix'\nweight = 0.5\nfirst = { type = 'diffuse', reflectance = 0.5 }\n\
-     second = { type = 'mix', weight = 0.9, first = { type = 'diffuse', reflectance = 0.2 }, \
-     second = { type = 'conductor', metal = 'Ag' } }",
-    false
-)]
-fn where_nothing_focuses_no_paths_set_out(#[case] material: &str, #[case] in_vain: bool) {
+#[case::matt("type = 'diffuse'\nreflectance = 0.5")]
+#[case::rough_metal("type = 'conductor'\nmetal = 'Ag'\nroughness = 0.7")]
+#[case::metal("type = 'conductor'\nmetal = 'Ag'\nroughness = 0.4")]
+fn light_paths_set_out_whether_or_not_anything_focuses(#[case] material: &str) {
     let folder = wall(material, "max_depth = 4");
     folder.succeed("render capture.toml -o without");
     let outcome = folder.succeed("render capture.toml --set render.light_paths=1 -o with");
-    let warns = outcome.text().contains("warning: render.light_paths: nothing focuses light");
-    assert_eq!(warns, in_vain, "{outcome:?}");
+    assert!(!outcome.text().contains("warning: render.light_paths"), "{outcome:?}");
     let [with, without] = ["with", "without"].map(|name| folder.results(name).remove("electrons.exr"));
-    assert_eq!(with == without, in_vain);
+    assert_ne!(with, without);
 }
 
 #[test]

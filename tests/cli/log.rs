@@ -1,4 +1,4 @@
-//! What is said on standard error, and that nobody need listen.
+//! Messages on standard error, to which nobody need listen.
 
 use std::fs::File;
 use std::process::Command;

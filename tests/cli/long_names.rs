@@ -5,7 +5,7 @@ use serde_json::json;
 
 use crate::folder::Folder;
 
-const OWN: &str = include_str!("../../crates/photosite-imaging/assets/sensors/andor-zyla-55.toml");
+const OWN: &str = include_str!("../../crates/photosite-sensor/assets/sensors/andor-zyla-55.toml");
 
 /// Files that name everything they can name with a word of so many letters, or with so many words.
 fn folder(name: &str) -> Folder {

@@ -42,7 +42,7 @@ fn a_sensor_that_does_not_fit_is_refused_with_figures(#[values("0", "1", "full")
     let arguments = "render capture.toml --set sensor.resolution_px=[4000,4000] -o out";
     let (status, text) = limited(&folder, 400_000, backtrace, arguments);
     assert_eq!(status, Some(1), "{text}");
-    for words in ["sensor.resolution_px: a picture of 4000 × 4000 pixels takes", "0.38 GiB of ulimit -v", "lower"] {
+    for words in ["sensor.resolution_px: an image of 4000 × 4000 pixels takes", "0.38 GiB of ulimit -v", "lower"] {
         assert!(text.contains(words), "{words:?} is missing in: {text}");
     }
     assert!(!folder.path("out/capture.json").exists());
@@ -91,7 +91,7 @@ fn a_film_that_does_not_fit_is_traced_in_strips_by_itself() {
     let limits = [("noise_target=0.5", "render.noise_target"), ("time_limit_s=3", "render.time_limit_s")];
     for (setting, key) in limits {
         let arguments = format!("{render} out --memory 0.08 --set render.{setting}");
-        folder.fail(&arguments, 1, &[key, "the film of the whole picture takes", "--memory", "samples_per_pixel"]);
+        folder.fail(&arguments, 1, &[key, "the film of the whole image takes", "--memory", "samples_per_pixel"]);
     }
 }
 

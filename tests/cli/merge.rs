@@ -113,7 +113,7 @@ fn parts() -> Folder {
     2,
     &["part1 and seed are not parts of the same render: in seed, the capture says"]
 )]
-#[case::whole("-o whole", "part0 whole", 1, &["whole", "contains a whole picture, not a part"])]
+#[case::whole("-o whole", "part0 whole", 1, &["whole", "contains a whole image, not a part"])]
 #[case::nowhere("", "part0 nowhere", 1, &["nowhere", "there is no part.json", "broken off"])]
 #[case::nothing("", "", 2, &["<DIR>"])]
 fn parts_that_make_no_whole_are_refused(
@@ -298,7 +298,7 @@ fn parts_of_a_data_set_make_the_whole_even_if_they_are_killed() {
     assert_eq!(manifest(&folder, "merged").len(), 24);
     assert!(files(&folder, "whole") == files(&folder, "merged"));
     let again = folder.succeed("merge a b c -o merged");
-    assert!(again.text().contains("made 0 pictures"), "{again:?}");
+    assert!(again.text().contains("made 0 images"), "{again:?}");
 }
 
 #[test]

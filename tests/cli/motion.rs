@@ -43,7 +43,7 @@ fn each_frame_has_light_of_its_own_which_can_be_exposed_again() {
 #[rstest]
 #[case::time("exposure.time_s=0.001", "exposure.time_s: the camera moves")]
 #[case::interval("exposure.frame_interval_s=0.02", "exposure.frame_interval_s: the camera moves")]
-#[case::frames("exposure.frames=3", "exposure.frames: the camera moves, and the light of 2 pictures is stored")]
+#[case::frames("exposure.frames=3", "exposure.frames: the camera moves, and the light of 2 images is stored")]
 #[case::row_time("sensor.shutter.row_time_us=50", "sensor.shutter: the rows of this sensor see light at other times")]
 #[case::sensor("sensor.preset=sony-imx249-mono", "sensor.shutter: the rows of this sensor see light at other times")]
 fn stored_light_of_a_moving_camera_serves_its_own_times_only(#[case] set: &str, #[case] message: &str) {
@@ -67,7 +67,7 @@ fn stored_light_serves_any_shutter_where_nothing_moves() {
 }
 
 #[test]
-fn a_single_picture_of_a_moving_camera_has_plain_names() {
+fn a_single_image_of_a_moving_camera_has_plain_names() {
     let folder = room(&format!(
         "[[camera.motion.poses]]\ntime_s = 0\nposition_m = [0, 1, 3]\nlook_at_m = [0, 1, 0]\n\
         [[camera.motion.poses]]\ntime_s = 0.0002\nposition_m = [0.5, 1, 3]\nlook_at_m = [0, 0.5, 0]\n{RENDER}"
@@ -91,7 +91,7 @@ fn a_single_picture_of_a_moving_camera_has_plain_names() {
     assert!(folder.results("again")["raw.dng"] == folder.results("out")["raw.dng"]);
 }
 
-/// Lines of a picture of even light differ by new noise, but have their pattern in common.
+/// Lines of an image of even light differ by new noise, but have their pattern in common.
 #[test]
 fn a_line_camera_sees_every_line_with_the_same_pixels() {
     let folder = Folder::new([
@@ -177,7 +177,7 @@ fn passing(shutter: &str) -> Folder {
     Folder::new([("capture.toml", capture.into())])
 }
 
-/// What of a report is needed to project: rotation, translation, and the matrix, rows first.
+/// Parts of a report that are needed to project: rotation, translation, and the matrix, rows first.
 fn pose(report: &Value) -> (DMat3, DVec3, DMat3) {
     let camera = &report["camera"];
     let numbers = |value: &Value| -> Vec<f64> {
@@ -241,7 +241,7 @@ fn pose_truth_and_targets_of_a_moving_camera_are_of_the_middle_of_the_exposure()
         assert!((by_command[0] - px[0]).abs() < 1e-8 && (by_command[1] - px[1]).abs() < 1e-8, "{by_command:?}: {px:?}");
     }
     let file = std::fs::File::open(folder.path("out/truth.exr")).expect("truth.exr");
-    let truth = read_exr(std::io::BufReader::new(file)).expect("a picture").planes;
+    let truth = read_exr(std::io::BufReader::new(file)).expect("an image").planes;
     let plane = |name: &str| truth.plane(name).unwrap_or_else(|| panic!("no {name}"));
     let mut told = 0;
     for i in 0..64 * 48 {
@@ -260,7 +260,7 @@ fn pose_truth_and_targets_of_a_moving_camera_are_of_the_middle_of_the_exposure()
     // What other tools are told is that pose, too.
     let ours = folder.succeed("camera capture.toml --format colmap -o model").stderr;
     let images = std::fs::read_to_string(folder.path("model/images.txt")).unwrap_or_else(|e| panic!("{e}: {ours}"));
-    let line = images.lines().find(|line| !line.starts_with('#')).expect("a picture");
+    let line = images.lines().find(|line| !line.starts_with('#')).expect("an image");
     let numbers: Vec<f64> = line.split(' ').skip(5).take(3).map(|x| x.parse().expect("a number")).collect();
     assert!((DVec3::from_slice(&numbers) - pose.1).length() < 1e-12, "{line}");
 }

@@ -63,7 +63,7 @@ fn ball() -> Vec<u8> {
     text.into_bytes()
 }
 
-fn picture(texel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
+fn image(texel: impl Fn(u32, u32) -> [u8; 4]) -> Vec<u8> {
     let mut png = Cursor::new(Vec::new());
     RgbaImage::from_fn(16, 8, |x, y| Rgba(texel(x, y))).write_to(&mut png, ImageFormat::Png).expect("encoded");
     png.into_inner()
@@ -76,9 +76,9 @@ fn folder() -> Folder {
     Folder::new([
         ("capture.toml", CAPTURE.into()),
         ("ball.obj", ball()),
-        ("grey.png", picture(grey)),
-        ("colours.png", picture(|x, y| [checks(x, y), 128, 255 - checks(x, y), 255])),
-        ("normals.png", picture(tilted)),
+        ("grey.png", image(grey)),
+        ("colours.png", image(|x, y| [checks(x, y), 128, 255 - checks(x, y), 255])),
+        ("normals.png", image(tilted)),
     ])
 }
 

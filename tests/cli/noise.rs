@@ -1,4 +1,4 @@
-//! `photosite noise`: what it says of pictures whose noise is known.
+//! `photosite noise`: what it says of images whose noise is known.
 
 use photosite::io::output::write_whole;
 use photosite::io::raw_exr::write_raw_exr;
@@ -19,7 +19,7 @@ fn planes(folder: &Folder, arguments: &str) -> Value {
 }
 
 #[test]
-fn of_several_pictures_and_of_one() {
+fn of_several_images_and_of_one() {
     let folder = Folder::new([]);
     flats(&folder);
     let images: Vec<String> = (0..6).map(|i| format!("flats/Y/images/stack-bright-{i}.dng")).collect();
@@ -65,21 +65,21 @@ fn sigma_maps_pages_and_plots_are_written_on_request() {
         assert!(page.contains(words), "{words}");
     }
     for name in ["sigma-map", "neighbourhoods", "autocovariance", "correlation"] {
-        let plot = image::open(folder.path(&format!("plots/raw-{name}.png"))).expect("a picture");
+        let plot = image::open(folder.path(&format!("plots/raw-{name}.png"))).expect("an image");
         assert_eq!((plot.width(), plot.height()), (720, 480));
     }
     for (arguments, status, message) in [
         ("--sigma-map s.exr", 2, "already exists"),
         ("--page page.html", 2, "already exists"),
         ("--plots plots", 2, "already exists"),
-        ("--sigma-map s.png", 2, "ends with .exr, .npy or .tiff"),
+        ("--sigma-map s.png", 2, "ends with .tiff, .npy or .exr"),
         ("--square 1", 2, "--square"),
     ] {
         folder.fail(&format!("noise {images} {arguments}"), status, &[message]);
     }
     folder.succeed(&format!("noise {images} --page page.html --plots plots --force"));
     let one = images.split(' ').next().expect("six");
-    folder.fail(&format!("noise {one} --sigma-map one.npy"), 2, &["two or more pictures"]);
+    folder.fail(&format!("noise {one} --sigma-map one.npy"), 2, &["two or more images"]);
     assert!(!folder.path("one.npy").exists());
 }
 
@@ -95,7 +95,7 @@ fn places_of_a_mosaic_are_looked_at_one_by_one() {
 
 #[rstest]
 #[case::missing("noise nowhere.dng", 1, "nowhere.dng: cannot read")]
-#[case::kind("noise a.txt", 2, "not a picture of a kind")]
+#[case::kind("noise a.txt", 2, "not an image of a kind")]
 #[case::patch("noise flats/Y/images/stack-dark-0.dng --patch 60,0,8,8", 2, "reaches beyond the 64 × 48 pixels")]
 #[case::small("noise flats/Y/images/stack-dark-0.dng --patch 0,0,1,8", 2, "do not form a patch")]
 #[case::rectangle("noise flats/Y/images/stack-dark-0.dng --patch 1,2,3", 2, "write left, top, width and height")]
@@ -107,7 +107,7 @@ fn what_cannot_be_done_is_refused(#[case] arguments: &str, #[case] status: i32, 
     folder.fail(arguments, status, &[message]);
 }
 
-/// A raw picture of 45 × 34 pixels, of which 36 × 26 from column 5, row 3, see light. Half of the pixels of each
+/// A raw image of 45 × 34 pixels, of which 36 × 26 from column 5, row 3, see light. Half of the pixels of each
 /// channel lie 50 DN above 1000 and the others as much below; masked pixels show 64 or 65.
 fn masked(folder: &Folder, cfa: &str) {
     let area = PixelArea { x: 5, y: 3, width: 36, height: 26 };

@@ -1,4 +1,4 @@
-//! What a render leaves in its folder, and what it prints.
+//! Results that a render leaves in its folder, and output that it prints.
 
 use rstest::rstest;
 use serde_json::{Value, json};
@@ -31,8 +31,8 @@ fn the_usual_files_appear_and_two_lines_say_so() {
     ] {
         assert!(outcome.stderr.contains(words), "{words:?} in {}", outcome.stderr);
     }
-    let picture = image::load_from_memory(&folder.results("out")["image.png"]).expect("a picture");
-    assert_eq!((picture.width(), picture.height()), (32, 24));
+    let image = image::load_from_memory(&folder.results("out")["image.png"]).expect("an image");
+    assert_eq!((image.width(), image.height()), (32, 24));
 }
 
 #[test]
@@ -51,7 +51,7 @@ fn other_formats_appear_on_request() {
     // The same mosaic in each of them: the numbers are the last bytes of PGM (big-endian) and NPY (little-endian).
     let raw = folder.raw("out/raw.dng").data;
     let results = folder.results("out");
-    let tiff = image::load_from_memory(&results["raw.tiff"]).expect("a picture").into_luma16();
+    let tiff = image::load_from_memory(&results["raw.tiff"]).expect("an image").into_luma16();
     assert_eq!(tiff.into_raw(), raw);
     let tail = |name: &str| results[name][results[name].len() - 2 * raw.len()..].to_vec();
     assert_eq!(tail("raw.pgm"), raw.iter().flat_map(|dn| dn.to_be_bytes()).collect::<Vec<_>>());
@@ -75,7 +75,7 @@ fn json_is_what_capture_json_holds() {
     let folder = room("[render]\nsamples_per_pixel = 2");
     let outcome = folder.succeed("render capture.toml --json -o out --set render.max_depth=3 --seed 5");
     assert_eq!(outcome.stdout.as_bytes(), folder.results("out")["capture.json"]);
-    // Of glass before a lamp without a surface.
+    // Of glass before a light without a surface.
     assert!(
         outcome.stderr.starts_with("warning: caustics") && outcome.stderr.lines().count() == 1,
         "{}",
@@ -159,7 +159,7 @@ fn without_a_folder_the_input_names_it() {
 
 /// Infrared behind a filter that blocks it: there is light, but none that could balance the channels.
 #[test]
-fn light_that_the_sensor_does_not_see_leaves_a_dark_picture() {
+fn light_that_the_sensor_does_not_see_leaves_a_dark_image() {
     let folder = room("[render]\nsamples_per_pixel = 2");
     folder.add("infrared.csv", "950,0\n960,1\n970,0\n");
     folder.add(
@@ -188,7 +188,7 @@ fn curves_of_a_sensor_lie_beside_the_capture_wherever_that_is() {
 }
 
 #[test]
-fn pictures_that_do_not_lie_on_ground_truth_are_warned_of() {
+fn images_that_do_not_lie_on_ground_truth_are_warned_of() {
     let folder = room("[render]\nsamples_per_pixel = 1\n[output]\ntruth = ['depth']\n");
     let barrel = "--set lens.distortion={model='brown-conrady',k=[-0.05]}";
     let warned = |options: &str| {
@@ -196,7 +196,7 @@ fn pictures_that_do_not_lie_on_ground_truth_are_warned_of() {
     };
     assert!(warned("-o both"));
     assert!(!warned("-o alike --set develop.distortion=false"));
-    assert!(!warned("-o picture --set output.truth=[]"));
+    assert!(!warned("-o image --set output.truth=[]"));
 }
 
 #[test]
@@ -222,7 +222,7 @@ fn ground_truth_appears_in_the_formats_that_are_asked_for() {
     let npy = &results["truth-depth.npy"];
     let tail: Vec<u8> = depths.iter().flat_map(|depth| depth.to_le_bytes()).collect();
     assert_eq!(npy[npy.len() - tail.len()..], tail);
-    let png = image::load_from_memory(&results["truth-depth.png"]).expect("a picture").into_luma16();
+    let png = image::load_from_memory(&results["truth-depth.png"]).expect("an image").into_luma16();
     for (code, &depth) in png.iter().zip(depths) {
         let expected = if depth.is_finite() { (f64::from(depth) / 0.5e-3).round() } else { 0.0 };
         assert_eq!(f64::from(*code), expected);
@@ -249,7 +249,7 @@ fn impossible_ground_truth_is_refused(#[case] set: &str, #[case] message: &str) 
 }
 
 #[test]
-fn noise_maps_appear_on_request_and_sum_to_the_raw_picture() {
+fn noise_maps_appear_on_request_and_sum_to_the_raw_image() {
     let folder = room("frames = 2\n[render]\nsamples_per_pixel = 4\n[output]\nraw = ['npy']\nnoise = true\n");
     folder.succeed("render capture.toml -o out");
     folder.succeed("expose out -o again --set output.noise=['dsnu_e','saturated'] --set output.noise_formats=['npy']");

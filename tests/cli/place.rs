@@ -58,7 +58,7 @@ fn a_frame_is_the_same_alone_at_once_and_from_its_manifest() {
     assert_same_however_made(&folder, 3);
     let lines = manifest(&folder, "together");
     assert_eq!(lines.iter().map(|line| line["overrides"].to_string()).collect::<BTreeSet<_>>().len(), 3);
-    // What stands in the manifest makes the picture again.
+    // What stands in the manifest makes the image again.
     let mut command = folder.command("render base.toml -o again --quiet --set output.electrons=false");
     for change in lines[1]["overrides"].as_array().expect("a list") {
         command.arg("--set").arg(change.as_str().expect("a text"));
@@ -71,8 +71,8 @@ fn a_frame_is_the_same_alone_at_once_and_from_its_manifest() {
 }
 
 /// Lowest height of the box of each placed object, which for a block is its own, with its category.
-fn lowest(folder: &Folder, picture: &str) -> Vec<(String, f64)> {
-    let text = std::fs::read_to_string(folder.path(picture).join("objects.json")).expect("objects.json");
+fn lowest(folder: &Folder, image: &str) -> Vec<(String, f64)> {
+    let text = std::fs::read_to_string(folder.path(image).join("objects.json")).expect("objects.json");
     let objects: Value = serde_json::from_str(&text).expect("JSON");
     let placed = objects["objects"].as_array().expect("a list").iter().filter(|o| o["name"] != "table");
     let of_object = |object: &Value| {

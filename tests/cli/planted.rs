@@ -84,7 +84,7 @@ fn refused(folder: &Folder, command: &str) -> Vec<String> {
     refused
 }
 
-/// That these are refused, and whatever else the command reads.
+/// Test that these are refused, and whatever else the command reads.
 fn refuse(folder: &Folder, command: &str, wanted: &[&str]) {
     let refused = refused(folder, command);
     for name in wanted {
@@ -139,7 +139,7 @@ fn renders_hold_nothing_from_outside(#[case] command: &str, #[case] wanted: &[&s
 
 #[cfg(unix)]
 #[test]
-fn parts_of_pictures_hold_nothing_from_outside() {
+fn parts_of_images_hold_nothing_from_outside() {
     let folder = room("[render]\nsamples_per_pixel = 2\nmax_depth = 1\n");
     folder.succeed("render capture.toml --samples 0..1 -o a -q");
     folder.succeed("render capture.toml --samples 1..2 -o b -q");
@@ -186,7 +186,7 @@ SURF 3
 ";
 
 /// A sensor that names no files.
-const OWN: &str = include_str!("../../crates/photosite-imaging/assets/sensors/andor-zyla-55.toml");
+const OWN: &str = include_str!("../../crates/photosite-sensor/assets/sensors/andor-zyla-55.toml");
 
 const SET: &str = "\
 capture = 'board.toml'
@@ -209,24 +209,23 @@ fn set(arguments: &str) -> Folder {
 const TRUTH: &str = "--set output.truth=['depth','instance'] --set output.objects=true";
 const MANIFEST: &str = "out/manifest.jsonl";
 const REPORT: &str = "out/left/000000/capture.json";
-const PICTURE: &str = "out/right/000000/image.png";
+const IMAGE: &str = "out/right/000000/image.png";
 const OF_TRUTH: &str = "out/right/000000/truth.exr";
 
 #[cfg(unix)]
 #[rstest]
-#[case("dataset set.toml -o out TRUTH", &["set.toml", "board.toml", "out/dataset.json", REPORT, PICTURE])]
-#[case("dataset set.toml -o out TRUTH --verify", &[REPORT, PICTURE])]
+#[case("dataset set.toml -o out TRUTH", &["set.toml", "board.toml", "out/dataset.json", REPORT, IMAGE])]
+#[case("dataset set.toml -o out TRUTH --verify", &[REPORT, IMAGE])]
 #[case("dataset set.toml -o out TRUTH --index-only", &[REPORT])]
 #[case("dataset set.toml -o out TRUTH --dry-run", &["set.toml", "board.toml"])]
-#[case("submit slurm set.toml -o out TRUTH --tasks 1 --write job.sh", &["set.toml", "out/dataset.json"])]
-#[case("status out", &["out", "out/dataset.json", REPORT, PICTURE, OF_TRUTH])]
-#[case("layout out --format colmap -o laid", &[MANIFEST, REPORT, PICTURE])]
-#[case("layout out --format euroc -o laid", &[MANIFEST, REPORT, PICTURE])]
-#[case("layout out --format kalibr -o laid", &[MANIFEST, REPORT, PICTURE])]
-#[case("layout out --format bop -o laid", &[MANIFEST, REPORT, PICTURE, OF_TRUTH])]
-#[case("layout out --format nerfstudio -o laid", &[MANIFEST, REPORT, PICTURE, OF_TRUTH])]
-#[case("layout out --format coco -o laid", &[MANIFEST, REPORT, PICTURE, OF_TRUTH])]
-#[case("rectify out -o rectified", &[MANIFEST, REPORT, PICTURE, OF_TRUTH])]
+#[case("status out", &["out", "out/dataset.json", REPORT, IMAGE, OF_TRUTH])]
+#[case("layout out --format colmap -o laid", &[MANIFEST, REPORT, IMAGE])]
+#[case("layout out --format euroc -o laid", &[MANIFEST, REPORT, IMAGE])]
+#[case("layout out --format kalibr -o laid", &[MANIFEST, REPORT, IMAGE])]
+#[case("layout out --format bop -o laid", &[MANIFEST, REPORT, IMAGE, OF_TRUTH])]
+#[case("layout out --format nerfstudio -o laid", &[MANIFEST, REPORT, IMAGE, OF_TRUTH])]
+#[case("layout out --format coco -o laid", &[MANIFEST, REPORT, IMAGE, OF_TRUTH])]
+#[case("rectify out -o rectified", &[MANIFEST, REPORT, IMAGE, OF_TRUTH])]
 fn data_sets_hold_nothing_from_outside(#[case] command: &str, #[case] wanted: &[&str]) {
     refuse(&set(""), &command.replace("TRUTH", TRUTH), wanted);
 }

@@ -70,7 +70,7 @@ fn far_points_appear_where_chief_rays_land() {
     let chief = &reference["figures"]["chief_rays"];
     let folder = Folder::new([("board.toml", board(TRIPLET).into())]);
     let fields = chief["field_deg"].as_array().expect("fields");
-    // The picture ends 14.4 mm from the axis.
+    // The image ends 14.4 mm from the axis.
     let angles: Vec<f64> = fields.iter().take(6).map(|angle| number(angle).to_radians()).collect();
     let points: String =
         angles.iter().map(|angle| format!("{}, 0, {}\n", 1e7 * angle.sin(), 1e7 * angle.cos())).collect();
@@ -185,7 +185,7 @@ fn reports_of_all_lenses_that_ship_can_be_read_again() {
     }
 }
 
-/// A set of pictures through a lens from a prescription: the model that is fitted stands in its files.
+/// A set of images through a lens from a prescription: the model that is fitted stands in its files.
 #[test]
 fn data_sets_tell_the_fitted_model() {
     let lens = "prescription = 'cooke-triplet'\nf_number = 8\nfocus_distance_m = 1.3\n";
@@ -233,16 +233,16 @@ fn points_whose_chief_ray_is_blocked_are_flagged() {
     assert!(flags.iter().any(|flag| flag == true) && flags.iter().any(|flag| flag == false), "{flags:?}");
 }
 
-/// Pictures of points come from the disk as they were worked out, and are worked out anew where what lies there is broken.
+/// Images of points come from the disk as they were worked out, and are worked out anew where what lies there is broken.
 #[test]
-fn pictures_of_points_from_the_disk_give_the_same_bytes() {
+fn images_of_points_from_the_disk_give_the_same_bytes() {
     let lens = "prescription = 'cooke-triplet'\nf_number = 8\nfocus_distance_m = 1.05\npsf = { kind = 'wave' }\n";
     let folder = Folder::new([("board.toml", board(lens).into())]);
     let render_with = |more: &str, out: &str, cache: &str| {
         let small = format!("--set sensor.resolution_px=[8,6] --set render.samples_per_pixel=1 {more}");
         let mut command = folder.command(&format!("render board.toml -o {out} --quiet {small}"));
         assert!(command.env("PHOTOSITE_CACHE", cache).status().expect("the binary runs").success());
-        std::fs::read(folder.path(out).join("image.png")).expect("a picture")
+        std::fs::read(folder.path(out).join("image.png")).expect("an image")
     };
     let render = |out: &str, cache: &str| render_with("", out, cache);
     let kept = || -> Vec<std::path::PathBuf> {
@@ -272,8 +272,8 @@ fn pictures_of_points_from_the_disk_give_the_same_bytes() {
     assert_eq!(kept().len(), files.len());
 }
 
-/// A frame of white before a lens whose picture does not fill the sensor: what reaches into a dark corner is cut off, as the
-/// picture itself says.
+/// A frame of white before a lens whose image does not fill the sensor: what reaches into a dark corner is cut off, as the
+/// image itself says.
 #[test]
 fn objects_that_reach_into_the_dark_corners_of_a_lens_are_cut_off() {
     let quad = "v -0.02 -0.02 0\nv 0.02 -0.02 0\nv 0.02 0.02 0\nv -0.02 0.02 0\nf 1 2 3 4\n";
@@ -295,11 +295,11 @@ fn objects_that_reach_into_the_dark_corners_of_a_lens_are_cut_off() {
     folder.succeed("render capture.toml -o out --quiet");
     let bytes = std::fs::read(folder.path("out/objects.json")).expect("a file");
     let objects: Value = serde_json::from_slice(&bytes).expect("JSON");
-    let light = image::open(folder.path("out/image.png")).expect("a picture").into_luma8();
+    let light = image::open(folder.path("out/image.png")).expect("an image").into_luma8();
     let (mut cut, mut whole) = (0, 0);
     for object in objects["objects"].as_array().expect("objects") {
         let corners = object["box_corners_px"].as_array().expect("corners");
-        // Darkest and brightest pixel around the corners; beyond the picture it is dark.
+        // Darkest and brightest pixel around the corners; beyond the image it is dark.
         let around = corners.iter().flat_map(|corner| {
             let place = corner.as_array().map_or([-9.0; 2], |place| [number(&place[0]), number(&place[1])]);
             [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]].map(|[x, y]| [place[0] + x, place[1] + y])

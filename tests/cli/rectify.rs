@@ -1,4 +1,4 @@
-//! Rectified pictures: whole or not at all, with their truth; depth from disparity and back.
+//! Rectified images: whole or not at all, with their truth; depth from disparity and back.
 
 use rstest::rstest;
 use serde_json::Value;
@@ -26,7 +26,7 @@ fn made(dataset: &str, arguments: &str) -> Folder {
 }
 
 #[test]
-fn pictures_truth_and_lines_are_made_and_the_data_set_left_as_it_is() {
+fn images_truth_and_lines_are_made_and_the_data_set_left_as_it_is() {
     let folder = made(SET, "--set output.truth=['depth','normal']");
     let before = folder.results("out/left/000000");
     let json = folder.succeed("rectify out -o rectified --lines 3 --frames 1 --json").stdout;
@@ -84,6 +84,6 @@ fn a_pair_of_three_is_chosen() {
 #[case("map.exr --focal-length-px 9 --baseline-m 1 -o map.exr", 2, &["map.exr already exists", "--force"])]
 #[case("map.exr --focal-length-px 9 --baseline-m 1 -o z.exr", 1, &["map.exr: cannot read it as OpenEXR"])]
 fn what_cannot_be_turned_into_depth_is_said(#[case] arguments: &str, #[case] status: i32, #[case] wanted: &[&str]) {
-    let folder = Folder::new([("map.exr", b"no picture".to_vec())]);
+    let folder = Folder::new([("map.exr", b"no image".to_vec())]);
     folder.fail(&format!("depth {arguments}"), status, wanted);
 }

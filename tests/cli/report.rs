@@ -1,4 +1,4 @@
-//! `capture.json` tells where things are in the picture, in OpenCV's conventions.
+//! `capture.json` tells where things are in the image, in OpenCV's conventions.
 
 use glam::{DMat3, DVec2, DVec3};
 use photosite::io::exr::read_exr;
@@ -89,7 +89,7 @@ fn a_lamp_is_where_the_parameters_put_it(#[case] lens: &str, #[values([0.55, 0.3
     assert!(off.x < tolerance.x && off.y < tolerance.y, "at {centroid}, not {expected}: more than {tolerance} off");
 }
 
-/// What the file says of the capture, written as a capture file, gives the same picture.
+/// The capture of the file, written as a capture file, gives the same image.
 #[test]
 fn the_report_is_a_capture_file_again() {
     let folder = room("[render]\nsamples_per_pixel = 2");

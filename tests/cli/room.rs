@@ -130,8 +130,8 @@ pub(crate) fn room(more: &str) -> Folder {
     ])
 }
 
-pub(crate) fn encoded(picture: &DynamicImage, format: ImageFormat) -> Vec<u8> {
+pub(crate) fn encoded(image: &DynamicImage, format: ImageFormat) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
-    picture.write_to(&mut bytes, format).expect("encoded");
+    image.write_to(&mut bytes, format).expect("encoded");
     bytes.into_inner()
 }

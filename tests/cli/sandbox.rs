@@ -9,7 +9,7 @@ use crate::gltf::triangle;
 
 const OBJ: &str = "mtllib tri.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n";
 const MTL: &str = "newmtl a\nKd 0.5 0.5 0.5\n";
-/// Of what lies outside.
+/// Content of what lies outside.
 const SECRET: &str = "400, 0.5\n700, 0.5\n";
 
 /// `in/` with a scene, beside files that it must not read.
@@ -61,7 +61,7 @@ fn geometry_lies_inside(#[case] name: &str) {
 #[rstest]
 #[case::library("in/tri.obj", OBJ.replace("tri.mtl", "../out.mtl"), "in/tri.obj:1: mtllib")]
 #[case::library_from_the_root("in/tri.obj", OBJ.replace("tri.mtl", "/etc/hostname"), "in/tri.obj:1: mtllib")]
-#[case::picture("in/tri.mtl", format!("{MTL}map_Kd ../out.png\n"), "in/tri.mtl:3")]
+#[case::image("in/tri.mtl", format!("{MTL}map_Kd ../out.png\n"), "in/tri.mtl:3")]
 fn materials_lie_inside(#[case] file: &str, #[case] text: String, #[case] place: &str) {
     let folder = folder("");
     folder.add(file, text);

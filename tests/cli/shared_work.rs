@@ -44,7 +44,7 @@ fn frames_past_the_end_are_left_out_with_a_warning(#[case] frames: &str, #[case]
     let folder = folder(SIX);
     let outcome = folder.succeed(&format!("dataset set.toml -o out --frames {frames}"));
     assert!(outcome.text().contains("warning: --frames names frames that do not exist: the data set has 6, 0..6"));
-    assert!(outcome.stderr.contains(&format!("made {made} pictures")), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains(&format!("made {made} images")), "{}", outcome.stderr);
 }
 
 #[rstest]
@@ -63,7 +63,7 @@ fn what_is_no_share_is_refused(#[case] arguments: &str, #[case] message: &str) {
 #[test]
 fn an_index_alone_tells_what_is_missing() {
     let folder = folder(SIX);
-    let lacking = "out: lacks pictures of the frames 0,3..6";
+    let lacking = "out: lacks images of the frames 0,3..6";
     folder.fail("dataset set.toml -o out --index-only", 1, &["out: does not contain a data set"]);
     folder.succeed("dataset set.toml -o out --frames 1..3");
     fs::remove_file(folder.path("out/manifest.jsonl")).expect("removed");
@@ -80,16 +80,16 @@ fn an_index_alone_tells_what_is_missing() {
 }
 
 #[rstest]
-fn a_picture_that_lost_a_file_is_made_again(#[values("raw.dng", "capture.json")] lost: &str) {
+fn an_image_that_lost_a_file_is_made_again(#[values("raw.dng", "capture.json")] lost: &str) {
     let folder = folder(SIX);
     folder.succeed("dataset set.toml -o out");
     let whole = files(&folder, "out");
     fs::remove_file(folder.path("out/camera/000004").join(lost)).expect("removed");
     let outcome = folder.succeed("dataset set.toml -o out");
     let text = outcome.text();
-    let said = format!("warning: a picture is made again: {lost} is missing (in 1 of 1 frames, such as camera/000004)");
+    let said = format!("warning: an image is made again: {lost} is missing (in 1 of 1 frames, such as camera/000004)");
     assert!(text.contains(&said), "{text}");
-    assert!(text.contains("made 1 picture; 6 of 6 are in"), "{text}");
+    assert!(text.contains("made 1 image; 6 of 6 are in"), "{text}");
     assert!(whole == files(&folder, "out"));
 }
 
@@ -102,7 +102,7 @@ fn a_file_that_was_cut_short_is_noticed_by_its_size() {
     raw.set_len(100).expect("cut");
     let outcome = folder.succeed("dataset set.toml -o out");
     let text = outcome.text();
-    assert!(text.contains("a picture is made again: raw.dng has 100 bytes instead of"), "{text}");
+    assert!(text.contains("an image is made again: raw.dng has 100 bytes instead of"), "{text}");
     assert!(text.contains("(in 1 of 1 frames, such as camera/000002)"), "{text}");
     assert!(whole == files(&folder, "out"));
 }
@@ -133,10 +133,10 @@ fn a_flipped_bit_is_found_by_reading_every_file(#[values("raw.dng", "image.png",
         let outcome = folder.run("dataset set.toml -o out --verify --index-only");
         assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
         assert!(outcome.text().contains(&damage), "{}", outcome.stderr);
-        assert!(outcome.text().contains("out: has 1 damaged picture"), "{}", outcome.stderr);
+        assert!(outcome.text().contains("out: has 1 damaged image"), "{}", outcome.stderr);
     }
     let outcome = folder.succeed("dataset set.toml -o out --verify");
-    assert!(outcome.text().contains(&damage) && outcome.text().contains("made 1 picture"), "{}", outcome.stderr);
+    assert!(outcome.text().contains(&damage) && outcome.text().contains("made 1 image"), "{}", outcome.stderr);
     assert!(whole == files(&folder, "out"));
     folder.succeed("dataset set.toml -o out --verify --index-only");
 }
@@ -147,12 +147,12 @@ fn sums_of_the_manifest_are_those_of_sha256sum() {
     let folder = folder("frames = 1\n");
     folder.succeed("dataset set.toml -o out");
     let line = &manifest(&folder, "out")[0];
-    let picture = folder.path("out").join(line["folder"].as_str().expect("a name"));
+    let image = folder.path("out").join(line["folder"].as_str().expect("a name"));
     let sums = line["sums"].as_object().expect("sums");
-    let there = fs::read_dir(&picture).expect("a folder").count();
+    let there = fs::read_dir(&image).expect("a folder").count();
     assert_eq!(sums.len(), there, "every file has one");
     for (name, sum) in sums {
-        let path = picture.join(name);
+        let path = image.join(name);
         assert_eq!(sum["bytes"], fs::metadata(&path).expect("there").len());
         let output = Command::new("sha256sum").arg(&path).output().expect("coreutils are there");
         let said = String::from_utf8(output.stdout).expect("text");
@@ -204,9 +204,9 @@ fn a_dry_run_tells_what_the_rest_takes_and_makes_nothing() {
     assert_eq!((&after["pictures"], &after["present"]), (&6.into(), &2.into()));
     let number = |value: &Value| value.as_f64().expect("a number");
     assert!(number(&before["time_s"]) > 0.0 && number(&before["memory_bytes"]) > 1e6);
-    // What is there is no guess: the disk that pictures take differs by how well their noise packs.
-    let of_pictures = there.iter().filter(|(path, _)| path.components().count() == 3);
-    let bytes: usize = of_pictures.map(|(_, bytes)| bytes.as_ref().map_or(0, Vec::len)).sum();
+    // What is there is no guess: the disk that images take differs by how well their noise packs.
+    let of_images = there.iter().filter(|(path, _)| path.components().count() == 3);
+    let bytes: usize = of_images.map(|(_, bytes)| bytes.as_ref().map_or(0, Vec::len)).sum();
     let ratio = number(&before["disk_bytes"]) / (bytes as f64 / 2.0 * 6.0);
     assert!((0.8..1.25).contains(&ratio), "{ratio}");
     assert!((number(&after["disk_bytes"]) / number(&before["disk_bytes"]) - 4.0 / 6.0).abs() < 0.1);

@@ -10,7 +10,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().expect("a number")
 }
 
-/// The same view at another size: what the picture shows, how bright it is and how sharp stay.
+/// The same view at another size: what the image shows, how bright it is and how sharp stay.
 #[rstest]
 #[case::as_it_is("", [96, 64], 1.0)]
 #[case::half("--size 48x32", [48, 32], 2.0)]
@@ -35,7 +35,7 @@ fn size_keeps_the_view(#[case] option: &str, #[case] size: [usize; 2], #[case] g
         (&after["exposure"]["time_s"], &after["lens"]["f_number"]),
         (&before["exposure"]["time_s"], &before["lens"]["f_number"])
     );
-    // And the picture is as bright, but for what is seen beside it.
+    // And the image is as bright, but for what is seen beside it.
     if size[0] * 64 == size[1] * 96 {
         let brightness = |name: &str| {
             let estimate = folder.electrons(name);
@@ -48,7 +48,7 @@ fn size_keeps_the_view(#[case] option: &str, #[case] size: [usize; 2], #[case] g
         };
         let ((a, error_a), (b, error_b)) = (brightness("before"), brightness("after"));
         let (b, error_b) = (b / growth.powi(2), error_b / growth.powi(2));
-        // Five deviations; the edges of things fall on other pixels, which the means of whole pictures share.
+        // Five deviations; the edges of things fall on other pixels, which the means of whole images share.
         assert!((a - b).abs() < 5.0 * error_a.hypot(error_b) + 0.01 * a, "{a} ± {error_a}, {b} ± {error_b}");
     }
 }
@@ -70,7 +70,7 @@ fn places_in_pixels_do_not_go_with_another_size(#[case] change: &str, #[case] ke
 
 /// A panorama takes the place of whatever lit the scene, wherever it lies.
 #[test]
-fn a_picture_of_the_surroundings_lights_the_scene() {
+fn an_image_of_the_surroundings_lights_the_scene() {
     let folder = Folder::new([
         ("models/sail.obj", b"v -1 0 0\nv 1 0 0\nv 0 1.5 0\nf 1 2 3\n".to_vec()),
         (
@@ -95,7 +95,7 @@ fn a_picture_of_the_surroundings_lights_the_scene() {
     folder.fail("render capture.toml -o new --env none.hdr", 1, &["none.hdr: cannot read"]);
 }
 
-/// Half the width of the picture is seen under half the angle, through whatever projection.
+/// Half the width of the image is seen under half the angle, through whatever projection.
 #[rstest]
 #[case::rectilinear("", 40.0, |half: f64| half.tan())]
 #[case::fisheye("projection = 'fisheye'", 170.0, |half: f64| half)]

@@ -130,7 +130,12 @@ fn what_was_broken_off_ends_with_the_bytes_of_one_that_was_not(#[case] settings:
         interrupted += 1;
     }
     println!("interrupted {interrupted} times");
-    if !is_done() {
+    if is_done() {
+        // The last signal may have come between the report and the end of the checkpoint, which goes after it.
+        for name in ["checkpoint.film", "checkpoint.film.before"] {
+            let _ = fs::remove_file(folder.path("out").join(name));
+        }
+    } else {
         folder.succeed(&format!("{arguments} out"));
     }
     assert!(interrupted > 0, "too quick to be interrupted");
@@ -147,7 +152,7 @@ fn a_signal_ends_a_data_set_which_goes_on() {
     let arguments = "dataset set.toml --quiet --set render.samples_per_pixel=20000 -o";
     folder.succeed(&format!("{arguments} whole"));
     let begun = |folder: &Folder| folder.path("out/camera/000000").exists();
-    // The second picture takes as long as the first.
+    // The second image takes as long as the first.
     let (code, said) = interrupt(&folder, &format!("{arguments} out"), "TERM", &begun);
     assert_eq!(code, Some(143), "{said}");
     assert!(!folder.path("out/camera/000002").exists(), "it stopped");

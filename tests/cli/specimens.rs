@@ -1,4 +1,4 @@
-//! Which camera a picture is of: fixed pattern belongs to its serial number, temporal noise to the picture.
+//! Cameras of images by serial numbers: fixed pattern belongs to its serial number, temporal noise to the image.
 
 use photosite::image::Planes;
 use rstest::rstest;
@@ -12,12 +12,12 @@ const CHANCE: f64 = 5.0 / 27.7;
 const MAPS: &str = "--quiet --set output.noise=['prnu_e','dsnu_e','read_noise_e','photon_shot_noise_e']";
 const RIG: &str = "frames = 2\n[[cameras]]\nname = 'left'\n[[cameras]]\nname = 'right'\n";
 
-fn noise(folder: &Folder, picture: &str) -> Planes {
-    let bytes = std::fs::read(folder.path(picture)).expect("a map of noise");
+fn noise(folder: &Folder, image: &str) -> Planes {
+    let bytes = std::fs::read(folder.path(image)).expect("a map of noise");
     photosite::io::exr::read_exr(std::io::Cursor::new(bytes)).expect("EXR").planes
 }
 
-/// How far two pictures have a map in common, −1 to 1.
+/// How far two images have a map in common, −1 to 1.
 fn correlation(a: &Planes, b: &Planes, map: &str) -> f64 {
     let [a, b] =
         [a, b].map(|planes| planes.plane(map).expect("a map").iter().map(|&v| f64::from(v)).collect::<Vec<_>>());
@@ -52,16 +52,16 @@ fn assert_other_noise(a: &Planes, b: &Planes) {
 fn cameras_of_a_rig_keep_their_fixed_pattern_from_frame_to_frame() {
     let folder = folder(RIG);
     folder.succeed(&format!("dataset set.toml -o out {MAPS}"));
-    let map = |picture: &str| noise(&folder, &format!("out/{picture}/noise.exr"));
-    let pictures = ["left/000000", "left/000001", "right/000000", "right/000001"];
-    let [left, left_later, right, right_later] = pictures.map(map);
+    let map = |image: &str| noise(&folder, &format!("out/{image}/noise.exr"));
+    let images = ["left/000000", "left/000001", "right/000000", "right/000001"];
+    let [left, left_later, right, right_later] = images.map(map);
     assert_same_camera(&left, &left_later);
     assert_same_camera(&right, &right_later);
     assert_other_camera(&left, &right);
     for (a, b) in [(&left, &left_later), (&right, &right_later), (&left, &right), (&left, &right_later)] {
         assert_other_noise(a, b);
     }
-    let serials = pictures.map(|picture| folder.report(&format!("out/{picture}"))["sensor"]["serial"].as_u64());
+    let serials = images.map(|image| folder.report(&format!("out/{image}"))["sensor"]["serial"].as_u64());
     assert_eq!(serials, [Some(0), Some(0), Some(1), Some(1)]);
     assert_eq!(folder.raw("out/right/000001/raw.dng").metadata.camera_serial, "1");
     // Each can be made again from its own report.
@@ -138,7 +138,7 @@ fn the_seed_of_the_capture_gives_another_take() {
     folder.fail(
         "dataset set.toml -o no",
         1,
-        &["set.toml:3: vary[0].key: render.seed: every picture has a seed", "seed = 1"],
+        &["set.toml:3: vary[0].key: render.seed: every image has a seed", "seed = 1"],
     );
 }
 
@@ -146,7 +146,7 @@ fn the_seed_of_the_capture_gives_another_take() {
 #[rstest]
 #[case::series("--frames 2", "noise-0000.exr", "noise-0001.exr")]
 #[case::bracket("--set exposure.bracket_ev=[0,1]", "noise-0000.exr", "noise-0001.exr")]
-fn pictures_of_one_render_are_of_one_camera(#[case] arguments: &str, #[case] first: &str, #[case] second: &str) {
+fn images_of_one_render_are_of_one_camera(#[case] arguments: &str, #[case] first: &str, #[case] second: &str) {
     let folder = folder("");
     folder.succeed(&format!("render board.toml -o out {MAPS} --set output.electrons=true {arguments}"));
     let [a, b] = [first, second].map(|name| noise(&folder, &format!("out/{name}")));
@@ -171,7 +171,7 @@ fn image_sets_show_the_fixed_pattern_of_a_serial_number() {
         folder.succeed(&format!(
             "emva1288 sony-imx249-mono --size 48x32 --steps 5 --spatial 32 --format tiff -q -o {out} {arguments}"
         ));
-        // The mean of 32 pictures of even light: PRNU, and a little of the noise.
+        // The mean of 32 images of even light: PRNU, and a little of the noise.
         let mut names: Vec<_> = std::fs::read_dir(folder.path(out).join("Y/images"))
             .expect("images")
             .map(|e| e.expect("an entry").path())
@@ -181,7 +181,7 @@ fn image_sets_show_the_fixed_pattern_of_a_serial_number() {
         assert_eq!(names.len(), 32, "{:?}", folder.contents().keys());
         let mut sum = vec![0f32; 48 * 32];
         for path in names {
-            let raw = photosite::raw::read_tiff(std::fs::File::open(path).expect("a picture")).expect("TIFF");
+            let raw = photosite::raw::read_tiff(std::fs::File::open(path).expect("an image")).expect("TIFF");
             sum.iter_mut().zip(&raw.data).for_each(|(sum, &dn)| *sum += f32::from(dn));
         }
         let channel = photosite::image::Channel { name: "mean".to_owned(), data: sum };

@@ -17,7 +17,7 @@ const SIX: &str = "frames = 6\n[poses.random]\ntarget = 'board'\ndistance_m = [0
 const HALF_BAD: &str = "frames = 4\n[[vary]]\nkey = 'exposure.gain_db'\nsweep = [0, 60]\n";
 const SLOW: &str = "--set render.samples_per_pixel=400000 --set output.checkpoint_interval_s=0.05";
 
-/// The lines of `status --json`: those of the pictures, and that of the whole.
+/// The lines of `status --json`: those of the images, and that of the whole.
 fn told(outcome: &Outcome) -> (Vec<Value>, Value) {
     let mut lines: Vec<Value> =
         outcome.stdout.lines().map(|line| serde_json::from_str(line).expect("a line of JSON")).collect();
@@ -27,8 +27,8 @@ fn told(outcome: &Outcome) -> (Vec<Value>, Value) {
     (lines, whole)
 }
 
-fn states(pictures: &[Value]) -> Vec<&str> {
-    pictures.iter().map(|picture| picture["state"].as_str().expect("a state")).collect()
+fn states(images: &[Value]) -> Vec<&str> {
+    images.iter().map(|image| image["state"].as_str().expect("a state")).collect()
 }
 
 #[test]
@@ -38,21 +38,21 @@ fn it_tells_what_is_done_and_what_is_missing() {
     let before = files(&folder, "out");
     let outcome = folder.run("status out --json");
     assert_eq!(outcome.status, Some(3), "{outcome:?}");
-    let (pictures, whole) = told(&outcome);
-    assert_eq!(states(&pictures), ["missing", "done", "done", "missing", "done", "missing"]);
-    assert_eq!((&pictures[1]["camera"], &pictures[1]["folder"]), (&"camera".into(), &"camera/000001".into()));
+    let (images, whole) = told(&outcome);
+    assert_eq!(states(&images), ["missing", "done", "done", "missing", "done", "missing"]);
+    assert_eq!((&images[1]["camera"], &images[1]["folder"]), (&"camera".into(), &"camera/000001".into()));
     assert_eq!((&whole["pictures"], &whole["done"], &whole["missing"]), (&6.into(), &3.into(), &3.into()));
     assert_eq!((&whole["to_make"], &whole["complete"]), (&"0,3,5".into(), &false.into()));
     assert_eq!(whole["command"], "photosite dataset FILE.toml -o out --set exposure.gain_db=6 --frames 0,3,5");
     let text = folder.run("status out");
     assert_eq!(text.status, Some(3));
-    assert!(text.stdout.starts_with("out: 3 of 6 pictures done (6 frames, 1 camera), 3 missing\n"), "{text:?}");
+    assert!(text.stdout.starts_with("out: 3 of 6 images done (6 frames, 1 camera), 3 missing\n"), "{text:?}");
     assert!(files(&folder, "out") == before, "nothing is changed");
     // What it says to run makes the rest.
     folder.succeed("dataset set.toml -o out --set exposure.gain_db=6 --frames 0,3,5");
     let outcome = folder.succeed("status out --json");
     assert_eq!(told(&outcome).1["complete"], true);
-    assert_eq!(folder.succeed("status out").stdout, "out: 6 of 6 pictures done (6 frames, 1 camera)\n");
+    assert_eq!(folder.succeed("status out").stdout, "out: 6 of 6 images done (6 frames, 1 camera)\n");
 }
 
 /// A folder's description is that of earlier versions, but for how many frames there are; a longer set says so anew.
@@ -80,17 +80,17 @@ fn told_identity(folder: &Folder) -> Value {
 }
 
 #[test]
-fn failures_are_told_with_their_messages_until_the_picture_is_made() {
+fn failures_are_told_with_their_messages_until_the_image_is_made() {
     let folder = board(HALF_BAD);
     folder.run("dataset set.toml -o out --keep-going --quiet");
     let outcome = folder.run("status out --json");
     assert_eq!(outcome.status, Some(1), "{outcome:?}");
-    let (pictures, whole) = told(&outcome);
-    assert_eq!(states(&pictures), ["done", "done", "failed", "failed"]);
-    let message = pictures[2]["message"].as_str().expect("a message");
+    let (images, whole) = told(&outcome);
+    assert_eq!(states(&images), ["done", "done", "failed", "failed"]);
+    let message = images[2]["message"].as_str().expect("a message");
     assert!(message.contains("set.toml:3: vary[0]: in frame 2: exposure.gain_db: 40 dB"), "{message}");
-    assert!(pictures[2]["host"].is_string() && pictures[2]["time_s"].as_f64().is_some_and(|time| time > 1e9));
-    assert_eq!((&pictures[2]["temporary"], &whole["failed"]), (&false.into(), &2.into()));
+    assert!(images[2]["host"].is_string() && images[2]["time_s"].as_f64().is_some_and(|time| time > 1e9));
+    assert_eq!((&images[2]["temporary"], &whole["failed"]), (&false.into(), &2.into()));
     let text = folder.run("status out");
     assert!(text.stdout.contains("failed   camera/000002 on ") && text.stdout.contains("40 dB"), "{}", text.stdout);
     // As if it had been another machine's fault.
@@ -110,8 +110,8 @@ fn failures_are_told_with_their_messages_until_the_picture_is_made() {
 fn every_failure_is_kept(#[case] set: &str, #[case] arguments: &str, #[case] frame: usize, #[case] state: &str) {
     let folder = board(set);
     assert_eq!(folder.run(&format!("dataset set.toml -o out --quiet {arguments}")).status, Some(1));
-    let (pictures, _) = told(&folder.run("status out --json"));
-    assert_eq!(states(&pictures)[frame], state);
+    let (images, _) = told(&folder.run("status out --json"));
+    assert_eq!(states(&images)[frame], state);
 }
 
 #[test]
@@ -121,14 +121,14 @@ fn damage_is_told() {
     fs::remove_file(folder.path("out/camera/000004/raw.dng")).expect("removed");
     let outcome = folder.run("status out --json");
     assert_eq!(outcome.status, Some(1));
-    let (pictures, whole) = told(&outcome);
-    assert_eq!((&pictures[4]["state"], &pictures[4]["message"]), (&"damaged".into(), &"raw.dng is missing".into()));
+    let (images, whole) = told(&outcome);
+    assert_eq!((&images[4]["state"], &images[4]["message"]), (&"damaged".into(), &"raw.dng is missing".into()));
     assert_eq!(whole["to_make"], "4");
     folder.succeed("dataset set.toml -o out --frames 4");
     folder.succeed("status out");
 }
 
-/// Starts the command, and waits until it makes a picture.
+/// Starts the command, and waits until it makes an image.
 fn begun(folder: &Folder, arguments: &str) -> Child {
     let mut command = folder.command(arguments);
     let mut process = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the binary runs");
@@ -146,12 +146,12 @@ fn who_is_at_work_is_told_until_it_is_killed() {
     let mut process = begun(&folder, &format!("dataset set.toml -o out {SLOW}"));
     let outcome = folder.run("status out --json");
     assert_eq!(outcome.status, Some(4), "{outcome:?}");
-    let (pictures, whole) = told(&outcome);
-    assert_eq!(states(&pictures), ["running", "missing"]);
-    assert_eq!(pictures[0]["process"], process.id());
-    assert!(pictures[0]["host"].as_str().is_some_and(|host| !host.is_empty()));
+    let (images, whole) = told(&outcome);
+    assert_eq!(states(&images), ["running", "missing"]);
+    assert_eq!(images[0]["process"], process.id());
+    assert!(images[0]["host"].as_str().is_some_and(|host| !host.is_empty()));
     for age in ["age_s", "silence_s"] {
-        assert!(pictures[0][age].as_f64().is_some_and(|age| age < 60.0), "{}", pictures[0]);
+        assert!(images[0][age].as_f64().is_some_and(|age| age < 60.0), "{}", images[0]);
     }
     assert_eq!((&whole["running"], &whole["to_make"]), (&1.into(), &"1".into()), "nobody else is to make it");
     // One that is held on lives.
@@ -163,7 +163,7 @@ fn who_is_at_work_is_told_until_it_is_killed() {
     assert_eq!((outcome.status, states(&told(&outcome).0)), (Some(3), vec!["missing", "missing"]));
 }
 
-/// It writes to the lock every 5 s, however long a picture takes.
+/// The writer writes to the lock every 5 s, however long an image takes.
 #[test]
 fn a_process_gives_signs_of_life() {
     let folder = board("frames = 1\n");
@@ -198,7 +198,7 @@ fn of_other_machines_the_last_sign_of_life_counts() {
     assert_eq!(state(&folder), "missing");
 }
 
-/// A machine whose clock is an hour fast looks at the folder, and one whose clock is slow makes a picture in it.
+/// A machine whose clock is an hour fast looks at the folder, and one whose clock is slow makes an image in it.
 /// libfaketime lets programs see such clocks, while times of files stay those of the file system.
 #[cfg(target_os = "linux")]
 #[test]
@@ -236,9 +236,9 @@ fn clocks_of_machines_may_differ() {
         let output = with_clock("status out --json", hours).output().expect("the binary runs");
         assert_eq!(output.status.code(), Some(4), "{output:?}");
         let line = String::from_utf8(output.stdout).expect("text");
-        let picture: Value = serde_json::from_str(line.lines().next().expect("a line")).expect("JSON");
+        let image: Value = serde_json::from_str(line.lines().next().expect("a line")).expect("JSON");
         for age in ["age_s", "silence_s"] {
-            assert!(picture[age].as_f64().is_some_and(|age| age < 100.0), "{hours}: {picture}");
+            assert!(image[age].as_f64().is_some_and(|age| age < 100.0), "{hours}: {image}");
         }
     }
     process.kill().expect("still ours");
@@ -269,7 +269,7 @@ fn a_folder_that_is_read_only_tells_what_it_can() {
     assert!(said.contains("dataset 1") && errors.contains("Read-only file system"), "{said}{errors}");
 }
 
-/// Who makes pictures cannot say so, and what fails cannot be kept: the work and its status stay what they are.
+/// Who makes images cannot say so, and what fails cannot be kept: the work and its status stay what they are.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_no_worse_for_it() {
@@ -290,10 +290,10 @@ fn a_full_disk_is_no_worse_for_it() {
     assert!(errors.contains("No space left on device"), "{said}{errors}");
     let lines: Vec<&str> = said.lines().filter(|line| !line.starts_with(' ') && !line.starts_with("failed")).collect();
     assert_eq!(lines[0], "dataset 75", "{said}{errors}");
-    assert!(said.contains("2 of 6 pictures done"), "{said}{errors}");
+    assert!(said.contains("2 of 6 images done"), "{said}{errors}");
     assert_eq!(
         lines[lines.len() - 4..],
-        ["dataset 0", "disk/out: 6 of 6 pictures done (6 frames, 1 camera)", "status 0", "the same"]
+        ["dataset 0", "disk/out: 6 of 6 images done (6 frames, 1 camera)", "status 0", "the same"]
     );
 }
 
@@ -307,7 +307,7 @@ fn what_is_no_data_set_is_refused() {
     folder.fail("status other", 1, &["other/dataset.json: is damaged"]);
 }
 
-/// Parts of pictures that `photosite merge` takes, whose folder knows its data set file.
+/// Parts of images that `photosite merge` takes, whose folder knows its data set file.
 #[test]
 fn parts_are_told_with_their_command() {
     let folder = board(SIX);

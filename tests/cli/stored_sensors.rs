@@ -1,4 +1,4 @@
-//! What `capture.json` says of the sensor is whole: it gives the same picture again, and nothing else comes in. So do
+//! Sensors of `capture.json` are whole: they give the same image again, and nothing else comes in. So do
 //! sensors that begin from nothing, or from a preset without some of its keys.
 
 use photosite::sensor::presets;
@@ -22,7 +22,7 @@ samples_per_pixel = 2
 seed = 3
 ";
 
-/// What a sensor of the user's own has beside its filters and channels; no infrared-cut filter among it.
+/// Keys that a sensor of the user's own has beside its filters and channels; no infrared-cut filter among it.
 const OWN: &str = "\
 resolution_px = [16, 12]
 pixel_pitch_um = [9, 9]
@@ -56,7 +56,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// Asserts that two folders hold the same electrons and the same raw picture.
+/// Asserts that two folders hold the same electrons and the same raw image.
 fn assert_same(folder: &Folder, one: &str, other: &str) {
     let [one_s, others] = [one, other].map(|name| folder.results(name));
     for file in ["electrons.exr", "raw.dng"] {
@@ -77,7 +77,7 @@ fn repeat(folder: &Folder, arguments: &str) -> Value {
 }
 
 #[test]
-fn every_preset_gives_the_same_picture_again() {
+fn every_preset_gives_the_same_image_again() {
     for name in presets::names() {
         let folder = folder();
         // The lines of a line camera follow each other quickly.
@@ -92,7 +92,7 @@ fn every_preset_gives_the_same_picture_again() {
 #[case::without_filter("rgb")]
 #[case::other_channels("rccb")]
 #[case::mono("mono")]
-fn a_sensor_file_gives_the_same_picture_again(#[case] name: &str) {
+fn a_sensor_file_gives_the_same_image_again(#[case] name: &str) {
     let folder = folder();
     let stored = repeat(&folder, &format!("scenes/capture.toml --set sensor.preset=../sensors/{name}.toml"));
     assert!(stored["sensor"].get("filter").is_none(), "{stored}");
@@ -192,7 +192,7 @@ fn keys_that_stay_over_another_preset_are_told(#[case] keys: &str, #[case] prese
 #[case::framed("")]
 #[case::placed("--set camera.position_m=[0.3,0.4,3] --set camera.look_at_m=[0,0.5,0] --set lens.f_number=1.4")]
 #[case::focused("--set lens.focus_distance_m=2")]
-fn geometry_alone_gives_the_same_picture_again(#[case] more: &str) {
+fn geometry_alone_gives_the_same_image_again(#[case] more: &str) {
     let folder = folder();
     let size = "--set sensor.resolution_px=[16,12] --set render.samples_per_pixel=2";
     let stored = repeat(&folder, &format!("scenes/sail.obj {size} {more}"));

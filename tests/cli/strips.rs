@@ -1,4 +1,4 @@
-//! Pictures whose film is larger than the memory for it, traced in strips: the bytes are those of one that fits.
+//! Images whose film is larger than the memory for it, traced in strips: the bytes are those of one that fits.
 
 use std::fs;
 
@@ -9,7 +9,7 @@ use crate::folder::Folder;
 use crate::room::room;
 use crate::same_bytes::assert_same;
 
-/// Columns of the room's picture. It has 24 rows.
+/// Columns of the room's image. It has 24 rows.
 const WIDTH: f64 = 32.0;
 /// Channels of a film with all that can be asked for: those of the sensor, of the bands, of the ideal observer.
 const CHANNELS: f64 = 3.0 + 30.0 + 3.0;
@@ -24,7 +24,7 @@ fn strips_of(rows: u32, channels: f64) -> String {
 #[case::own_filter("", "own-filter")]
 #[case::automatic("auto = true", "all-filters")]
 #[case::moving("frames = 2\nframe_interval_s = 0.01\n[camera.motion]\nvelocity_m_per_s = [20, 0, 0]", "all-filters")]
-fn strips_give_the_bytes_of_a_picture_in_one_go(#[case] exposure: &str, #[case] wavelengths: &str) {
+fn strips_give_the_bytes_of_an_image_in_one_go(#[case] exposure: &str, #[case] wavelengths: &str) {
     let folder = room(&format!(
         "{exposure}\n[render]\nsamples_per_pixel = 6\nseed = 7\nwavelengths = '{wavelengths}'\n\
          [output]\nraw = ['dng', 'npy']\nirradiance = true\nideal = true\ntruth = ['depth', 'normal']\nnoise = true\n"
@@ -73,7 +73,7 @@ fn kill_when(folder: &Folder, arguments: &str, is_time: impl Fn([u64; 2]) -> boo
 }
 
 #[rstest]
-#[case::picture("", ["--samples 0..1600", "it is of a whole picture"])]
+#[case::image("", ["--samples 0..1600", "it is of a whole image"])]
 #[case::part("--samples 5..1600", ["--samples 0..1600", "it has the samples 5..1600"])]
 fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] other: [&str; 2]) {
     let [other_part, message] = other;
@@ -125,8 +125,8 @@ fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] ot
 }
 
 #[rstest]
-#[case::noise("--set render.noise_target=0.5", 1, "render.noise_target: takes the film of the whole picture")]
-#[case::time("--set render.time_limit_s=3", 1, "render.time_limit_s: takes the film of the whole picture")]
+#[case::noise("--set render.noise_target=0.5", 1, "render.noise_target: takes the film of the whole image")]
+#[case::time("--set render.time_limit_s=3", 1, "render.time_limit_s: takes the film of the whole image")]
 #[case::nothing("", 2, "write a number above 0")]
 fn what_strips_cannot_do_is_refused(#[case] arguments: &str, #[case] status: i32, #[case] message: &str) {
     let folder = room("[render]\nsamples_per_pixel = 6\n");

@@ -36,8 +36,8 @@ fn folder(capture: &str) -> Folder {
     Folder::new([("sail.obj", b"v -1 0 0\nv 1 0 0\nv 0 1.5 0\nf 1 2 3\n".to_vec()), ("capture.toml", capture.into())])
 }
 
-fn truth(folder: &Folder, picture: &str) -> Planes {
-    let bytes = std::fs::read(folder.path(picture).join("truth.exr")).expect("truth.exr");
+fn truth(folder: &Folder, image: &str) -> Planes {
+    let bytes = std::fs::read(folder.path(image).join("truth.exr")).expect("truth.exr");
     photosite::io::exr::read_exr(std::io::Cursor::new(bytes)).expect("EXR").planes
 }
 
@@ -139,7 +139,7 @@ fn they_take_materials_by_name_and_the_reflectance_of_the_sky() {
         &CAPTURE
             .replace("environment = 'even'", "environment = { sky = { sun_elevation_deg = 90, ground_albedo = 0.6 } }"),
     );
-    // The picture of the ground alone: the sun overhead, so that radiance is in proportion to reflectance.
+    // The image of the ground alone: the sun overhead, so that radiance is in proportion to reflectance.
     let ground = |more: &str| {
         folder.succeed(&format!("render capture.toml -o out --force --seed 1 {more}"));
         let electrons = folder.electrons("out");

@@ -20,7 +20,7 @@ fn a_target_is_printed_photographed_and_handed_on() {
     folder.fail("target chessboard -o board.svg", 2, &["board.svg already exists", "--force"]);
     folder.fail("target chessboard -o board.obj", 2, &["board.mtl already exists"]);
 
-    // The capture file says the same target, and the picture's report where its points are.
+    // The capture file says the same target, and the image's report where its points are.
     folder.succeed("render board.toml -o out --set render.samples_per_pixel=1 --set sensor.resolution_px=[40,30]");
     let report = folder.report("out");
     let target = &report["targets"][0];
@@ -37,7 +37,7 @@ fn a_target_is_printed_photographed_and_handed_on() {
     folder.succeed("render board.obj -o mesh --set render.samples_per_pixel=1 --set sensor.resolution_px=[40,30]");
 }
 
-/// Points are stated in the raw picture; the developed one shows them elsewhere where it undoes the distortion.
+/// Points are stated in the raw image; the developed one shows them elsewhere where it undoes the distortion.
 #[test]
 fn an_image_that_shows_the_points_elsewhere_is_warned_of() {
     let folder = Folder::new([]);

@@ -16,9 +16,9 @@ use crate::same_bytes::assert_same;
 use crate::shared_work::last_line;
 use crate::signals::send;
 
-/// A picture that takes some seconds, with a checkpoint as soon as there is something to keep.
+/// An image that takes some seconds, with a checkpoint as soon as there is something to keep.
 const SLOW: &str = "--set render.samples_per_pixel=20000 --set output.checkpoint_interval_s=0.001";
-/// What a process says that finds another one at work, with its status.
+/// Message of a process that finds another one at work, with its status.
 const BUSY: (i32, &str) = (75, "another process is writing here");
 
 fn start(folder: &Folder, arguments: &str) -> Child {
@@ -58,13 +58,13 @@ fn at_once(folder: &Folder, commands: &[String]) -> Vec<Output> {
 }
 
 #[test]
-fn a_picture_that_another_process_makes_is_waited_for() {
+fn an_image_that_another_process_makes_is_waited_for() {
     let folder = board("frames = 2\n");
     folder.succeed(&format!("dataset set.toml -o whole {SLOW}"));
     let mut first = start(&folder, &format!("dataset set.toml -o out --json {SLOW}"));
     let checkpoint = wait_for(&mut first, &folder.path("out"), "checkpoint.film");
     send("STOP", first.id());
-    // It makes the other picture, and then has nothing to do.
+    // It makes the other image, and then has nothing to do.
     let mut second = start(&folder, &format!("dataset set.toml -o out --json {SLOW}"));
     while !folder.path("out/camera/000001").exists() {
         assert!(second.try_wait().expect("a child").is_none(), "it ended early");
@@ -83,7 +83,7 @@ fn a_picture_that_another_process_makes_is_waited_for() {
 }
 
 #[test]
-fn a_picture_of_a_process_that_dies_is_gone_on_with_by_one_that_waits() {
+fn an_image_of_a_process_that_dies_is_gone_on_with_by_one_that_waits() {
     let folder = board("frames = 1\n");
     folder.succeed(&format!("dataset set.toml -o whole {SLOW}"));
     let mut first = start(&folder, &format!("dataset set.toml -o out {SLOW}"));
@@ -115,7 +115,7 @@ fn many_processes_make_one_data_set() {
             assert_eq!(said["complete"], true, "{said}");
             made += said["made"].as_u64().expect("a number");
         }
-        assert_eq!(made, 24, "each picture is made once");
+        assert_eq!(made, 24, "each image is made once");
         assert_eq!(manifest(&folder, &name).len(), 24);
         assert!(files(&folder, "whole") == files(&folder, &name), "round {round}");
     }
@@ -221,7 +221,7 @@ fn of_two_that_make_the_same_one_wins(#[case] command: &str, #[case] kind: &str,
     assert_eq!(hidden, None, "nothing is left behind");
 }
 
-/// What cannot be known without locks is found out before a report vouches for it.
+/// Damage that cannot be known without locks is found out before a report vouches for it.
 #[test]
 fn a_render_whose_files_another_one_replaced_does_not_vouch_for_them() {
     let folder = room("[render]\nsamples_per_pixel = 1\n");

@@ -39,7 +39,7 @@ fn start() -> DAffine3 {
     DAffine3::from_rotation_translation(rotation, DVec3::new(0.05, -0.02, 0.0))
 }
 
-/// What each trajectory is, in figures of its own.
+/// Test of each trajectory, in figures of its own.
 #[derive(Clone, Copy)]
 enum Way {
     Steady,
@@ -126,7 +126,7 @@ fn rows_see_an_object_where_its_trajectory_has_it(
     for frame in 0..2 {
         let start_s = time_s + 0.025 * f64::from(frame);
         let file = std::fs::File::open(folder.path(&format!("out/truth-000{frame}.exr"))).expect("truth");
-        let truth = read_exr(std::io::BufReader::new(file)).expect("a picture").planes;
+        let truth = read_exr(std::io::BufReader::new(file)).expect("an image").planes;
         let plane = |name: &str| truth.plane(name).unwrap_or_else(|| panic!("no {name}"));
         let point = |layer: &str, i: usize| {
             let [x, y, z] = ["X", "Y", "Z"].map(|axis| f64::from(plane(&format!("{layer}.{axis}"))[i]));
@@ -151,7 +151,7 @@ fn rows_see_an_object_where_its_trajectory_has_it(
         let wanted = way.pose(middle).translation;
         assert!(DVec3::from_slice(&found).distance(wanted) < 3e-5, "{found:?} instead of {wanted}");
     }
-    assert!(told > 80, "the tile fills {told} pixels of two pictures");
+    assert!(told > 80, "the tile fills {told} pixels of two images");
 }
 
 /// Before light that is the same everywhere it is all the same whether the object moves, or the camera the other way.
@@ -169,7 +169,7 @@ fn motion_is_relative(#[case] of_object: &str, #[case] of_camera: &str) {
     let electrons = |folder: &Folder| -> Vec<f32> {
         folder.succeed("render capture.toml -o out --quiet");
         let file = std::fs::File::open(folder.path("out/electrons.exr")).expect("electrons");
-        read_exr(std::io::BufReader::new(file)).expect("a picture").planes.plane("Y").expect("a channel").to_vec()
+        read_exr(std::io::BufReader::new(file)).expect("an image").planes.plane("Y").expect("a channel").to_vec()
     };
     let [object, camera, still] = [object, camera, still].map(|folder| electrons(&folder));
     let differing = |a: &[f32], b: &[f32]| a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 1e-3 * a.abs()).count();

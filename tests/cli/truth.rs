@@ -11,8 +11,8 @@ use crate::folder::Folder;
 /// Positions are single precision, of a metre or so, seen by at most 60 px per radian from 0.4 m on.
 const ROUNDING_PX: f64 = 60.0 / 0.4 * 16.0 * f32::EPSILON as f64;
 
-fn truth(folder: &Folder, picture: &str) -> Planes {
-    let bytes = std::fs::read(folder.path(picture).join("truth.exr")).expect("truth.exr");
+fn truth(folder: &Folder, image: &str) -> Planes {
+    let bytes = std::fs::read(folder.path(image).join("truth.exr")).expect("truth.exr");
     photosite::io::exr::read_exr(std::io::Cursor::new(bytes)).expect("EXR").planes
 }
 
@@ -20,7 +20,7 @@ fn vector(value: &Value) -> [f64; 3] {
     [0, 1, 2].map(|i| value[i].as_f64().expect("a number"))
 }
 
-/// A point of the world in the picture of a perspective camera: (R·p + t) by OpenCV's axes, then fx·x/z + cx. With its
+/// A point of the world in the image of a perspective camera: (R·p + t) by OpenCV's axes, then fx·x/z + cx. With its
 /// depth.
 fn project(report: &Value, p: [f64; 3]) -> ([f64; 2], f64) {
     let camera = &report["camera"];
@@ -31,7 +31,7 @@ fn project(report: &Value, p: [f64; 3]) -> ([f64; 2], f64) {
     ([k(0, 0) * q[0] / q[2] + k(0, 2), k(1, 1) * q[1] / q[2] + k(1, 2)], q[2])
 }
 
-/// Compares flow in all pixels that see something with where their surface is in the next picture, and returns how many
+/// Compares flow in all pixels that see something with where their surface is in the next image, and returns how many
 /// of them are visible there and the longest way, px.
 fn check_flow(folder: &Folder, now: &str, next: &str, moved_m: [f64; 3]) -> (usize, f64) {
     let planes = truth(folder, now);
@@ -88,25 +88,25 @@ fn flow_leads_to_the_next_frame(#[case] set: &str, #[values("", SIDE_BY_SIDE)] r
     folder.succeed("dataset set.toml -o part --frames 1..2 --quiet --set output.truth=['flow','depth','position']");
     folder.succeed("dataset set.toml -o out --quiet --set output.truth=['flow','depth','position']");
     for camera in if rig.is_empty() { &["camera"][..] } else { &["left", "right"] } {
-        let picture = |frame: u32| format!("out/{camera}/{frame:06}");
+        let image = |frame: u32| format!("out/{camera}/{frame:06}");
         let mut longest = 0f64;
         for frame in 0..2 {
-            let (visible, way) = check_flow(&folder, &picture(frame), &picture(frame + 1), [0.0; 3]);
+            let (visible, way) = check_flow(&folder, &image(frame), &image(frame + 1), [0.0; 3]);
             assert!(visible > 0, "{camera} {frame}");
             longest = longest.max(way);
-            assert_eq!(folder.report(&picture(frame))["truth"]["has_next"], true);
+            assert_eq!(folder.report(&image(frame))["truth"]["has_next"], true);
         }
         assert!(longest > 0.3, "things move: {longest} px");
         // The last one leads nowhere.
-        let last = truth(&folder, &picture(2));
+        let last = truth(&folder, &image(2));
         for name in ["flow.X", "flow.Y", "flow.visible"] {
             assert!(last.plane(name).expect("a plane").iter().all(|&value| value == 0.0), "{name}");
         }
-        assert_eq!(folder.report(&picture(2))["truth"]["has_next"], false);
-        assert!(folder.results(&picture(1)) == folder.results(&format!("part/{camera}/000001")));
-        // The picture can be made again from its own report, flow included.
-        folder.succeed(&format!("render {}/capture.json -o again --force --quiet", picture(0)));
-        assert!(folder.results("again")["truth.exr"] == folder.results(&picture(0))["truth.exr"]);
+        assert_eq!(folder.report(&image(2))["truth"]["has_next"], false);
+        assert!(folder.results(&image(1)) == folder.results(&format!("part/{camera}/000001")));
+        // The image can be made again from its own report, flow included.
+        folder.succeed(&format!("render {}/capture.json -o again --force --quiet", image(0)));
+        assert!(folder.results("again")["truth.exr"] == folder.results(&image(0))["truth.exr"]);
     }
 }
 
@@ -136,11 +136,7 @@ fn flow_to_other_surfaces_is_refused() {
     let folder = folder("frames = 8\n[[vary]]\nkey = 'targets.0.squares'\nchoice = [[9, 6], [7, 6]]\n");
     let outcome = folder.run("dataset set.toml -o out --quiet --set output.truth=['flow']");
     assert_eq!(outcome.status, Some(1), "{}", outcome.stderr);
-    assert!(
-        outcome.text().contains("\"flow\" follows surfaces, and the next picture has others"),
-        "{}",
-        outcome.stderr
-    );
+    assert!(outcome.text().contains("\"flow\" follows surfaces, and the next image has others"), "{}", outcome.stderr);
     folder.succeed("dataset set.toml -o other --quiet --set output.truth=['depth']");
 }
 
@@ -152,9 +148,9 @@ fn a_set_whose_flow_ends_is_not_lengthened() {
     folder.fail("dataset set.toml -o out --set output.truth=['flow']", 2, &["the data set file says something else"]);
 }
 
-/// 0.2 m to the right in the next picture, said in the capture itself.
+/// 0.2 m to the right in the next image, said in the capture itself.
 #[test]
-fn a_capture_names_the_next_picture() {
+fn a_capture_names_the_next_image() {
     let folder = folder("");
     let set = "--set output.truth=['flow','depth'] --quiet";
     folder.succeed(&format!("render board.toml -o out {set} --set output.truth_next=['camera.position_m=[0.2,0,0.6]','camera.look_at_m=[0.2,0,0]']"));
@@ -183,11 +179,11 @@ fn a_capture_names_the_next_picture() {
 }
 
 /// 16-bit PNG files as KITTI has them: value/256.
-fn disparity_png(folder: &Folder, picture: &str) -> Vec<f64> {
-    let bytes = std::fs::read(folder.path(picture).join("truth-disparity.png")).expect("truth-disparity.png");
+fn disparity_png(folder: &Folder, image: &str) -> Vec<f64> {
+    let bytes = std::fs::read(folder.path(image).join("truth-disparity.png")).expect("truth-disparity.png");
     let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("PNG");
     let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
-    reader.next_frame(&mut pixels).expect("a picture");
+    reader.next_frame(&mut pixels).expect("an image");
     pixels.as_chunks::<2>().0.iter().map(|&pair| f64::from(u16::from_be_bytes(pair)) / 256.0).collect()
 }
 
@@ -200,7 +196,7 @@ fn pair(first: &str, second: &str) -> String {
 
 const DISPARITY: &str = "--quiet --set output.truth=['disparity','depth'] --set output.truth_formats=['exr','png']";
 
-/// d = fx·b/z in both pictures of a pair, in floats and in PNG files.
+/// d = fx·b/z in both images of a pair, in floats and in PNG files.
 #[rstest]
 #[case::each_other("disparity_to = 'right'", "disparity_to = 'left'", &["left", "right"])]
 #[case::left_alone("disparity_to = 'right'", "", &["left"])]
@@ -211,26 +207,26 @@ fn disparity_is_positive_for_both_cameras(#[case] first: &str, #[case] second: &
     folder.succeed(&format!("dataset set.toml -o out {DISPARITY}"));
     for camera in ["left", "right"] {
         for frame in 0..2 {
-            let picture = format!("out/{camera}/{frame:06}");
-            let planes = truth(&folder, &picture);
+            let image = format!("out/{camera}/{frame:06}");
+            let planes = truth(&folder, &image);
             if !cameras.contains(&camera) {
                 assert!(planes.plane("disparity.X").is_none() && planes.plane("depth").is_some());
-                assert_eq!(folder.report(&picture)["truth"]["layers"], serde_json::json!(["depth"]));
+                assert_eq!(folder.report(&image)["truth"]["layers"], serde_json::json!(["depth"]));
                 continue;
             }
-            let (codes, plane) = (disparity_png(&folder, &picture), |name: &str| planes.plane(name).expect("a plane"));
+            let (codes, plane) = (disparity_png(&folder, &image), |name: &str| planes.plane(name).expect("a plane"));
             let mut visible = 0;
             for (i, &code) in codes.iter().enumerate() {
                 let d = 30.0 * 0.1 / f64::from(plane("depth")[i]);
-                assert!((f64::from(plane("disparity.X")[i]) - d).abs() < ROUNDING_PX * 10.0, "{picture} {i}: {d}");
+                assert!((f64::from(plane("disparity.X")[i]) - d).abs() < ROUNDING_PX * 10.0, "{image} {i}: {d}");
                 if plane("disparity.visible")[i] == 1.0 {
                     visible += 1;
-                    assert!((code - d).abs() <= 0.5 / 256.0 + 1e-4, "{picture} {i}: {code}, not {d}");
+                    assert!((code - d).abs() <= 0.5 / 256.0 + 1e-4, "{image} {i}: {code}, not {d}");
                 } else {
-                    assert_eq!(code, 0.0, "{picture} {i}");
+                    assert_eq!(code, 0.0, "{image} {i}");
                 }
             }
-            assert!(visible > 60, "{picture}: {visible}");
+            assert!(visible > 60, "{image}: {visible}");
         }
     }
 }
@@ -271,7 +267,7 @@ fn disparity_needs_a_pair() {
     assert!(!folder.path("out/a/000000/truth.exr").exists(), "there is nothing left to tell");
 }
 
-/// A square of 0.6 m that an animation moves to the right by 1 m/s, and 0.1 s from picture to picture: by fx·0.1 m/z.
+/// A square of 0.6 m that an animation moves to the right by 1 m/s, and 0.1 s from image to image: by fx·0.1 m/z.
 /// The camera stands still.
 #[test]
 fn flow_follows_an_animation() {

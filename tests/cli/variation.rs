@@ -1,4 +1,4 @@
-//! What differs from frame to frame of a data set: lights, materials, files, several keys at once; each frame alone.
+//! Variation from frame to frame of a data set: lights, materials, files, several keys at once; each frame alone.
 
 use std::collections::BTreeSet;
 
@@ -78,8 +78,8 @@ fn folder(dataset: &str) -> Folder {
     ])
 }
 
-/// The files of a picture that do not depend on where and how long it was made.
-fn picture(folder: &Folder, name: &str) -> [Vec<u8>; 2] {
+/// The files of an image that do not depend on where and how long it was made.
+fn image(folder: &Folder, name: &str) -> [Vec<u8>; 2] {
     let results = folder.results(name);
     ["raw.dng", "image.png"].map(|file| results[file].clone())
 }
@@ -92,18 +92,18 @@ fn each_frame_is_rendered_alone_from_what_the_manifest_says() {
     assert_eq!(lines.len(), 6);
     for (i, line) in lines.iter().enumerate() {
         let name = format!("out/camera/{i:06}");
-        let original = picture(&folder, &name);
+        let original = image(&folder, &name);
         let mut command = folder.command(&format!("render board.toml -o alone-{i} --quiet"));
         for change in line["overrides"].as_array().expect("a list") {
             command.arg("--set").arg(change.as_str().expect("a text"));
         }
         assert!(command.status().expect("run").success());
-        assert!(picture(&folder, &format!("alone-{i}")) == original, "frame {i} by its changes");
+        assert!(image(&folder, &format!("alone-{i}")) == original, "frame {i} by its changes");
         folder.succeed(&format!("render {name}/capture.json -o again-{i} --quiet"));
-        assert!(picture(&folder, &format!("again-{i}")) == original, "frame {i} by its report");
+        assert!(image(&folder, &format!("again-{i}")) == original, "frame {i} by its report");
     }
-    let pictures: BTreeSet<_> = (0..6).map(|i| picture(&folder, &format!("out/camera/{i:06}"))).collect();
-    assert_eq!(pictures.len(), 6);
+    let images: BTreeSet<_> = (0..6).map(|i| image(&folder, &format!("out/camera/{i:06}"))).collect();
+    assert_eq!(images.len(), 6);
     // What was drawn stands in the manifest as values.
     for line in &lines {
         let varied = line["varied"].as_object().expect("a table");
@@ -134,11 +134,11 @@ fn frames_made_apart_are_those_made_together() {
 #[test]
 fn a_latin_hypercube_hits_every_stratum_of_every_number_once() {
     const FRAMES: usize = 12;
-    let laws = "[[vary]]\nkey = 'exposure.time_s'\nuniform = [0.001, 0.013]\n\
+    let distributions = "[[vary]]\nkey = 'exposure.time_s'\nuniform = [0.001, 0.013]\n\
                 [[vary]]\nkey = 'lights.*.intensity_cd'\nlog_uniform = [1, 4096]\n\
                 [[vary]]\nkey = 'targets.board.position_m'\nbox = [[0, 0, -0.12], [0.12, 0.12, 0]]\n\
                 [[vary]]\nkey = 'lights.key.illuminant'\nchoice = ['A', 'D65', 'D50']\n";
-    let set = |more: &str| format!("frames = {FRAMES}\n{more}\n{laws}");
+    let set = |more: &str| format!("frames = {FRAMES}\n{more}\n{distributions}");
     let folder = folder(&set("sampling = 'latin-hypercube'"));
     folder.succeed("dataset set.toml -o out --quiet --set output.image=false");
     let lines = manifest(&folder, "out");

@@ -26,13 +26,13 @@ impl Drop for Server {
     }
 }
 
-/// A picture as it is sent: its description and its values.
-struct Picture {
+/// An image as it is sent: its description and its values.
+struct SentImage {
     facts: Value,
     values: Vec<u8>,
 }
 
-impl Picture {
+impl SentImage {
     /// Digital numbers of a raw image.
     fn numbers(&self) -> Vec<u16> {
         self.values.as_chunks().0.iter().map(|&bytes| u16::from_le_bytes(bytes)).collect()
@@ -82,12 +82,12 @@ impl Server {
         panic!("the events end before the phase {phase}");
     }
 
-    fn picture(&self, query: &str) -> Picture {
+    fn image(&self, query: &str) -> SentImage {
         let (status, body) = self.get(&format!("picture?{query}"));
         assert_eq!(status, 200, "{query}: {}", String::from_utf8_lossy(&body));
         let length = u32::from_le_bytes(body[..4].try_into().expect("four bytes")) as usize;
         let facts = serde_json::from_slice(&body[4..4 + length]).expect("JSON");
-        Picture { facts, values: body[4 + length..].to_vec() }
+        SentImage { facts, values: body[4 + length..].to_vec() }
     }
 }
 
@@ -99,7 +99,7 @@ fn codes(folder: &Folder, name: &str) -> Vec<u8> {
 const SETTINGS: &str =
     "[render]\nsamples_per_pixel = 4\nseed = 3\n[output]\nraw = ['dng', 'npy']\nirradiance = true\nideal = true\n";
 
-/// The picture of settings, and what the command is told for the same.
+/// The image of settings, and what the command is told for the same.
 const CASES: [(&str, &str); 10] = [
     ("", ""),
     ("exposure.time_s=0.002", "--set exposure.time_s=0.002"),
@@ -130,7 +130,7 @@ fn effects_are_those_of_the_sensor_that_is_chosen() {
         ("onsemi-kai-02170-mono", "smear", &["row-noise", "column-noise", "low-gain-read-noise", "photon-counting"]),
         ("swissspad2", "photon-counting", &["smear", "blooming", "read-noise"]),
     ] {
-        let facts = server.picture(&format!("sensor.preset={preset}")).facts;
+        let facts = server.image(&format!("sensor.preset={preset}")).facts;
         let names = |key: &str| -> Vec<&str> {
             facts[key].as_array().expect(key).iter().filter_map(serde_json::Value::as_str).collect()
         };
@@ -146,7 +146,7 @@ fn effects_are_those_of_the_sensor_that_is_chosen() {
 #[rstest]
 #[case::traced("capture.toml")]
 #[case::stored("out")]
-fn pictures_have_the_bytes_of_the_command(#[case] input: &str) {
+fn images_have_the_bytes_of_the_command(#[case] input: &str) {
     let folder = room(SETTINGS);
     folder.succeed("render capture.toml -o out");
     let server = Server::start(&folder, input);
@@ -160,13 +160,13 @@ fn pictures_have_the_bytes_of_the_command(#[case] input: &str) {
             String::new()
         };
         folder.succeed(&format!("expose out -o exposed-{i} {options} {pixels}"));
-        let picture = server.picture(query);
-        assert!(picture.values == codes(&folder, &format!("exposed-{i}/image.png")), "{query}");
+        let image = server.image(query);
+        assert!(image.values == codes(&folder, &format!("exposed-{i}/image.png")), "{query}");
         assert_eq!(
-            (&picture.facts["channels"], &picture.facts["type"]),
+            (&image.facts["channels"], &image.facts["type"]),
             (&serde_json::json!(["R", "G", "B"]), &"u8".into())
         );
-        let raw = server.picture(&format!("plane=raw&{query}"));
+        let raw = server.image(&format!("plane=raw&{query}"));
         let file = folder.raw(&format!("exposed-{i}/raw.dng"));
         assert!(raw.numbers() == file.data, "{query}: digital numbers");
         assert_eq!(raw.facts["raw"]["white_dn"], file.white_level_dn, "{query}");
@@ -174,7 +174,7 @@ fn pictures_have_the_bytes_of_the_command(#[case] input: &str) {
     // Later frames have noise of their own.
     folder.succeed("expose out -o frames --frames 3");
     folder.succeed("develop frames/raw-0002.dng -o frame.png");
-    assert!(server.picture("frame=2").values == codes(&folder, "frame.png"));
+    assert!(server.image("frame=2").values == codes(&folder, "frame.png"));
     assert_eq!(server.get("picture?frame=5000").0, 400);
 }
 
@@ -188,11 +188,11 @@ fn frames_follow_gain_control_as_those_of_the_command(#[case] input: &str, #[cas
     let server = Server::start(&folder, input);
     server.wait_for(phase);
     for frame in [2, 0, 1] {
-        let shown = server.picture(&format!("plane=raw&frame={frame}"));
+        let shown = server.image(&format!("plane=raw&frame={frame}"));
         assert!(shown.numbers() == folder.raw(&format!("out/raw-{frame:04}.dng")).data, "frame {frame}");
     }
     let gain_db = |frame: u32| {
-        server.picture(&format!("plane=raw&frame={frame}")).facts["settings"]["exposure.gain_db"].as_f64().expect("dB")
+        server.image(&format!("plane=raw&frame={frame}")).facts["settings"]["exposure.gain_db"].as_f64().expect("dB")
     };
     let gains = [0, 1, 2].map(gain_db);
     assert!(gains[0] < gains[1] && gains[1] < gains[2], "{gains:?} dB of light that is too weak for the target");
@@ -207,31 +207,31 @@ fn planes_and_pixels_are_those_of_the_files() {
     folder.succeed("render capture.toml -o out");
     let server = Server::start(&folder, "capture.toml out/raw.dng");
     server.wait_for("done");
-    let floats = |picture: &Picture| -> Vec<f32> {
-        picture.values.as_chunks().0.iter().map(|&bytes| f32::from_le_bytes(bytes)).collect()
+    let floats = |image: &SentImage| -> Vec<f32> {
+        image.values.as_chunks().0.iter().map(|&bytes| f32::from_le_bytes(bytes)).collect()
     };
     let same = |a: &[f32], b: &[f32]| a.iter().map(|v| v.to_bits()).eq(b.iter().map(|v| v.to_bits()));
     let electrons = folder.electrons("out");
-    let of_page = server.picture("plane=electrons:G");
+    let of_page = server.image("plane=electrons:G");
     assert_eq!(of_page.facts["unit"], "e⁻");
     assert!(same(&floats(&of_page), electrons.mean.plane("G").expect("green")));
     let truth = photosite::io::exr::read_exr_file(&folder.path("out/truth.exr")).expect("truth").planes;
     let depth = truth.channels().iter().find(|channel| channel.name.to_lowercase().contains("depth")).expect("depth");
-    assert!(same(&floats(&server.picture("plane=truth:depth")), &depth.data));
+    assert!(same(&floats(&server.image("plane=truth:depth")), &depth.data));
     let noise = photosite::io::exr::read_exr_file(&folder.path("out/noise.exr")).expect("noise").planes;
-    assert!(same(&floats(&server.picture("plane=noise:read_noise_e")), &noise.channels()[0].data));
+    assert!(same(&floats(&server.image("plane=noise:read_noise_e")), &noise.channels()[0].data));
     let planes = &of_page.facts["planes"];
     for plane in planes.as_array().expect("planes") {
         let plane = plane.as_str().expect("a name").replace(' ', "%20");
-        let picture = server.picture(&format!("plane={plane}"));
-        let count = |key: &str| picture.facts[key].as_u64().expect("a number") as usize;
-        let bytes = match picture.facts["type"].as_str() {
+        let image = server.image(&format!("plane={plane}"));
+        let count = |key: &str| image.facts[key].as_u64().expect("a number") as usize;
+        let bytes = match image.facts["type"].as_str() {
             Some("u8") => 1,
             Some("u16") => 2,
             _ => 4,
         };
-        let channels = picture.facts["channels"].as_array().expect("channels").len();
-        assert_eq!(picture.values.len(), count("width") * count("height") * channels * bytes, "{plane}");
+        let channels = image.facts["channels"].as_array().expect("channels").len();
+        assert_eq!(image.values.len(), count("width") * count("height") * channels * bytes, "{plane}");
     }
     // A pixel, and the raw file as the second input.
     let (status, pixel) = server.get("pixel?x=3&y=2");
@@ -245,7 +245,7 @@ fn planes_and_pixels_are_those_of_the_files() {
     let at = (2 * width + 3) * 3;
     let developed: Vec<u64> = (0..3).map(|c| pixel["developed"][c][1].as_f64().expect("a code") as u64).collect();
     assert_eq!(developed, codes(&folder, "out/image.png")[at..at + 3].iter().map(|&c| c.into()).collect::<Vec<u64>>());
-    assert!(server.picture("input=1").values == codes(&folder, "out/image.png"));
+    assert!(server.image("input=1").values == codes(&folder, "out/image.png"));
     assert_eq!(server.get("picture?input=2").0, 404);
     assert_eq!(server.get("picture?input=1&exposure.time_s=1").0, 409, "a raw file is exposed already");
     // What was changed is what the command takes.
@@ -277,11 +277,11 @@ fn strangers_get_nothing() {
     folder.fail("view capture.toml capture.toml", 2, &["one scene can be traced at a time"]);
 }
 
-/// What a stranger's folder holds may be a link to anything: it is refused by its name, not served.
+/// Files of a stranger's folder may be links to anything: they are refused by their names, not served.
 #[cfg(unix)]
 #[rstest]
-#[case::picture("set", "camera/000000/image.png", "image?input=0")]
-#[case::small_picture("set", "camera/000000/image.png", "image?input=0&width=160")]
+#[case::image("set", "camera/000000/image.png", "image?input=0")]
+#[case::small_image("set", "camera/000000/image.png", "image?input=0&width=160")]
 #[case::folder("set", "camera/000000", "image?input=0")]
 #[case::boxes("set", "camera/000000/objects.json", "overlays?input=0")]
 #[case::report("set", "camera/000000/capture.json", "overlays?input=0")]

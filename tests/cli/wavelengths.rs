@@ -70,11 +70,11 @@ fn where_all_pixels_see_the_same_nothing_changes(#[case] preset: &str, #[case] c
     assert!(!folder.report("all-filters")["warnings"].to_string().contains("wavelengths"));
 }
 
-/// Bands must not take the wavelengths that the sensor sees. With p(λ) for the picture alone and at least p/(1 + b)
+/// Bands must not take the wavelengths that the sensor sees. With p(λ) for the image alone and at least p/(1 + b)
 /// beside bands, a path of one wavelength has a relative variance V = ∫f²/p dλ − 1 that grows to (1 + b)·V + b at most,
 /// b being 0.2.
 #[test]
-fn bands_beside_the_picture_of_a_sensor_that_sees_infrared_leave_its_noise_as_it_is() {
+fn bands_beside_the_image_of_a_sensor_that_sees_infrared_leave_its_noise_as_it_is() {
     let folder = pane("sony-imx249-mono", "mono");
     let render = "render capture.toml --set scene.environment.illuminant=A";
     folder.succeed(&format!("{render} -o alone"));

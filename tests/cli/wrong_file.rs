@@ -6,7 +6,7 @@ use crate::dataset::{BOARD, sky};
 use crate::folder::Folder;
 
 fn folder() -> Folder {
-    let sensor = include_str!("../../crates/photosite-imaging/assets/sensors/sony-imx249-mono.toml");
+    let sensor = include_str!("../../crates/photosite-sensor/assets/sensors/sony-imx249-mono.toml");
     Folder::new([
         ("board.toml", BOARD.into()),
         ("set.toml", b"capture = 'board.toml'\nframes = 1\n".to_vec()),
@@ -25,9 +25,9 @@ fn folder() -> Folder {
 #[case::data_set("render set.toml", "set.toml: is a data set file", "photosite dataset")]
 #[case::sensor("render sensor.toml", "sensor.toml: is a sensor file", "[sensor] preset = \"sensor.toml\"")]
 #[case::raw("render raw.dng", "raw.dng: is a raw file", "photosite develop")]
-#[case::numbers("render raw.npy", "is a raw file, or a picture", "photosite develop")]
-#[case::picture("render picture.png", "is a picture", "photosite expose` takes it with --unit")]
-#[case::light("render sky.hdr", "is a picture of light", "photosite expose")]
+#[case::numbers("render raw.npy", "is a raw file, or an image", "photosite develop")]
+#[case::image("render picture.png", "is an image", "photosite expose` takes it with --unit")]
+#[case::light("render sky.hdr", "is an image of light", "photosite expose")]
 #[case::of_camera("camera set.toml --format opencv", "is a data set file", "photosite dataset")]
 #[case::of_mitsuba("export-mitsuba set.toml -o x", "is a data set file", "photosite dataset")]
 #[case::of_info("info set.toml", "is a data set file", "photosite dataset")]
@@ -37,7 +37,6 @@ fn folder() -> Folder {
 #[case::report("dataset capture.json", "is the report of a render", "photosite render")]
 #[case::raw_of_set("dataset raw.dng", "is a raw file", "photosite develop")]
 #[case::folder("dataset .", "is a folder", "data set file (.toml)")]
-#[case::submitted("submit slurm board.toml", "is a capture file", "photosite render")]
 #[case::exposed_capture("expose board.toml", "is a capture file", "photosite render")]
 #[case::exposed_set("expose set.toml", "is a data set file", "photosite dataset")]
 #[case::exposed_raw("expose raw.dng", "is a raw file", "photosite develop")]

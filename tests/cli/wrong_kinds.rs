@@ -25,7 +25,7 @@ const FILES: [&str; 14] = [
 ];
 
 fn folder() -> Folder {
-    let sensor = include_str!("../../crates/photosite-imaging/assets/sensors/sony-imx249-mono.toml");
+    let sensor = include_str!("../../crates/photosite-sensor/assets/sensors/sony-imx249-mono.toml");
     let folder = Folder::new([
         ("empty.txt", Vec::new()),
         ("text.txt", b"hello world\n".to_vec()),
@@ -64,7 +64,6 @@ const TELLING: [&str; 5] = ["help: ", "cannot read", "cannot decode", "is not va
 #[case::lens("lens FILE", "zmx", &["lens.toml"])]
 #[case::camera("camera FILE --format opencv", "toml", &["board.toml", "model.glb"])]
 #[case::dataset("dataset FILE -o x", "toml", &["set.toml"])]
-#[case::submit("submit slurm FILE", "toml", &["set.toml"])]
 #[case::status("status FILE", "folder", &[])]
 #[case::layout("layout FILE --format coco -o x", "folder", &[])]
 #[case::rectify("rectify FILE -o x", "folder", &[])]
@@ -76,6 +75,7 @@ const TELLING: [&str; 5] = ["help: ", "cannot read", "cannot decode", "is not va
 #[case::noise("noise FILE", "png", &["sky.hdr"])]
 #[case::emva1288("emva1288 FILE -o x", "toml", &["sensor.toml"])]
 #[case::emva1288_report("emva1288-report FILE", "txt", &[])]
+#[case::fit("fit FILE -o x", "txt", &[])]
 #[case::mitsuba("export-mitsuba FILE -o x", "toml", &["board.toml", "model.glb"])]
 #[case::init("init FILE", "glb", &["model.glb"])]
 #[case::geometry("render board.toml -o x --set scene.geometry=[\"FILE\"]", "glb", &["model.glb"])]
@@ -124,7 +124,7 @@ fn what_is_expected_is_said_in_plain_words(#[case] command: &str, #[case] ending
     assert!(bad.is_empty(), "{}", bad.join("\n"));
 }
 
-/// What a file is that is certainly of another kind is said by its name.
+/// Kind of a file that is certainly of another kind, which the message names.
 #[rstest]
 #[case::lens_as_capture("render lens.toml", "lens.toml: is a lens file", "photosite lens")]
 #[case::lens_of_info("info lens.toml", "lens.toml: is a lens file", "photosite lens")]
@@ -140,9 +140,9 @@ fn what_is_expected_is_said_in_plain_words(#[case] command: &str, #[case] ending
     "board.toml is a capture file",
     "photosite render"
 )]
-#[case::picture_as_sensor(
+#[case::image_as_sensor(
     "render board.toml -o x --set sensor.preset=\"picture.png\"",
-    "sensor.preset: picture.png is a picture",
+    "sensor.preset: picture.png is an image",
     "expose"
 )]
 #[case::folder_as_geometry(

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use photosite::develop::EncodedPicture;
+use photosite::develop::EncodedImage;
 use photosite::image::{Channel, Estimate, Planes};
 use photosite::io::developed::write_png;
 use photosite::io::electrons::write_electrons;
@@ -19,7 +19,7 @@ use tempfile::TempDir;
 const WIDTH: usize = 20;
 const HEIGHT: usize = 10;
 
-/// A folder of pictures to compare.
+/// A folder of images to compare.
 struct Folder(TempDir);
 
 impl Folder {
@@ -58,8 +58,8 @@ impl Folder {
     }
 
     fn png(&self, name: &str, [width, height]: [usize; 2], code: u8) -> String {
-        let picture = EncodedPicture::srgb8(width, height, 3, vec![code; 3 * width * height]);
-        write_whole(&self.path(name), |to| write_png(&picture, to)).expect("written");
+        let image = EncodedImage::srgb8(width, height, 3, vec![code; 3 * width * height]);
+        write_whole(&self.path(name), |to| write_png(&image, to)).expect("written");
         name.to_owned()
     }
 
@@ -98,7 +98,7 @@ fn bytes(path: &Path) -> Vec<u8> {
     fs::read(path).expect("there")
 }
 
-/// Two pictures whose difference has the standard deviation √8 and is +√8 and −√8 by turns.
+/// Two images whose difference has the standard deviation √8 and is +√8 and −√8 by turns.
 fn agreeing(folder: &Folder) -> [String; 2] {
     let swing = 8f32.sqrt();
     [
@@ -108,7 +108,7 @@ fn agreeing(folder: &Folder) -> [String; 2] {
 }
 
 #[test]
-fn pictures_that_noise_explains_agree() {
+fn images_that_noise_explains_agree() {
     let folder = Folder::new();
     let [a, b] = agreeing(&folder);
     let (status, text) = folder.said(&[&a, &b]);
@@ -129,7 +129,7 @@ fn pictures_that_noise_explains_agree() {
 }
 
 #[test]
-fn one_pixel_that_noise_does_not_explain_makes_pictures_differ() {
+fn one_pixel_that_noise_does_not_explain_makes_images_differ() {
     let folder = Folder::new();
     let a = folder.electrons("a.exr", &["R", "G"], |c, pixel| if (c, pixel) == (1, 47) { 120.0 } else { 100.0 });
     let b = folder.electrons("b.exr", &["R", "G"], |_, _| 100.0);
@@ -150,7 +150,7 @@ fn one_pixel_that_noise_does_not_explain_makes_pictures_differ() {
     assert_eq!(report["failures"].as_array().map(Vec::len), Some(1));
 }
 
-/// Differences of 14 and 7: seven standard deviations of the first picture alone, 1.4 of both.
+/// Differences of 14 and 7: seven standard deviations of the first image alone, 1.4 of both.
 #[test]
 fn a_variance_that_only_one_side_has_judges_nothing() {
     let folder = Folder::new();
@@ -237,7 +237,7 @@ fn second_moments_give_variances() {
 #[case::mean_difference("--max-mean-difference", "10.0", "9.9", "mean difference")]
 #[case::rmse("--max-rmse", "10.0", "9.9", "RMSE")]
 #[case::relative_mse("--max-relative-mse", "0.0100", "0.0098", "relative MSE")]
-fn limits_judge_pictures_without_variances(
+fn limits_judge_images_without_variances(
     #[case] option: &str,
     #[case] kept: &str,
     #[case] passed: &str,
@@ -288,15 +288,15 @@ fn a_raw_file_is_compared_with_the_same_numbers_of_another_kind() {
 }
 
 #[test]
-fn the_picture_of_differences_is_written_once() {
+fn the_image_of_differences_is_written_once() {
     let folder = Folder::new();
     let [a, b] = agreeing(&folder);
     let (_, report) = folder.json(&[&a, &b, "--picture", "z.png", "--range", "1"]);
     assert_eq!(report["picture"], serde_json::json!({"file": "z.png", "shows": "z-scores", "range": 1.0}));
-    let picture = image::load_from_memory(&bytes(&folder.path("z.png"))).expect("a PNG file").into_rgb8();
-    assert_eq!(picture.dimensions(), (20 + 4 + 20, 10));
+    let image = image::load_from_memory(&bytes(&folder.path("z.png"))).expect("a PNG file").into_rgb8();
+    assert_eq!(image.dimensions(), (20 + 4 + 20, 10));
     // The ends of the map, blue where a lies below.
-    assert_eq!([picture[(0, 0)].0, picture[(25, 0)].0], [[103, 0, 31], [5, 48, 97]]);
+    assert_eq!([image[(0, 0)].0, image[(25, 0)].0], [[103, 0, 31], [5, 48, 97]]);
     let (status, complaint) = folder.complaint(&[&a, &b, "--picture", "z.png"]);
     assert!(status == 2 && complaint.contains("--force"), "{complaint}");
     assert_eq!(folder.said(&[&a, &b, "--picture", "z.png", "--force"]).0, 0);
@@ -305,7 +305,7 @@ fn the_picture_of_differences_is_written_once() {
 }
 
 #[test]
-fn numbers_that_are_none_make_pictures_differ_and_keep_json_whole() {
+fn numbers_that_are_none_make_images_differ_and_keep_json_whole() {
     let folder = Folder::new();
     let a = folder.electrons("a.exr", &["Y"], |_, pixel| if pixel == 3 { f32::NAN } else { 0.0 });
     let output = folder.compare(&[&a, &a, "--json"]);
@@ -321,7 +321,7 @@ fn numbers_that_are_none_make_pictures_differ_and_keep_json_whole() {
 }
 
 #[test]
-fn pictures_that_do_not_fit_together_are_wrong_usage() {
+fn images_that_do_not_fit_together_are_wrong_usage() {
     let folder = Folder::new();
     let colour = folder.electrons("colour.exr", &["R", "G", "B"], |_, _| 1.0);
     let other = folder.electrons("other.exr", &["R", "G"], |_, _| 1.0);
@@ -339,7 +339,7 @@ fn pictures_that_do_not_fit_together_are_wrong_usage() {
         (vec![&colour, &colour, "--alpha", "1"], "between 0 and 1"),
         (vec![&colour, &colour, "--max-rmse", "nan"], "of at least 0"),
         (vec![&colour, &colour, "--range", "1"], "--picture"),
-        (vec![&colour, "picture.docx"], "picture.docx is not a picture of a kind that photosite knows"),
+        (vec![&colour, "picture.docx"], "picture.docx is not an image of a kind that photosite knows"),
         (vec![&colour], "<B>"),
     ] {
         let (status, said) = folder.complaint(&arguments);

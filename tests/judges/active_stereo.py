@@ -3,10 +3,10 @@
 
     active_stereo.py PHOTOSITE [--folder DIR]
 
-Two cameras side by side, 60 mm apart, take pictures of grey bodies before a slanting wall, which have no pattern of their
+Two cameras side by side, 60 mm apart, take images of grey bodies before a slanting wall, which have no pattern of their
 own. Between them stands a projector with a slide of dots at random. Ground truth must fulfil z = b·f/d to 0.02 px at every
 pixel. Where both cameras see the surface, StereoSGBM must find its disparity, and with it its depth, to its own resolution:
-what it finds of a slanting plane whose pictures are drawn without photosite. (Its numbers are sixteenths of a pixel, but it
+what it finds of a slanting plane whose images are drawn without photosite. (Its numbers are sixteenths of a pixel, but it
 favours whole pixels, so that it resolves a seventh.)
 """
 
@@ -24,7 +24,7 @@ FOCAL_PX = 800.0
 BASELINE_M = 0.06
 # Disparities that are searched for, and the window that is compared, px.
 FIRST, SEARCHED, WINDOW = 16, 64, 9
-# The slide: how many dots, which part of them shines, how wide all are, and with that how wide one is in the pictures.
+# The slide: how many dots, which part of them shines, how wide all are, and with that how wide one is in the images.
 DOTS, DOT_SHARE, SLIDE_DEG = (240, 180), 0.4, 50
 DOT_PX = FOCAL_PX * 2 * np.tan(np.radians(SLIDE_DEG / 2)) / DOTS[0]
 
@@ -119,7 +119,7 @@ def bodies():
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("photosite", type=Path)
-    parser.add_argument("--folder", type=Path, help="keep the pictures here")
+    parser.add_argument("--folder", type=Path, help="keep the images here")
     arguments = parser.parse_args()
     folder = arguments.folder or Path(tempfile.mkdtemp())
     folder.mkdir(parents=True, exist_ok=True)
@@ -171,7 +171,7 @@ def match(left, right):
 
 def resolution_px(inner):
     """The median error that the matcher itself makes of dots as large as ours: on a plane that slants as the wall does, whose
-    pictures are drawn without photosite, each pixel the mean of 16 × 16 points."""
+    images are drawn without photosite, each pixel the mean of 16 × 16 points."""
     fine, (width, height) = 16, SIZE
     random = np.random.default_rng(2)
     dots = np.where(random.random((int(height / DOT_PX) + 2, int(2 * width / DOT_PX) + 2)) < DOT_SHARE, 1.0, 0.02)
@@ -181,10 +181,10 @@ def resolution_px(inner):
     def picture(at):
         points = dots[(y / DOT_PX).astype(int)][:, (at / DOT_PX).astype(int)]
         level = points.reshape(height, fine, width, fine).mean(axis=(1, 3)) * 100
-        # About as many electrons as the pictures have.
+        # About as many electrons as the images have.
         return (random.poisson(level * 20) / 20).round().astype(np.uint8)
 
-    # What is at x in the left picture is at x - first - slope x in the right one.
+    # What is at x in the left image is at x - first - slope x in the right one.
     found = match(picture(x), picture((x + first) / (1 - slope)))
     true = first + slope * (np.arange(width) + 0.5)
     return np.median(np.abs(found - true)[inner & (found >= FIRST)])

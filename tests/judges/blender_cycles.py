@@ -3,7 +3,7 @@
 
     blender_cycles.py PHOTOSITE [NAME ...]
 
-PHOTOSITE is the program. Both pictures are scaled so that the bright surroundings behind the ball are 1; what is compared is
+PHOTOSITE is the program. Both images are scaled so that the bright surroundings behind the ball are 1; what is compared is
 the mean luminance and the mean colour of the ball and of the floor. Differences above 3 % are looked up in `KNOWN`, which
 says where they come from; one that is not there makes the exit status 1.
 

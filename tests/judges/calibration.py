@@ -139,7 +139,7 @@ class View:
 
 def refined(picture, corners, window):
     """Corners to a part of a pixel. OpenCV's gradients want edges that are not steps, which a lens without blur leaves:
-    the picture is smoothed as a lens with a spot of three pixels would have."""
+    the image is smoothed as a lens with a spot of three pixels would have."""
     smooth = cv2.GaussianBlur(picture.astype(np.float32), (0, 0), 1.5)
     criteria = (cv2.TERM_CRITERIA_EPS + cv2.TERM_CRITERIA_MAX_ITER, 100, 1e-5)
     start = corners.astype(np.float32).reshape(-1, 1, 2)
@@ -195,7 +195,7 @@ def stereo():
     for i, pose in enumerate(POSES):
         position, axes = camera_pose(pose, 1.0)
         right = View("right", i, CHESSBOARD, RECTILINEAR, position + axes @ RIGHT_M, axes @ RIGHT_ROTATION)
-        # Where the board leaves the picture there is no pair.
+        # Where the board leaves the image there is no pair.
         margin = 15
         if (right.truth > margin).all() and (right.truth < np.array(SIZE) - margin).all():
             detected.append((i, right, right.detect(chessboard_corners)[1]))

@@ -4,7 +4,7 @@
 Objects are dropped on a table, a different number in each frame. pycocotools reads the COCO form, and masks, boxes and categories
 must be those that NumPy finds in the layers of truth. The BOP form is read by formulas of its documentation, or by the BOP toolkit
 itself where its folder is given: model points that OpenCV projects by K[R|t] cover the mask of the object alone, and the depth of
-those that are seen is that of the picture.
+those that are seen is that of the image.
 """
 
 import json
@@ -141,7 +141,7 @@ def bop(folder, objects):
             hull = cv2.convexHull(pixels)
             side = np.array([[cv2.pointPolygonTest(hull, (float(x), float(y)), True) for x in range(SIZE[0])] for y in range(SIZE[1])])
             assert not ((mask != (side > 0)) & (np.abs(side) > 1e-2)).any(), f"mask of {thing['name']} in frame {frame}"
-            # What the picture sees of it lies where the pose puts its own coordinates.
+            # What the image sees of it lies where the pose puts its own coordinates.
             own = layer(folder, frame, "object-position")[seen] * 1e3
             if len(own):
                 depths = max(depths, np.abs((own @ rotation.T + translation)[:, 2] - depth[seen]).max())

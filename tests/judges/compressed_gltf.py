@@ -3,8 +3,8 @@
 
     compressed_gltf.py target/release/photosite FOLDER
 
-The scene is a wavy patch with a picture on it. FOLDER gets the packed files and the renders. Positions and UVs of the truth
-must be those of the plain file within what the bits that are kept allow; the picture must have the same levels. Exit status 0
+The scene is a wavy patch with an image on it. FOLDER gets the packed files and the renders. Positions and UVs of the truth
+must be those of the plain file within what the bits that are kept allow; the image must have the same levels. Exit status 0
 where all is well, 1 otherwise. Needs: npm, and pip install -r requirements-compressed.txt.
 """
 
@@ -41,7 +41,7 @@ def colours():
 
 
 def write_plain(folder):
-    """A wavy patch of 2 m by 2 m with UVs, a picture, and a camera above it."""
+    """A wavy patch of 2 m by 2 m with UVs, an image, and a camera above it."""
     at = numpy.linspace(-1, 1, SIDE)
     x, z = [grid.ravel() for grid in numpy.meshgrid(at, at)]
     slope_x, slope_z = 0.6 * numpy.cos(3 * x) * numpy.cos(2 * z), -0.4 * numpy.sin(3 * x) * numpy.sin(2 * z)
@@ -89,7 +89,7 @@ def write_plain(folder):
 
 
 def write_pictures(folder, document):
-    """The same with its picture as KTX2, which Basis Universal makes."""
+    """The same with its image as KTX2, which Basis Universal makes."""
     pixels = colours()
     for name, words in {
         "etc1s": {"codec": "etc1s", "quality": 100},

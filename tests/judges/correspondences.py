@@ -1,5 +1,5 @@
 """Judges flow and disparity of data sets by OpenCV: every pixel's point in the world, projected into the next frame or into the
-partner's picture, is where ground truth leads; what is said to be visible there lies at the depth that is seen there.
+partner's image, is where ground truth leads; what is said to be visible there lies at the depth that is seen there.
 
 Usage: correspondences.py PHOTOSITE
 """
@@ -118,7 +118,7 @@ class Picture:
 
 
 def check(what, picture, other, layer, sign):
-    """`sign` times the way from each pixel to the same point in the other picture is what the layer says."""
+    """`sign` times the way from each pixel to the same point in the other image is what the layer says."""
     depth, position, way = picture.layer("depth"), picture.layer("position"), picture.layer(layer)
     height, width = depth.shape
     seen = np.isfinite(depth)
@@ -170,7 +170,7 @@ def main(photosite):
             run(photosite, "dataset", folder / "set.toml", "-o", out, "--quiet", "--set", layers, *(x for o in overrides for x in ("--set", o)))
             pictures = {(c, f): Picture(out / c / f"{f:06}") for c in ("left", "right") for f in range(FRAMES)}
             moves = "moving" not in text and "trajectory" in text
-            # Left picture less right one, and upper less lower.
+            # Left image less right one, and upper less lower.
             right = -1 if name == "above" else 1
             for camera, partner, sign in (("left", "right", -right), ("right", "left", right)):
                 for frame in range(FRAMES):
@@ -190,7 +190,7 @@ def main(photosite):
 
 
 def at(picture, time_s):
-    """The same picture with the pose of that time, by the poses of its report."""
+    """The same image with the pose of that time, by the poses of its report."""
     motion = picture.report["camera"]["motion"]["poses"]
     times = [pose["time_s"] for pose in motion]
     i = max(k for k, t in enumerate(times) if t <= time_s)

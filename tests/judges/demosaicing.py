@@ -4,7 +4,7 @@
     demosaicing.py FOLDER...
 
 Each FOLDER, named after its chart and Bayer phase, holds what `cargo run --example write_demosaic_charts` wrote: raw.tiff,
-truth.tiff and a picture for each of photosite's methods. The peak signal-to-noise ratio is that of all channels, without
+truth.tiff and an image for each of photosite's methods. The peak signal-to-noise ratio is that of all channels, without
 a border of 12 pixels: the package repeats the pixel at the edge, which has another phase of the mosaic, where photosite
 mirrors at it. The same method must come equally close within 0.01 dB, and photosite's best at least as close as the
 package's. Exit status 0 where all is well, 1 otherwise.

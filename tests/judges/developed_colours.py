@@ -5,11 +5,11 @@ own.
     developed_colours.py FOLDER...
 
 Each FOLDER, whose name ends with that of the light (D65, D50 or A), holds raw.dng, image.png and wide.tiff (linear
-Rec. 2020, 16 bits) of a noise-free colour checker of 6 x 4 patches. It fills the picture, or, where there is a capture.json
+Rec. 2020, 16 bits) of a noise-free colour checker of 6 x 4 patches. It fills the image, or, where there is a capture.json
 beside, it is that of scenes/colour-checker as its camera sees it.
 
-- In D65, for which alone LibRaw has a matrix, image.png is compared with its picture in blocks of 16 x 16 pixels whose
-  content is even, so that edges, at which demosaicking differs, do not count. Traced pictures have no such blocks.
+- In D65, for which alone LibRaw has a matrix, image.png is compared with its image in blocks of 16 x 16 pixels whose
+  content is even, so that edges, at which demosaicking differs, do not count. Traced images have no such blocks.
 - The patches are compared with what the observer sees, computed by the colour-science package, and with the best that
   any matrix of 3 x 3 numbers makes of the camera's channels: photosite may be 0.1 worse in the mean delta E 2000 in all
   lights; the others, which use the matrix for D65 alone, 0.1 in D65 and 1.4 in D50.
@@ -104,7 +104,7 @@ def tristimulus(light, reflectance=None):
 
 
 def chart(folder: Path, picture, size):
-    """The part of a picture that the cells of the chart fill, 46 mm each; `size` is that of a whole picture, of which a
+    """The part of an image that the cells of the chart fill, 46 mm each; `size` is that of a whole image, of which a
     developer may leave out a frame."""
     path = folder / "capture.json"
     if not path.exists():
@@ -240,7 +240,7 @@ def judge_picture(folder: Path):
         return []
     ours = numpy.asarray(Image.open(folder / "image.png").convert("RGB"))
     with rawpy.imread(str(folder / "raw.dng")) as raw:
-        # Of pictures with several numbers per pixel, LibRaw takes the white level above 0 and not above black.
+        # Of images with several values per pixel, LibRaw takes the white level above 0 and not above black.
         is_full = raw.raw_image.ndim == 3
         theirs = raw.postprocess(
             user_sat=raw.white_level - raw.black_level_per_channel[0] if is_full else None,

@@ -3,6 +3,7 @@
 
     emva1288_figures.py FOLDER [REPORT.json]
     emva1288_figures.py --without-times PHOTOSITE FOLDER
+    emva1288_figures.py --twin FOLDER FOLDER
 
 FOLDER holds emva1288.json and the sets of each channel, as TIFF, PNG or DNG (read by LibRaw). REPORT.json is what
 `photosite emva1288-report FOLDER --json` printed: its figures must be the tool's to numerical precision. Exit status 0
@@ -10,6 +11,9 @@ where all is well, 1 otherwise.
 
 With --without-times the first channel's set is evaluated as public ones are given whose exposure times nobody noted: every
 time is 0 and one dark pair stands for all. PHOTOSITE, the program, and the tool must find the same.
+
+With --twin the second folder has the set of a twin of the first folder's sensor, which photosite fit has found in its
+images: what the tool finds in both must be equal within 2 %.
 
 Every figure is printed with its deviation from what was put in, the limit, and the standard error that the number of
 pixels and images leaves. A limit below four standard errors is an error too: no camera could keep it.
@@ -57,6 +61,8 @@ LIMITS = {
     "doubling temperature": 2.0,
     "QE at a wavelength": 1.0,
 }
+# Percent of the original's figure.
+TWIN_LIMIT = 2.0
 # Percent of the signal.
 LINEARITY_LIMIT = 0.05
 # The tool fits by an iteration that ends at relative steps of 1.5e-8.
@@ -293,12 +299,48 @@ def judge_without_times(judge, photosite, folder):
         judge.complaints.append(f"without times: not measured are {missing}")
 
 
+def judge_twin(judge, original, twin):
+    """Each figure is a sample of its set: a limit below four standard errors of the difference is no limit."""
+    results, errors = [], []
+    for folder in (original, twin):
+        [channel] = json.loads((folder / "emva1288.json").read_text())["channels"]
+        data, result = load_set(folder / channel["descriptor"])
+        results.append(result)
+        errors.append(standard_errors(result, data["width"] * data["height"]))
+    for name, found in {
+        "K": lambda r: r.K,
+        "QE": lambda r: r.QE,
+        "sigma_d": lambda r: r.sigma_d,
+        "DSNU": lambda r: r.DSNU1288,
+        "PRNU": lambda r: r.PRNU1288,
+        "dark current, mean": lambda r: r.u_I_mean,
+        "dark current, variance": lambda r: r.u_I_var,
+    }.items():
+        of_difference = numpy.hypot(*[error[name] for error in errors])
+        judge.figure(name, TWIN_LIMIT, found(results[0]), found(results[1]), of_difference)
+    for name, found in {
+        "sigma_y.dark": lambda r: r.sigma_y_dark,
+        "saturation, e": lambda r: r.u_e_sat,
+        "saturation, p": lambda r: r.u_p_sat,
+        "threshold": lambda r: r.u_p_min,
+        "SNR": lambda r: r.SNR_max,
+        "dynamic range": lambda r: r.DR,
+    }.items():
+        judge.figure(name, TWIN_LIMIT, found(results[0]), found(results[1]), 0.0)
+
+
 def main():
     # Parts of a pattern that are not there have negative variances now and then.
     warnings.simplefilter("ignore", RuntimeWarning)
     if sys.argv[1:2] == ["--without-times"] and len(sys.argv) == 4:
         judge = Judge()
         judge_without_times(judge, sys.argv[2], Path(sys.argv[3]))
+        for complaint in judge.complaints:
+            print(complaint, file=sys.stderr)
+        sys.exit(1 if judge.complaints else 0)
+    if sys.argv[1:2] == ["--twin"] and len(sys.argv) == 4:
+        judge = Judge()
+        judge_twin(judge, Path(sys.argv[2]), Path(sys.argv[3]))
         for complaint in judge.complaints:
             print(complaint, file=sys.stderr)
         sys.exit(1 if judge.complaints else 0)

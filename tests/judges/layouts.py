@@ -121,7 +121,7 @@ class Set:
         return self.folder / camera / f"{frame:06}" / name
 
     def corners(self, camera, frame):
-        """All points of targets in the world and in the picture, with whether they are visible."""
+        """All points of targets in the world and in the image, with whether they are visible."""
         targets = self.reports[camera, frame]["targets"]
         joined = lambda key: np.concatenate([np.array(target[key], float) for target in targets])
         return joined("points_world_m"), joined("points_px"), joined("points_visible").astype(bool)

@@ -5,7 +5,7 @@ Usage: lens_as_glass.py PHOTOSITE [cooke-triplet] [double-gauss] [--times N]
 Surfaces of a lens become meshes of glass before a camera that has no optics but a round hole behind the last of them. Black
 rings around each surface stop what its semi-aperture stops, and the stop of the double Gauss has five blades. What is seen
 through them is a chequered wall in focus, with small lamps far out of focus before it, in light of 550 nm. The same camera
-with `lens.prescription` must take the same picture: z, the difference over its standard deviation, follows N(0, 1) over all
+with `lens.prescription` must take the same image: z, the difference over its standard deviation, follows N(0, 1) over all
 pixels, and so do sums over blocks of them.
 
 Paths end with the segment that meets a lamp if all surfaces let them through: light that surfaces reflect to and fro, which
@@ -125,7 +125,7 @@ def scene(lens, pitch, folder):
     random, squares = np.random.default_rng(1), {200: [], 300: [], 600: [], 1000: [], 5000: []}
 
     def add(luminance, distance, middle, size):
-        """In a plane across the axis; where the middle of the lens sees it in the picture, px."""
+        """In a plane across the axis; where the middle of the lens sees it in the image, px."""
         (x, y), (u, v) = ((np.array(middle) + sign * np.array(size) / 2) * pitch * distance / efl * 1e-3 for sign in (-1, 1))
         z = -distance * 1e-3
         squares[luminance].append([(x, y, z), (u, y, z), (u, v, z), (x, v, z)])

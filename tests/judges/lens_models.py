@@ -2,10 +2,10 @@
 
 Usage: lens_models.py PHOTOSITE
 
-Points drawn at random within the picture and grids of coefficients; both directions agree to 1e-6 px.
+Points drawn at random within the image and grids of coefficients; both directions agree to 1e-6 px.
 
-Then pictures: a chessboard is rendered through every model, on square pixels and others, with skew, in parts and binned, and in
-image.png OpenCV finds its corners where a pinhole shows them, to 0.2 px and on average to 0.05 px; raw.dng develops to the same picture.
+Then images: a chessboard is rendered through every model, on square pixels and others, with skew, in parts and binned, and in
+image.png OpenCV finds its corners where a pinhole shows them, to 0.2 px and on average to 0.05 px; raw.dng develops to the same image.
 """
 
 import itertools
@@ -145,7 +145,7 @@ def straight(photosite, what, lens, times, pitch, skew, window):
     error, mean = np.abs(found - wanted).max(), np.abs((found - wanted).mean(0)).max()
     print(f"{what} on {pitch[0]} x {pitch[1]} um, skew {skew}, {window}: {len(wanted)} corners, {error:.3f} px, mean {mean:.3f} px")
     assert len(wanted) >= 15, what
-    # Noise of the picture moves a corner by some 0.05 px, and their mean by less than 0.02 px.
+    # Noise of the image moves a corner by some 0.05 px, and their mean by less than 0.02 px.
     if not (error <= 0.2 and mean <= 0.05):
         sys.exit(f"{what}: corners are {error} px from where a pinhole shows them, {mean} px on average")
 
@@ -160,7 +160,7 @@ def main(photosite):
         lens = f"distortion = {{ model = 'brown-conrady', k = [{k1}, {k2}], p = [{p1}, -1e-3], s = [{s1}, 0, -5e-3, 1e-3] }}"
         coefficients = [k1, k2, p1, -1e-3, 0, 0, 0, 0, s1, 0, -5e-3, 1e-3]
         if k1 == -0.4 and k2 == 0:
-            # Alone, it folds back within a picture of this width.
+            # Alone, it folds back within an image of this width.
             k2 = 0.2
             lens, coefficients[1] = lens.replace("[-0.4, 0.0]", "[-0.4, 0.2]"), k2
         check(photosite, f"brown-conrady {coefficients}", lens, rectilinear(coefficients))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measures pictures by `photosite measure` and by programs that nobody here wrote.
+"""Measures images by `photosite measure` and by programs that nobody here wrote.
 
     measures.py PHOTOSITE PICTURE REFERENCE [MASKED.dng ...]
 

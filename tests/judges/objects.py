@@ -2,7 +2,7 @@
 """Ground truth of objects, judged by pycocotools, OpenCV and NumPy: `python3 tests/judges/objects.py PROGRAM`.
 
 Objects of several files, shared, scaled and painted, stand before and behind one another, through several lenses and
-with a rolling shutter. What `objects.json` says of each is compared with the layers of truth and with pictures of the
+with a rolling shutter. What `objects.json` says of each is compared with the layers of truth and with images of the
 object alone: masks as pycocotools decodes them, boxes, visible parts; poses and points as OpenCV projects them.
 """
 

@@ -1,8 +1,8 @@
-"""Judges pictures through lenses from a prescription by a tracer of its own in NumPy.
+"""Judges images through lenses from a prescription by a tracer of its own in NumPy.
 
 Usage: prescribed_lenses.py PHOTOSITE [grid] [edge] [off-axis] [light] [wave]
 
-- grid: small square lamps before a retrofocus lens, in light of 450, 550 and 650 nm: their pictures have their middles
+- grid: small square lamps before a retrofocus lens, in light of 450, 550 and 650 nm: their images have their middles
   where chief rays land, within 0.02 px, and so has the difference between the colours.
 - edge: a slanted edge before a double Gauss: its MTF by `photosite measure mtf` is the geometric MTF of traced rays times
   that of the pixel, within 0.01.
@@ -201,7 +201,7 @@ def wave(photosite, folder):
     for kind, (side, along) in edges.items():
         width, rows = (half, 2 * half) if kind == "tangential" else (2 * half, half)
         region = [size[0] // 2 + side * column - width // 2, (size[1] - rows) // 2, width, rows]
-        # The judge's point lies up from the axis, where the pictures lie beside it: x is across there, and y away from it.
+        # The judge's point lies up from the axis, where the images lie beside it: x is across there, and y away from it.
         normal = (0, 1) if kind == "tangential" else (1, 0)
         found = measured(out, "--region", ",".join(map(str, region)))
         compare(f"a {kind} edge {height:g} mm from the axis at f/8", lens, np.array([0.0, object_height, z]), normal, found, pitch)

@@ -3,11 +3,11 @@
 
     raw_files.py [--developers] FOLDER...
 
-Each FOLDER holds raw.dng and raw.tiff, and may hold raw.pgm and raw.npy of the same picture. Adobe's DNG SDK (through
+Each FOLDER holds raw.dng and raw.tiff, and may hold raw.pgm and raw.npy of the same image. Adobe's DNG SDK (through
 dngpy), LibRaw (through rawpy), dcraw and tifffile must find the very same digital numbers in the DNG as tifffile does in
 the TIFF; LibRaw and dcraw those that the table of capture.json makes of them where a sensor is not linear. LibRaw must
 find the same black level, white level, colour filter array and colour matrix as exiftool finds in the tags; exiftool must
-find nothing to warn about. With --developers, RawTherapee and darktable must develop the DNG to a picture of the right
+find nothing to warn about. With --developers, RawTherapee and darktable must develop the DNG to an image of the right
 size. Where the folder holds a capture.json too, the tags must say the exposure, lens and levels that it says.
 Exit status 0 where all is well, 1 otherwise.
 
@@ -120,7 +120,7 @@ class Judge:
                 self.levels(raw, tags)
             self.colour(raw, tags)
         tile = tags.get("SubIFD:CFARepeatPatternDim", "2 2")
-        # Of pictures with several numbers per pixel, dcraw takes the corner instead of the active area.
+        # Of images with several values per pixel, dcraw takes the corner instead of the active area.
         moved = numbers.ndim == 3 and self.active(tags)[:2] != [0, 0]
         if not is_float and not moved and tile in ("2 2", "6 6"):
             self.dcraw(path, tags, linear)
@@ -191,9 +191,9 @@ class Judge:
                 missing = [bottom - top - read.shape[0], right - left - read.shape[1]]
                 self.check(
                     all(0 <= lines <= 2 * frame for lines in missing),
-                    f"{name}'s picture is {read.shape[:2]}, not {(bottom - top, right - left)}",
+                    f"{name}'s image is {read.shape[:2]}, not {(bottom - top, right - left)}",
                 )
-                self.check(read.std() > 0, f"{name}'s picture is of one colour")
+                self.check(read.std() > 0, f"{name}'s image is of one colour")
         return self.complaints
 
     def capture(self, tags):
@@ -233,7 +233,7 @@ class Judge:
         pattern = tags.get("SubIFD:CFAPattern2")
         if pattern is None:
             samples = int(tags["SubIFD:SamplesPerPixel"])
-            self.check(raw.num_colors == samples, f"LibRaw sees {raw.num_colors} colours in a picture of {samples}")
+            self.check(raw.num_colors == samples, f"LibRaw sees {raw.num_colors} colours in an image of {samples}")
             if samples == 1:
                 return
         else:
@@ -269,7 +269,7 @@ class Judge:
         )
         neutral = numpy.array([float(x) for x in tags["IFD0:AsShotNeutral"].split()])
         balance = numpy.array(raw.camera_whitebalance[:3]) * neutral
-        # LibRaw corrects the balance for black levels that differ between the channels of full pictures.
+        # LibRaw corrects the balance for black levels that differ between the channels of full images.
         uneven = pattern is None and len(set(str(tags["SubIFD:BlackLevel"]).split())) > 1
         self.check(
             uneven or numpy.allclose(balance, balance[1], rtol=1e-5),
@@ -289,7 +289,7 @@ def main():
         complaints += judge.developers() if develop else judge.judge()
     for complaint in complaints:
         print(complaint, file=sys.stderr)
-    print(f"{len(folders)} raw pictures judged, {len(complaints)} complaints")
+    print(f"{len(folders)} raw images judged, {len(complaints)} complaints")
     sys.exit(1 if complaints else 0)
 
 

@@ -1,11 +1,11 @@
-"""Judges epipolar geometry, rectified pictures and depth by OpenCV and NumPy.
+"""Judges epipolar geometry, rectified images and depth by OpenCV and NumPy.
 
 Usage: stereo.py PHOTOSITE
 
 A rig looks at a chessboard in the plane z = 0. E, F and the epipoles are held against NumPy and cv2.computeCorrespondEpilines,
-rectified pictures against cv2.initUndistortRectifyMap with cv2.remap (cv2.fisheye for fisheyes, cv2.warpPerspective for plain
+rectified images against cv2.initUndistortRectifyMap with cv2.remap (cv2.fisheye for fisheyes, cv2.warpPerspective for plain
 pinholes), their valid regions against cv2.stereoRectify, depth and disparity against the plane of the board and
-cv2.reprojectImageTo3D, and corners that cv2.findChessboardCorners finds in both pictures against each other.
+cv2.reprojectImageTo3D, and corners that cv2.findChessboardCorners finds in both images against each other.
 """
 
 import json
@@ -78,7 +78,7 @@ def planes(path):
 
 
 def linear(picture, x, y):
-    """The picture at places between its pixels; those beyond it are NaN."""
+    """The image at places between its pixels; those beyond it are NaN."""
     rows, columns = picture.shape
     inside = (x >= 0) & (y >= 0) & (x <= columns - 1) & (y <= rows - 1)
     x, y = np.clip(x, 0, columns - 1.001), np.clip(y, 0, rows - 1.001)
@@ -137,7 +137,7 @@ def rectified(name, node, folder, out, report, is_fisheye):
         spread = cv2.dilate(found, kernel) - cv2.erode(found, kernel)
         assert (np.abs(found - by_opencv) <= 1 + spread / 32)[seen].all(), name
         print(f"{name}: {camera} is {off:.2f} codes off, where rounding is 0.5; OpenCV's own by {np.abs(found - by_opencv)[seen].max():.1f}")
-        # Beyond the picture: black, but for the half of the outermost pixels that has no neighbours to be mixed with.
+        # Beyond the image: black, but for the half of the outermost pixels that has no neighbours to be mixed with.
         beyond = (maps[0] < -0.5) | (maps[1] < -0.5) | (maps[0] > SIZE[0] - 0.5) | (maps[1] > SIZE[1] - 0.5)
         assert (found[beyond] == 0).all(), name
         part = 1 - beyond.mean()

@@ -155,7 +155,7 @@ def kalibr_grid():
 
 
 def photograph(kind, *changes):
-    """A picture of a target seen from the side, what capture.json says of target and camera, and a projection."""
+    """An image of a target seen from the side, what capture.json says of target and camera, and a projection."""
     capture, out = write(kind, "toml", *changes), FOLDER / "photograph"
     size = np.diff(json.loads(write(kind, "json", *changes).read_text())["sheet_mm"], axis=0)[0].max() / 1e3
     settings = [f"camera.position_m=[{-1.2 * size}, {0.9 * size}, {4.9 * size}]", "camera.up=[0.1, 1, 0]",
@@ -201,7 +201,7 @@ def photographs():
         image, target, points, project = photograph(kind)
         found, centres = cv2.findCirclesGrid(image, tuple(target["target"]["circles"]), flags=flags)
         assert found, kind
-        # What is seen of a circle is an ellipse, whose middle is not the picture of the circle's.
+        # What is seen of a circle is an ellipse, whose middle is not the image of the circle's.
         angles = np.linspace(0, 2 * np.pi, 400, endpoint=False)
         circle = np.column_stack([np.cos(angles), np.sin(angles)]) * target["target"]["diameter_mm"] / 2
         middles = np.array([cv2.fitEllipse(project(point + circle).astype(np.float32))[0] for point in points])

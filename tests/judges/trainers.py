@@ -448,7 +448,7 @@ def main():
                 out = made.folder.with_name("refused")
                 stderr = run(photosite, "layout", made.folder, "--format", "nerfstudio", "-o", out, status=1)
                 assert "Nerfstudio" in stderr and not out.exists()
-            print(f"{made.folder.name}: {count} pictures by webdataset, datasets, mcap, rosbags")
+            print(f"{made.folder.name}: {count} images by webdataset, datasets, mcap, rosbags")
         together(sets[0][0])
         print("together: the same bytes by two processes as by one")
 

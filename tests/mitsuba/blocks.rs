@@ -1,11 +1,11 @@
-//! Means of blocks of a picture, which see a fault of a few percent in a part of it that single pixels are too noisy for.
+//! Means of blocks of an image, which see a fault of a few percent in a part of it that single pixels are too noisy for.
 
-use photosite::validation::Picture;
+use photosite::validation::ComparedImage;
 
 const COLUMNS: usize = 4;
 const ROWS: usize = 3;
 
-/// The light of a block in two pictures.
+/// The light of a block in two images.
 #[derive(Debug)]
 #[allow(dead_code, reason = "printed where a block fails")]
 pub(super) struct Block {
@@ -18,16 +18,16 @@ pub(super) struct Block {
 }
 
 /// All blocks of all channels.
-pub(super) fn blocks(ours: &Picture, theirs: &Picture) -> Vec<Block> {
+pub(super) fn blocks(ours: &ComparedImage, theirs: &ComparedImage) -> Vec<Block> {
     let (width, height) = (ours.mean.width(), ours.mean.height());
     let mut found = Vec::new();
     for channel in theirs.mean.channels() {
-        let plane = |picture: &Picture, is_variance: bool| {
-            let planes = if is_variance { &picture.variance } else { &picture.mean };
+        let plane = |image: &ComparedImage, is_variance: bool| {
+            let planes = if is_variance { &image.variance } else { &image.mean };
             planes.plane(&channel.name).expect("a channel of both").to_vec()
         };
-        let [ours_mean, theirs_mean] = [ours, theirs].map(|picture| plane(picture, false));
-        let variances = [ours, theirs].map(|picture| plane(picture, true));
+        let [ours_mean, theirs_mean] = [ours, theirs].map(|image| plane(image, false));
+        let variances = [ours, theirs].map(|image| plane(image, true));
         for (column, row) in (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (column, row))) {
             let sum = |data: &[f32]| -> f64 {
                 let rows = row * height / ROWS..(row + 1) * height / ROWS;

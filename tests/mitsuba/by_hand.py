@@ -54,7 +54,7 @@ def illuminant_a():
 
 def film(preset, columns, rows, pitch_um, f_number, focal_length, image_distance, seconds):
     """A film that counts electrons: QE·λ/(hc) · filter · pixel area · π·sin²θ' · time, tan θ' = D/2v, without falloff."""
-    path = ROOT / "crates" / "photosite-imaging" / "assets" / "sensors" / f"{preset}.toml"
+    path = ROOT / "crates" / "photosite-sensor" / "assets" / "sensors" / f"{preset}.toml"
     sensor = tomllib.loads(path.read_text(encoding="utf-8"))
     filter_ = at(path.parent / sensor["filter"]["transmittance"]["file"]) if "filter" in sensor else 1.0
     per_joule = GRID * 1e-9 / (PLANCK * LIGHT_SPEED) * sensor["fill_factor"] * filter_
@@ -69,7 +69,7 @@ def film(preset, columns, rows, pitch_um, f_number, focal_length, image_distance
 
 
 def camera(mitsuba, kind, position, target, width_m, image_distance, film, **others):
-    """A camera whose picture is width_m wide, image_distance behind the lens; metres."""
+    """A camera whose image is width_m wide, image_distance behind the lens; metres."""
     return {
         "type": kind,
         "fov_axis": "x",

@@ -26,6 +26,8 @@ from pathlib import Path
 
 import numpy as np
 
+# Beside the exporter, which writes it into the folder of each scene.
+sys.path.append(str(Path(__file__).resolve().parents[2] / "crates/photosite-mitsuba/assets"))
 from render import load_mitsuba
 
 STORED = Path(__file__).resolve().parent / "irradiance.json"
@@ -39,7 +41,7 @@ DEGREES = [0, 10, 20, 30, 40]
 AIMED = 1_048_576
 # A check takes this part of the samples.
 CHECK_PART = 4
-# Each picture has so many pixels that all show the same: their spread tells the error of the mean.
+# Each image has so many pixels that all show the same: their spread tells the error of the mean.
 SIDE = 64
 # Where two measurements may differ, standard errors: 1 in 16 000 does by chance.
 SIGMAS = 4

@@ -57,6 +57,7 @@ fn behind_our_lens(sky: &Scene, f_number: f64, angle_deg: f64) -> f64 {
         importance: None,
         resolution: [1, 1],
         settings: &RenderSettings { samples_per_pixel: 1 << 14, ..Default::default() },
+        device: None,
     };
     let film = render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(()));
     f64::from(film.estimate(["E"]).mean.channels()[0].data[0])

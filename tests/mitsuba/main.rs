@@ -1,6 +1,6 @@
 //! Every scene of the suite against its stored reference, which Mitsuba 3 rendered (`references.py`).
 //!
-//! Both pictures are mean electrons with the variance of the mean, so that z = (ours − Mitsuba's)/√(sum of variances)
+//! Both images are mean electrons with the variance of the mean, so that z = (ours − Mitsuba's)/√(sum of variances)
 //! of each pixel and channel follows N(0, 1) where both renderers mean the same. Neither Python nor Mitsuba is needed
 //! here.
 
@@ -11,9 +11,9 @@ mod irradiance;
 use std::path::Path;
 use std::process::Command;
 
-use photosite::io::picture_file::read_picture_file;
+use photosite::io::image_file::read_image_file;
 use photosite::raw::Pixels;
-use photosite::validation::{Picture, Settings, compare};
+use photosite::validation::{ComparedImage, ComparisonSettings, compare};
 use rstest::rstest;
 
 use blocks::{Block, blocks};
@@ -27,8 +27,8 @@ const FAULT_PERCENT: f64 = 5.0;
 /// exceeds this with a probability of 1 % (Šidák).
 const SIGMAS: f64 = 4.5;
 
-/// Our picture of a capture and the reference beside it.
-fn ours_and_reference(capture: &Path) -> [Picture; 2] {
+/// Our image of a capture and the reference beside it.
+fn ours_and_reference(capture: &Path) -> [ComparedImage; 2] {
     let out = tempfile::tempdir().expect("a temporary folder");
     let render = Command::new(env!("CARGO_BIN_EXE_photosite"))
         .args(["render", "--quiet", "--set", "output.raw=[]", "-o"])
@@ -37,7 +37,7 @@ fn ours_and_reference(capture: &Path) -> [Picture; 2] {
         .expect("the command starts");
     assert!(render.status.success(), "{}", String::from_utf8_lossy(&render.stderr));
     [out.path().join("electrons.exr"), capture.with_file_name("reference.exr")]
-        .map(|path| read_picture_file(&path, Pixels::Active).unwrap_or_else(|error| panic!("{error}")))
+        .map(|path| read_image_file(&path, Pixels::Active).unwrap_or_else(|error| panic!("{error}")))
 }
 
 #[rstest]
@@ -47,7 +47,8 @@ fn agrees_with_mitsuba(
     capture: std::path::PathBuf,
 ) {
     let [ours, reference] = ours_and_reference(&capture);
-    let comparison = compare(&ours, &reference, &Settings::default()).unwrap_or_else(|error| panic!("{error}"));
+    let comparison =
+        compare(&ours, &reference, &ComparisonSettings::default()).unwrap_or_else(|error| panic!("{error}"));
     for channel in &comparison.channels {
         let z = channel.z_scores.as_ref().expect("both sides have variances");
         assert!(channel.mean_difference_percent.abs() < MEAN_PERCENT, "{channel:#?}");

@@ -2,9 +2,9 @@
 """Writes README.md of this folder: every scene in photosite and in Mitsuba, side by side, with figures.
 
     page.py             renders all scenes
-    page.py NAME...     renders these, and takes over the figures and pictures of the others
+    page.py NAME...     renders these, and takes over the figures and images of the others
 
-Renders the captures with photosite, compares with the stored references, and puts one picture for each scene into
+Renders the captures with photosite, compares with the stored references, and puts one image for each scene into
 pictures/: photosite's, Mitsuba's, and the map of z-scores from −4 (blue) to 4 (red). Needs what references.py needs.
 """
 
@@ -17,6 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
+# Beside the exporter, which writes it into the folder of each scene.
+sys.path.append(str(Path(__file__).resolve().parents[2] / "crates/photosite-mitsuba/assets"))
 from references import HERE, PHOTOSITE, SCENES, names
 from render import load_mitsuba
 
@@ -31,7 +33,7 @@ mean. Where both mean the same, the z-scores
 follow the normal distribution N(0, 1): mean 0, spread 1, and no pixel beyond the bound that one of so many normal numbers
 exceeds with a probability of 1 % (Šidák). `cargo test --release --test mitsuba` holds every scene to that against the
 stored references, with channel means within 0.5 %, spreads within 4.5 standard errors of 1, and blocks of a twelfth of the
-picture within 0.5 % and 4.5 standard errors, so that two thirds of them at least show a fault of 5 %. `references.py
+image within 0.5 % and 4.5 standard errors, so that two thirds of them at least show a fault of 5 %. `references.py
 --check` renders references afresh, so that a stored one cannot go stale. Scenes marked *by hand* were written for Mitsuba
 from the capture's meaning, the others by `photosite export-mitsuba`.
 
@@ -44,13 +46,13 @@ aperture's radius) and demand that a scene of this suite sees it.
 
 Mitsuba's microfacets are not shadowed as ours are, and it has no glTF material; `microfacets.py` describes ours to it from
 the published equations. Its glass has one index, so dispersion is rendered at one wavelength at a time, each with the
-index there. Between the texels of an environment picture we mix RGB and it mixes spectra, so that it gets the picture in
+index there. Between the texels of an environment image we mix RGB and it mixes spectra, so that it gets the image in
 finer steps. Where one of the two had to be wrong, a third source tells: the spectra that Mitsuba makes of the colours of a
 blue sky miss them by up to 0.13 % (integrated under D65 with CIE 1931), ours by up to 0.2 % of white, which shows where a
 sky is seen directly and with little noise.
 
 COVERAGE
-In each picture: photosite, Mitsuba, z of the green or only channel from −4 (blue) to 4 (red).
+In each image: photosite, Mitsuba, z of the green or only channel from −4 (blue) to 4 (red).
 
 """
 
@@ -72,13 +74,14 @@ COVERAGE = [
     ("sRGB textures, wrap modes, texture transforms, saturated colours", ["textures", "texture-transform"]),
     ("normal map, smooth shading normals", ["normal-map", "conductors-smooth"]),
     ("normal maps on mirrored UVs, from behind, in mirrored nodes", ["normal-map-sides", "mirrored"]),
-    ("holes, cut and half open, of either UVs, before lamps without a surface too", ["alpha", "holes-and-lamps", "mirrored"]),
+    ("holes, cut and half open, of either UVs, before lights without a surface too", ["alpha", "holes-and-lamps", "mirrored"]),
     ("a million triangles with instances", ["instances"]),
     ("many small lights, one far brighter", ["many-lights"]),
     ("near infrared: silicon, lamp A, a leaf and a dye", ["near-infrared"]),
     ("metallic-roughness", ["metallic-roughness", "texture-transform"]),
     ("true spheres, seen from outside and inside", ["spheres"]),
     ("true disks and cylinders, seen from outside and inside", ["quadrics"]),
+    ("spheres, disks and cylinders that shine", ["round-lamps"]),
 ]
 
 
@@ -122,7 +125,7 @@ closed form in percent, with standard errors. Those of one way share their rando
 
 
 def section(name):
-    """A scene with its picture."""
+    """A scene with its image."""
     folder = SCENES / name
     about = (folder / "capture.toml").read_text(encoding="utf-8").splitlines()[0].removeprefix("# ")
     own = folder / "mitsuba.py"

@@ -1,24 +1,22 @@
 #!/usr/bin/env python3
 """Renders the references of the suite in Mitsuba 3.
 
-    references.py [NAME...]             renders and stores them (all scenes where none is named)
-    references.py --check [NAME...]     renders them afresh with another seed and compares with the stored ones
-    references.py --check --rotate N    the same for N scenes, others each day
+    references.py [NAME...]            renders and stores them (all scenes where none is named)
+    references.py --check [NAME...]    renders them afresh with another seed and compares with the stored ones
 
 A scene is a folder scenes/NAME with capture.toml and what it names. Mitsuba gets it from `photosite export-mitsuba`, unless
 mitsuba.py in that folder says otherwise: a function load(mitsuba, folder, export) that returns a Mitsuba scene whose film
 has the channels of the capture's sensor and counts electrons, or a list of scenes that have some of the channels each. It
 describes the scene by hand, or calls export(), which returns the path of the exported one, to change that.
 
-Beside the capture are stored reference.exr, the picture with its variances, and reference.json, where it comes from. A
-`scale` there is what a picture was multiplied by later, its variances by the square: the f-number's share of the light,
-which is a constant factor of the picture, was π/4·(D/v)² when it was rendered and has been π·sin²θ' since (tan θ' = D/2v).
+Beside the capture are stored reference.exr, the image with its variances, and reference.json, where it comes from. A
+`scale` there is what an image was multiplied by later, its variances by the square: the f-number's share of the light,
+which is a constant factor of the image, was π/4·(D/v)² when it was rendered and has been π·sin²θ' since (tan θ' = D/2v).
 Needs Python 3.11, `pip install -r requirements.txt`, LLVM 17 or later (Debian: apt install libllvm19) and
 `cargo build --release`.
 """
 
 import argparse
-import datetime
 import importlib.util
 import json
 import subprocess
@@ -29,13 +27,15 @@ from pathlib import Path
 
 import numpy as np
 
+# Beside the exporter, which writes it into the folder of each scene.
+sys.path.append(str(Path(__file__).resolve().parents[2] / "crates/photosite-mitsuba/assets"))
 from render import VARIANT, load_mitsuba, render, write
 
 HERE = Path(__file__).resolve().parent
 SCENES = HERE / "scenes"
 PHOTOSITE = HERE.parents[1] / "target" / "release" / "photosite"
 BATCHES = 128
-# Fresh pictures for a check take this part of the samples of the stored ones.
+# Fresh images for a check take this part of the samples of the stored ones.
 CHECK_PART = 2
 
 
@@ -115,15 +115,11 @@ def main():
     parser = argparse.ArgumentParser(description="Render the references of the suite in Mitsuba 3.")
     parser.add_argument("names", nargs="*", metavar="NAME")
     parser.add_argument("--check", action="store_true", help="compare fresh references with the stored ones")
-    parser.add_argument("--rotate", type=int, metavar="N", help="only so many scenes, others each day")
     options = parser.parse_args()
     chosen = options.names or names()
     unknown = set(chosen) - set(names())
     if unknown:
         sys.exit(f"no scene {', '.join(sorted(unknown))}; there are {', '.join(names())}")
-    if options.rotate:
-        first = datetime.date.today().toordinal() * options.rotate
-        chosen = sorted({chosen[(first + i) % len(chosen)] for i in range(options.rotate)})
     mitsuba = load_mitsuba()
     with tempfile.TemporaryDirectory() as scratch:
         done = [(check if options.check else store)(mitsuba, name, Path(scratch)) for name in chosen]

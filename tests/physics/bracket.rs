@@ -10,7 +10,7 @@ use crate::sensor_cases::{EXPOSURE, flat};
 
 const SIDE: usize = 128;
 
-/// Pictures of even light, one for each time, each with noise of its own.
+/// Images of even light, one for each time, each with noise of its own.
 fn bracket(sensor: &SensorModel, rate_e_per_s: f64, times: &[f64]) -> Vec<RawImage> {
     let shoot = |(frame, &time): (usize, &f64)| {
         let exposure = Exposure { time: Seconds(time), ..EXPOSURE };
@@ -60,7 +60,7 @@ fn the_noise_of_a_merged_bracket_is_the_least_there_can_be() {
     for rate in [3.0, 30.0, 1e3, 1e5, 2e7] {
         let merged = merge(&bracket(&sensor, rate, &times)).expect("a bracket");
         let found: Moments = merged.signal.iter().map(|&x| f64::from(x) * capacity / times[0]).collect();
-        // The Cramér–Rao bound of Gaussian noise with known variances: 1/Σ t²/v over the pictures that are not
+        // The Cramér–Rao bound of Gaussian noise with known variances: 1/Σ t²/v over the images that are not
         // saturated.
         let information = |&time: &f64| {
             let exposure = Exposure { time: Seconds(time), ..EXPOSURE };
@@ -84,7 +84,7 @@ fn two_exposures_take_a_sensor_for_cars_to_128_db() {
     let sensor = presets::model("automotive-hdr-color").expect("a preset");
     let times = [1e-4, 1e-2];
     let dark = |first_frame: u64| {
-        let pictures: Vec<RawImage> = (first_frame..)
+        let images: Vec<RawImage> = (first_frame..)
             .zip(times)
             .map(|(frame, time)| {
                 let exposure = Exposure { time: Seconds(time), ..EXPOSURE };
@@ -92,9 +92,9 @@ fn two_exposures_take_a_sensor_for_cars_to_128_db() {
                 expose(&flat(&sensor, SIDE, SIDE, 0.0), &sensor, &exposure, Stages::ALL, key).expect("valid")
             })
             .collect();
-        merge(&pictures).expect("a bracket").signal
+        merge(&images).expect("a bracket").signal
     };
-    // What stays from picture to picture cancels.
+    // What stays from image to image cancels.
     let difference: Moments = dark(0).iter().zip(dark(2)).map(|(a, b)| f64::from(a - b)).collect();
     let found_db = -20.0 * (difference.variance() / 2.0).sqrt().log10();
     let exposure = Exposure { time: Seconds(times[1]), ..EXPOSURE };

@@ -27,7 +27,7 @@ fn lambda(w: DVec3, [x, y]: [f64; 2]) -> f64 {
     0.5 * ((1.0 + ((x * w.x).powi(2) + (y * w.y).powi(2)) / (w.z * w.z)).sqrt() - 1.0)
 }
 
-/// What facets reflect and refract of uniform light, as fractions of the power: mean over the slopes
+/// Light that facets reflect and refract of uniform light, as fractions of the power: mean over the slopes
 /// (p, q) = r·(α_x·cos φ, α_y·sin φ), whose density is dφ/(2π)·d(r²/(1 + r²)), of the facet's area seen from wo, times
 /// what it does with the light. `eta` is that of the far side; the reflectance is `fresnel(cos)`. The area grows with
 /// r, so the radial variable is t = 1/√(1 + r²), in which nothing diverges: d(r²/(1 + r²)) = 2t dt.

@@ -27,7 +27,7 @@ fn layered(layers: LayeredDescription) -> MaterialModel {
     MaterialModel::Layered(Box::new(LayeredDescription { base_colour: grey(1.0), ..layers }))
 }
 
-/// What a lossless material of each model is called, and by how much less or more it may give back. A model that is
+/// Name of a lossless material of each model, and by how much less or more it may give back. A model that is
 /// added has no place here yet, which the compiler says.
 fn tolerance(model: &MaterialModel) -> (&'static str, f64) {
     match model {

@@ -38,6 +38,7 @@ fn electron_rates(
         importance: None,
         resolution: [1, 1],
         settings: &settings,
+        device: None,
     };
     let film = render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(()));
     let estimate = film.estimate(responses.iter().map(|r| r.name.as_str()));

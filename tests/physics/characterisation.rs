@@ -1,4 +1,4 @@
-//! What EMVA 1288 recovers from images of a sensor's model, against what was put into it.
+//! Figures that EMVA 1288 recovers from images of a sensor's model, against what was put into it.
 
 use photosite::characterisation::{
     Evaluation, FlatField, Light, OperatingPoint, PairStatistics, Plan, SpatialStack, TemporalPoint, evaluate,

@@ -1,10 +1,10 @@
-//! Colour from spectra to the picture: a colour checker is exposed and developed, and the picture is compared with what
+//! Colour from spectra to the image: a colour checker is exposed and developed, and the image is compared with what
 //! the observer sees.
 
 use photosite::colour::difference::delta_e_2000;
 use photosite::colour::{adaptation::bradford, cielab};
 use photosite::develop::camera_colour::camera_colour;
-use photosite::develop::{Codes, DevelopSettings, EncodedPicture, develop, develop_linear};
+use photosite::develop::{Codes, DevelopSettings, EncodedImage, develop, develop_linear};
 use photosite::image::Planes;
 use photosite::math::statistics::Moments;
 use photosite::raw::RawImage;
@@ -45,15 +45,15 @@ fn developed(raw: &RawImage, settings: &DevelopSettings) -> Planes {
     develop_linear(raw, settings).expect("developed").0
 }
 
-fn codes(picture: &EncodedPicture) -> &[u8] {
-    let Codes::U8(codes) = &picture.codes else { panic!("8 bits") };
+fn codes(image: &EncodedImage) -> &[u8] {
+    let Codes::U8(codes) = &image.codes else { panic!("8 bits") };
     codes
 }
 
 /// Linear sRGB in the middle of each patch.
-fn patch_colours(picture: &Planes, patches: usize) -> Vec<DVec3> {
-    let middle = |i: usize| (PATCH / 2) * picture.width() + i * PATCH + PATCH / 2;
-    let value = |name: &str, i: usize| f64::from(picture.plane(name).expect("a colour picture")[middle(i)]);
+fn patch_colours(image: &Planes, patches: usize) -> Vec<DVec3> {
+    let middle = |i: usize| (PATCH / 2) * image.width() + i * PATCH + PATCH / 2;
+    let value = |name: &str, i: usize| f64::from(image.plane(name).expect("a colour image")[middle(i)]);
     (0..patches).map(|i| DVec3::new(value("R", i), value("G", i), value("B", i))).collect()
 }
 
@@ -61,10 +61,10 @@ fn patch_colours(picture: &Planes, patches: usize) -> Vec<DVec3> {
 fn colour_errors(sensor: &SensorModel, light: &Spectrum) -> (f64, f64) {
     let names: Vec<&str> = library::names().filter(|name| name.starts_with("colour-checker/")).collect();
     let patches: Vec<Spectrum> = names.iter().map(|name| library::spectrum(name).expect("listed")).collect();
-    let picture = developed(&photograph(&patches, sensor, light), &DevelopSettings::default());
+    let image = developed(&photograph(&patches, sensor, light), &DevelopSettings::default());
     let white = DVec3::from_array(cie::xyz(light));
     let d65 = *rgb::rgb_to_xyz() * DVec3::ONE;
-    let errors: Vec<f64> = patch_colours(&picture, patches.len())
+    let errors: Vec<f64> = patch_colours(&image, patches.len())
         .into_iter()
         .zip(&patches)
         .map(|(found, patch)| {
@@ -98,12 +98,12 @@ fn grey_is_grey_in_all_light() {
     for light in ["A", "D65", "FL11", "LED-B1"] {
         let light_spectrum = illuminant::illuminant(light).expect("known");
         let raw = photograph(&[Spectrum::constant(0.18)], &sensor, &light_spectrum);
-        let picture = developed(&raw, &DevelopSettings::default());
+        let image = developed(&raw, &DevelopSettings::default());
         // Half a DN of 12 bits in the least sensitive channel, amplified by its white balance and the colour matrix.
         let neutral = raw.metadata.as_shot_neutral.expect("a colour sensor");
         let smallest = neutral.into_iter().fold(1.0, f64::min);
         let tolerance = 4.0 * 0.5 / 4031.0 / smallest;
-        for colour in patch_colours(&picture, 1) {
+        for colour in patch_colours(&image, 1) {
             assert!((colour - DVec3::splat(0.18)).abs().max_element() < tolerance, "{light}: {colour} ± {tolerance}");
         }
     }
@@ -115,10 +115,10 @@ fn blown_highlights_are_white() {
     let light = illuminant::illuminant("A").expect("known");
     for overexposure in [1.0, 1.5, 4.0, 100.0] {
         let raw = photograph(&[Spectrum::constant(overexposure)], &sensor, &light);
-        let picture = develop(&raw, &DevelopSettings::default()).expect("developed");
+        let image = develop(&raw, &DevelopSettings::default()).expect("developed");
         // At the very edge of saturation rounding may cost the last code.
         let least = if overexposure == 1.0 { 254 } else { 255 };
-        let codes = codes(&picture);
+        let codes = codes(&image);
         assert!(codes.iter().all(|&code| code >= least), "{overexposure}: {:?}", &codes[..6]);
     }
 }
@@ -135,14 +135,14 @@ fn exposure_correction_doubles_linear_light() {
 }
 
 #[test]
-fn monochrome_pictures_are_grey_and_broken_ones_refused() {
+fn monochrome_images_are_grey_and_broken_ones_refused() {
     let sensor = presets::model("sony-imx249-mono").expect("a preset");
     let light = crate::sensor_cases::flat(&sensor, 5, 3, 16_200.0);
     let raw = expose(&light, &sensor, &EXPOSURE, Stages::NONE, NoiseKey::default()).expect("valid");
-    let picture = develop(&raw, &DevelopSettings::default()).expect("developed");
+    let image = develop(&raw, &DevelopSettings::default()).expect("developed");
     // Half of 32 400 e⁻: code 255·(1.055·0.5^(1/2.4) − 0.055) = 187.5, and half a DN decides.
-    assert_eq!(picture.components, 1);
-    assert!(codes(&picture).iter().all(|&code| code == 187 || code == 188));
+    assert_eq!(image.components, 1);
+    assert!(codes(&image).iter().all(|&code| code == 187 || code == 188));
     let mut short = raw;
     short.data.pop();
     assert!(develop(&short, &DevelopSettings::default()).is_err());

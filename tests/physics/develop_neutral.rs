@@ -48,7 +48,7 @@ fn photograph(sensor: &SensorModel, light: &Spectrum, stages: Stages, seed: u64)
     raw
 }
 
-/// Of the wall 1.
+/// Brightness of the wall: 1.
 fn brightness(x: usize, y: usize) -> f64 {
     // No tile lies half on the paper.
     let paper = 120..264;
@@ -64,12 +64,12 @@ fn brightness(x: usize, y: usize) -> f64 {
 
 /// How far the mean colour of the developed wall is from grey, ΔE₀₀.
 fn distance_from_grey(raw: &RawImage, settings: &DevelopSettings) -> (f64, Development) {
-    let (picture, development) = develop_linear(raw, settings).expect("developed");
+    let (image, development) = develop_linear(raw, settings).expect("developed");
     // Away from the paper, and from what demosaicking spreads of it.
     let of_wall = |i: &usize| i % SIDE < 96 || i % SIDE > 287 || i / SIDE < 96 || i / SIDE > 287;
     let pixels: Vec<usize> = (0..SIDE * SIDE).filter(of_wall).collect();
     let mean = |name: &str| {
-        let plane = picture.plane(name).expect("a colour picture");
+        let plane = image.plane(name).expect("a colour image");
         pixels.iter().map(|&i| f64::from(plane[i])).sum::<f64>() / pixels.len() as f64
     };
     let white = ColourSpace::Srgb.white();
@@ -98,7 +98,7 @@ fn a_grey_wall_is_neutral_in_any_light_and_by_any_balance(#[case] cfa: &str, #[c
             // Of the wall and of the paper, its blown part included.
             (balanced_by([8, 280, 240, 96], &as_shot), 0.3),
             (balanced_by([120, 120, 144, 144], &as_shot), 0.3),
-            // What the picture says of its light, given back.
+            // What the image says of its light, given back.
             (
                 DevelopSettings {
                     white_balance: WhiteBalance::Temperature,
@@ -134,13 +134,13 @@ fn no_balance_leaves_the_colour_of_the_light() {
     let sensor = presets::model("generic-cmos-color").expect("a preset");
     let raw = photograph(&sensor, &illuminant::a(), Stages::NONE, 0);
     let settings = DevelopSettings { white_balance: WhiteBalance::None, ..DevelopSettings::default() };
-    let picture = develop_linear(&raw, &settings).expect("developed").0;
+    let image = develop_linear(&raw, &settings).expect("developed").0;
     // That of a file which says that the light of the scene is the one to which all channels respond alike.
     let mut told = raw.clone();
     told.metadata.as_shot_neutral = Some(vec![1.0; 3]);
-    assert!(picture == develop_linear(&told, &DevelopSettings::default()).expect("developed").0);
+    assert!(image == develop_linear(&told, &DevelopSettings::default()).expect("developed").0);
     // Illuminant A has a tenth of the blue photons of an equal-energy light for its red ones: the wall is red, then
     // green.
-    let mean = |name: &str| picture.plane(name).expect("a plane").iter().map(|&v| f64::from(v)).sum::<f64>();
+    let mean = |name: &str| image.plane(name).expect("a plane").iter().map(|&v| f64::from(v)).sum::<f64>();
     assert!(mean("R") > mean("G") && mean("G") > mean("B"));
 }

@@ -41,7 +41,7 @@ max_depth = 12
 /// The sum of mean electrons of all pixels, and its variance.
 fn electrons(values: &Value, folder: &Path) -> Result<[f64; 2], Error> {
     let prepared = Prepared::new(Capture::of_values(values, &folder.join("capture.toml"), &[])?)?;
-    let shot = prepared.expose(&prepared.trace(Options::default())?, 0)?;
+    let shot = prepared.trace(Options::default())?.frame(0, &[])?;
     let estimate = &shot.electrons;
     Ok([&estimate.mean, &estimate.variance].map(|planes| planes.channels()[0].data.iter().map(|&v| f64::from(v)).sum()))
 }

@@ -74,7 +74,7 @@ fn a_pixel_of_the_slide_lands_where_a_camera_would_see_it() {
 #[case::out_of_focus(0.05, 0.7)]
 fn the_whole_flux_arrives(#[case] radius_m: f64, #[case] focus_distance_m: f64) {
     let scene = lamp(projector(|_| true, radius_m, focus_distance_m), DAffine3::IDENTITY, Vec::new());
-    // A wall 2 m away, larger than the picture of 2.3 m by 1.6 m and its blur.
+    // A wall 2 m away, larger than the image of 2.3 m by 1.6 m and its blur.
     let (cells, half) = (600u16, 2.0f32);
     let side = 2.0 * half / f32::from(cells);
     let mut flux = 0.0;
@@ -84,7 +84,7 @@ fn the_whole_flux_arrives(#[case] radius_m: f64, #[case] focus_distance_m: f64) 
         let u = [(i as f32 * 0.754_877_7).fract(), (i as f32 * 0.569_840_3).fract()];
         flux += irradiance(&scene, Vec3::new(x, y, -2.0), Vec3::Z, 0.0, u) * f64::from(side * side);
     }
-    // Cells at the border of the picture, 1 in 150 of its width, are in or out: about 1/(150·√(2·350)) if by chance, at
+    // Cells at the border of the image, 1 in 150 of its width, are in or out: about 1/(150·√(2·350)) if by chance, at
     // most half a cell of 350 and one of 240 where the border runs along them.
     assert!((flux - 1.0).abs() < 0.5 / 350.0 + 0.5 / 240.0, "{flux}");
 }

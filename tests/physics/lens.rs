@@ -119,7 +119,7 @@ fn one_f_number_has_one_exposure_on_the_axis() {
     }
 }
 
-/// Root-mean-square radius of the picture about its centroid, and its sum, in pixels.
+/// Root-mean-square radius of the image about its centroid, and its sum, in pixels.
 fn spread(data: &[f32], width: usize) -> (f64, f64) {
     let at = |i: usize| ((i % width) as f64 + 0.5, (i / width) as f64 + 0.5);
     let sum: f64 = data.iter().map(|&v| f64::from(v)).sum();
@@ -149,7 +149,7 @@ fn a_point_out_of_focus_becomes_a_disk_of_the_thin_lens_diameter() {
         let v = u * f / (u - f);
         let sharp_at = distance * f / (distance - f);
         let blur_m = f / n * (v - sharp_at).abs() / sharp_at;
-        // A disk of diameter c has a mean squared radius of c²/8; the emitter's picture, of side s, and the pixel add
+        // A disk of diameter c has a mean squared radius of c²/8; the emitter's image, of side s, and the pixel add
         // s²/6 and p²/6.
         let side_px = 2.0 * f64::from(half) / distance * v / 1.5e-5;
         let (rms, _) = spread(&estimate.mean.channels()[0].data, resolution as usize);
@@ -163,7 +163,7 @@ fn a_point_out_of_focus_becomes_a_disk_of_the_thin_lens_diameter() {
 }
 
 #[test]
-fn in_focus_the_picture_has_the_size_that_the_lens_equation_gives() {
+fn in_focus_the_image_has_the_size_that_the_lens_equation_gives() {
     let (f, u) = (0.05, 0.4);
     let half = 0.004;
     let scene = Stage::default().diffuse(square(Vec3::Z * -u as f32, Vec3::X, Vec3::Y, half), 0.0, 1.0).build();

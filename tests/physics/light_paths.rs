@@ -18,6 +18,7 @@ use photosite::scene::description::{
     MaterialModel, Mix, Phong, Roughness, TexturedColour, TexturedFactor, ThinDielectric,
 };
 use photosite::spectrum::{Dispersion, Spectrum, library};
+use rstest::rstest;
 
 use crate::prescription::described;
 use crate::stage::{Stage, camera, sphere, square};
@@ -66,16 +67,21 @@ pub(crate) fn room(model: MaterialModel) -> Stage {
         .mesh(ball.collect(), model, None)
 }
 
+/// The room with a screen under its lamp, whose light comes by way of the ceiling.
+pub(crate) fn screened(model: MaterialModel) -> Stage {
+    room(model).diffuse(square(Vec3::new(-0.2, 1.4, 0.1), Vec3::Z, Vec3::X, 0.8), 0.5, 0.0)
+}
+
 /// A pinhole at z = 2.2 that sees the ball and the wall behind.
 pub(crate) fn lens() -> LensDescription {
     LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(0.01, 4.0, Focus::Distance(2.5)) }
 }
 
 fn with_light_paths() -> RenderSettings {
-    RenderSettings { light_paths: 1.0, ..RenderSettings::default() }
+    RenderSettings { light_paths: Some(1.0), ..RenderSettings::default() }
 }
 
-pub(crate) fn picture(
+pub(crate) fn image(
     scene: &Scene,
     lens: &LensDescription,
     settings: RenderSettings,
@@ -101,6 +107,7 @@ pub(crate) fn picture(
         importance: None,
         resolution: RESOLUTION,
         settings: &settings,
+        device: None,
     };
     let mut film = job.empty_film(FilmResponses::new(&responses));
     prepare(&mut film);
@@ -111,8 +118,8 @@ pub(crate) fn picture(
 /// Renders as the settings say, and with paths from the camera alone, and compares both pixel by pixel. Returns the
 /// variance without over that with them, of all pixels together.
 pub(crate) fn compare(name: &str, scene: &Scene, lens: &LensDescription, settings: RenderSettings) -> f64 {
-    let alone = RenderSettings { light_paths: 0.0, reuse: 1, seed: 2, ..settings.clone() };
-    let [without, with] = [alone, settings].map(|settings| picture(scene, lens, settings, |_| {}));
+    let alone = RenderSettings { light_paths: None, reuse: 1, seed: 2, ..settings.clone() };
+    let [without, with] = [alone, settings].map(|settings| image(scene, lens, settings, |_| {}));
     let values = |estimate: &Estimate, is_mean: bool| -> Vec<f64> {
         let planes = if is_mean { &estimate.mean } else { &estimate.variance };
         planes.channels().iter().flat_map(|channel| &channel.data).map(|&v| f64::from(v)).collect()
@@ -132,6 +139,20 @@ pub(crate) fn compare(name: &str, scene: &Scene, lens: &LensDescription, setting
     let sigma = (4.0 * of_differences.iter().map(|v| v * v).sum::<f64>()).sqrt();
     assert!(squares < sum + 4.0 * sigma, "{name}: χ² per pixel {}, not 1 ± {}", squares / sum, sigma / sum);
     variance.iter().sum::<f64>() / more_variance.iter().sum::<f64>()
+}
+
+#[rstest]
+#[case::matt(MaterialModel::Diffuse(Diffuse { reflectance: grey(0.7) }))]
+#[case::rough_metal(gold(0.7))]
+#[case::flat_phong(MaterialModel::Phong(Phong { diffuse: grey(0.3), specular: grey(0.6), exponent: 10.0 }))]
+#[case::rough_layers(layers(LayeredDescription { roughness: TexturedFactor::plain(0.8), ..LayeredDescription::default() }))]
+fn light_of_a_lamp_behind_a_screen_is_the_same_with_paths_from_it_and_quieter(#[case] model: MaterialModel) {
+    let scene = screened(model).build();
+    assert!(!scene.may_cast_caustics());
+    for settings in [with_light_paths(), RenderSettings { splitting: Some(3), ..with_light_paths() }] {
+        let ratio = compare("screen", &scene, &lens(), settings);
+        assert!(ratio > 2.0, "{ratio}");
+    }
 }
 
 #[test]
@@ -249,7 +270,7 @@ fn paths_from_lamps_come_through_the_glass_of_a_prescription() {
             energy_compensation: false,
         })
     };
-    let splitting = RenderSettings { splitting: 2, ..with_light_paths() };
+    let splitting = RenderSettings { splitting: Some(2), ..with_light_paths() };
     let cases = [
         ("nikkor-z14", 4.0, 0, glass(0.0), with_light_paths()),
         ("nikkor-z14", 8.0, 5, gold(0.1), with_light_paths()),
@@ -295,7 +316,7 @@ fn light_by_way_of_a_mirror_is_that_of_the_lamps_image() {
     let band = spectrum.integral();
     let responses = [Response::new("E", spectrum)];
     let settings =
-        RenderSettings { samples_per_pixel: 512, max_depth: 3, light_paths: 64.0, ..RenderSettings::default() };
+        RenderSettings { samples_per_pixel: 512, max_depth: 3, light_paths: Some(64.0), ..RenderSettings::default() };
     let job = RenderJob {
         scene: &scene,
         camera: &camera,
@@ -305,6 +326,7 @@ fn light_by_way_of_a_mirror_is_that_of_the_lamps_image() {
         importance: None,
         resolution: [n; 2],
         settings: &settings,
+        device: None,
     };
     let film = render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(()));
     let estimate = film.estimate(["E"]);
@@ -330,8 +352,12 @@ fn light_by_way_of_a_mirror_is_that_of_the_lamps_image() {
 
 #[test]
 fn paths_that_split_have_their_share_beside_those_from_lamps() {
-    let gain =
-        compare("splitting", &room(glass(0.0)).build(), &lens(), RenderSettings { splitting: 4, ..with_light_paths() });
+    let gain = compare(
+        "splitting",
+        &room(glass(0.0)).build(),
+        &lens(),
+        RenderSettings { splitting: Some(4), ..with_light_paths() },
+    );
     assert!(gain > 4.0, "{gain}");
 }
 

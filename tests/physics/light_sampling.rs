@@ -3,12 +3,12 @@
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec3};
-use photosite::geometry::Ray;
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+use photosite::geometry::{QuadricKind, Ray};
 use photosite::light::{Facing, LightSampleContext, PointLight};
 use photosite::scene::Scene;
 use photosite::scene::description::{
-    Colour, EmissionDescription, EnvironmentDescription, LightDescription, LightKind, PictureLevel,
+    Colour, EmissionDescription, EnvironmentDescription, ImageLevel, LightDescription, LightKind,
 };
 use photosite::spectrum::{Spectrum, Wavelengths};
 use photosite::texture::{Bitmap, Texels};
@@ -31,7 +31,13 @@ fn sky(level: f64) -> EnvironmentDescription {
     let mut texels = vec![[0.2f32; 3]; 128];
     texels[2 * 16 + 5] = [60.0, 50.0, 40.0];
     let image = Arc::new(Bitmap { name: "sky".into(), width: 16, height: 8, texels: Texels::Rgb32F(texels) });
-    EnvironmentDescription::Picture { image, level: PictureLevel::NitPerUnit(level), rotation_deg: 40.0 }
+    EnvironmentDescription::Image { image, level: ImageLevel::NitPerUnit(level), rotation_deg: 40.0 }
+}
+
+/// A shining quadric of that size.
+fn quadric(kind: QuadricKind, size: DVec3, place: DVec3, two_sided: bool) -> Stage {
+    let to_world = DAffine3::from_scale_rotation_translation(size, DQuat::IDENTITY, place);
+    Stage::default().quadric(kind, to_world, 0.0, (1.0, two_sided))
 }
 
 /// Density of the direction `wi` from the origin: that of the lamp met there, if it shines this way, and that of the
@@ -40,8 +46,8 @@ fn density(scene: &Scene, wi: Vec3) -> f64 {
     let of_lamp = scene.closest(&Ray::new(Vec3::ZERO, wi)).map_or(0.0, |hit| {
         let point = scene.point(&hit, 0.0);
         let cos = -wi.dot(point.geometric_normal);
-        let light = scene.light_of(&point).filter(|_| cos > 0.0);
-        light.map_or(0.0, |light| scene.lights().triangle_pdf(light, &HERE, scene.geometry(), 0.0, hit.t, cos).0)
+        let light = scene.light_of(&point).filter(|_| !scene.emitted(&point, -wi, &lambda()).is_black());
+        light.map_or(0.0, |light| scene.lights().area_light_pdf(light, &HERE, scene.geometry(), 0.0, hit.t, cos).0)
     });
     f64::from(of_lamp + scene.lights().environment_pdf(&HERE, wi).0)
 }
@@ -55,7 +61,8 @@ fn expectation(scene: &Scene) -> Vec<f64> {
         let sum: f64 = (0..n * n).map(|i| density(scene, direction(at(cell.z, i / n), at(cell.phi, i % n)))).sum();
         sum / (n * n) as f64 * 2.0 * TAU / (ROWS * COLUMNS) as f64 * SAMPLES as f64
     };
-    let mut expected: Vec<f64> = Cell::sphere(ROWS, COLUMNS).iter().map(count).collect();
+    // A bin of which a lamp takes a rim only may come out as 0, and is pooled with others.
+    let mut expected: Vec<f64> = Cell::sphere(ROWS, COLUMNS).iter().map(|cell| count(cell).max(1e-6)).collect();
     expected.push((SAMPLES as f64 - expected.iter().sum::<f64>()).max(1e-6));
     expected
 }
@@ -64,11 +71,20 @@ fn expectation(scene: &Scene) -> Vec<f64> {
 fn directions_to_light_are_distributed_as_the_density_says() {
     let lamp = || square(Vec3::new(0.2, 0.1, 0.8), Vec3::X, Vec3::NEG_Y, 0.7);
     // A radiance of 1 W·m⁻²·sr⁻¹·nm⁻¹ over the visible is some 7·10⁴ nit: lamp and sky are chosen about equally.
+    // Towards the outline of a cylinder the density goes as 1/cos, which the midpoint rule does not sum up: from outside its
+    // samples are held to rays in `light/emitter/tests.rs`.
     for (what, stage) in [
         ("sky", Stage::default().surroundings(sky(1e3))),
         ("lamp", Stage::default().diffuse(lamp(), 0.0, 1.0)),
         ("lamp under the sky", Stage::default().diffuse(lamp(), 0.0, 1.0).surroundings(sky(1e4))),
         ("lamp in uniform light", Stage::default().diffuse(lamp(), 0.0, 1.0).environment(0.1)),
+        ("sphere", quadric(QuadricKind::Sphere, DVec3::ONE, DVec3::new(0.8, 0.9, 0.3), false)),
+        ("sphere that nearly touches", quadric(QuadricKind::Sphere, DVec3::ONE, DVec3::new(0.6, 0.801, 0.0), false)),
+        ("sphere from inside", quadric(QuadricKind::Sphere, DVec3::ONE, DVec3::new(0.5, -0.7, 0.3), true)),
+        ("disk", quadric(QuadricKind::Disk, DVec3::splat(0.8), DVec3::new(0.3, 0.1, -0.5), false)),
+        ("disk from behind", quadric(QuadricKind::Disk, DVec3::splat(0.8), DVec3::new(0.3, 0.1, 0.5), true)),
+        ("cylinder before an end", quadric(QuadricKind::Cylinder, DVec3::ONE, DVec3::new(0.2, 0.4, 0.3), true)),
+        ("cylinder from inside", quadric(QuadricKind::Cylinder, DVec3::ONE, DVec3::new(0.2, 0.4, -0.4), true)),
     ] {
         let scene = stage.build();
         let mut uniform = Uniform::new(7);

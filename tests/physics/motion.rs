@@ -1,9 +1,9 @@
 //! What is recorded of things that move, the camera or what it sees: the skew of a rolling shutter, motion blur, and
-//! the pictures of line cameras.
+//! the images of line cameras.
 
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::geometry::Trajectory;
-use photosite::integrator::{RenderSettings, WavelengthChoice};
+use photosite::integrator::{RenderSettings, StrategyChoice, WavelengthChoice};
 use photosite::optics::{Camera, Falloff, Focus, LensDescription, LensKind, PixelGrid, Recording};
 use photosite::scene::Scene;
 use rstest::rstest;
@@ -17,13 +17,14 @@ const SAMPLES: u32 = 64;
 const SETTINGS: RenderSettings = RenderSettings {
     samples_per_pixel: SAMPLES,
     part: None,
-    time_limit: None,
+    time_limit_s: None,
     noise_target: None,
     max_depth: 1,
     roulette_depth: 1,
-    splitting: 1,
+    strategy: StrategyChoice::Plain,
+    splitting: None,
     reuse: 1,
-    light_paths: 0.0,
+    light_paths: None,
     wavelengths: WavelengthChoice::AllFilters,
     sampler: photosite::sampler::SamplerKind::Sobol,
     seed: 1,
@@ -51,7 +52,7 @@ fn along_x(way_m: f64) -> [DAffine3; 2] {
     [0.0, way_m].map(|x| DAffine3::from_translation(DVec3::X * x))
 }
 
-/// The time that a camera at rest takes for a picture.
+/// The time that a camera at rest takes for an image.
 fn at_rest(exposure_s: f64, row_time_s: f64) -> Recording {
     let duration_s = exposure_s + f64::from(RESOLUTION[1] - 1) * row_time_s;
     Recording { motion: None, exposure_s, row_time_s, duration_s, ..steady(0.0, 0.0) }
@@ -64,7 +65,7 @@ fn pinhole(x: f64) -> Camera {
     camera(&lens, &grid, DAffine3::from_translation(DVec3::new(x, 0.0, 0.0)))
 }
 
-/// A picture taken at once by a camera that moves to the right and turns to the left.
+/// An image taken at once by a camera that moves to the right and turns to the left.
 fn steady(speed_m_per_s: f64, pan_rad_per_s: f64) -> Recording {
     let motion = Trajectory::Steady {
         velocity_m_per_s: DVec3::X * speed_m_per_s,
@@ -153,7 +154,7 @@ fn an_exposure_blurs_what_moves_over_its_way(#[case] is_lamp: bool) {
     assert_blurred(&coverage(&scene, &pinhole(-0.05).recording(at_rest(0.1, 0.0))));
 }
 
-/// An edge through the middle of the picture turns by a right angle. A point at the angle φ from where it starts is
+/// An edge through the middle of the image turns by a right angle. A point at the angle φ from where it starts is
 /// passed after the part φ/(π/2) of the time.
 #[rstest]
 // Lights move on straight lines between their places: with 32 of them the arc is cut short by 1 − cos(π/128) = 0.03 %.
@@ -199,12 +200,12 @@ fn assert_blurred(rows: &[Vec<f64>]) {
 }
 
 #[test]
-fn later_pictures_are_taken_from_further_on() {
+fn later_images_are_taken_from_further_on() {
     // 0.05 s at 1 m/s are 10 pixels.
     let first = Recording { exposure_s: 1e-6, frame_interval_s: 0.05, ..steady(1.0, 0.0) };
     let bright = |recording| coverage(&scene(), &pinhole(-0.1).recording(recording)).iter().flatten().sum::<f64>();
     let moved = (bright(first.later(1)) - bright(first.clone())) / f64::from(RESOLUTION[1]);
-    // The noise of 120 pixels at the edge, 0.5/√64 each, in two pictures: 0.008 pixels on average. 5 σ.
+    // The noise of 120 pixels at the edge, 0.5/√64 each, in two images: 0.008 pixels on average. 5 σ.
     assert!((moved - 10.0).abs() < 0.04, "{moved}");
 }
 
@@ -228,9 +229,9 @@ fn a_line_camera_that_moves_makes_an_ellipse_of_a_circle() {
     let motion = Trajectory::Steady { velocity_m_per_s: DVec3::NEG_Y * speed, angular_velocity_rad_per_s: DVec3::ZERO };
     let recording = Recording { motion: Some(motion), exposure_s: 1e-9, row_time_s: line_time_s, ..steady(0.0, 0.0) };
     let camera = camera(&lens, &grid, start).scanning().recording(recording);
-    let picture = irradiance(&scene, &camera, RESOLUTION, &SETTINGS);
-    let values = &picture.mean.channels()[0].data;
-    // From the middle of the picture; each line is seen at its start, by a pixel that is 2.5 lines high.
+    let image = irradiance(&scene, &camera, RESOLUTION, &SETTINGS);
+    let values = &image.mean.channels()[0].data;
+    // From the middle of the image; each line is seen at its start, by a pixel that is 2.5 lines high.
     let place = |i: usize| [(i % 96) as f64 + 0.5 - 48.0, (i / 96) as f64 - 60.0];
     let well_inside = |i: &usize| place(*i)[0].hypot(place(*i)[1] / 2.5) < 9.0;
     let inside: Vec<f64> = (0..values.len()).filter(well_inside).map(|i| f64::from(values[i])).collect();

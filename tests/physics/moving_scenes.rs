@@ -1,4 +1,4 @@
-//! Scenes drawn at random of all that moves in the time of a picture: objects, their parts and their size, the camera; seen
+//! Scenes drawn at random of all that moves in the time of an image: objects, their parts and their size, the camera; seen
 //! through several lenses and shutters, in whole or in part.
 
 use std::fs;
@@ -24,9 +24,9 @@ pub(crate) struct MovingScene {
     objects: Vec<Object>,
     /// The tables after the scene.
     rest: String,
-    /// When the picture is taken, s of what moves.
+    /// When the image is taken, s of what moves.
     time_s: f64,
-    /// Whether straight lines are straight in the picture, all of which is taken at once.
+    /// Whether straight lines are straight in the image, all of which is taken at once.
     pub(crate) is_perspective_at_once: bool,
 }
 

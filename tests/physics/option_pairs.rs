@@ -1,5 +1,5 @@
 //! Pairs of options, drawn at random from the schema that the program makes of its keys: either they are refused by the name
-//! of one of them, or the picture is whole: numbers within the converter's range, light finite, image, truth and camera of one
+//! of one of them, or the image is whole: numbers within the converter's range, light finite, image, truth and camera of one
 //! geometry. A new key takes part as soon as it is in the schema.
 
 use std::collections::BTreeSet;
@@ -75,7 +75,7 @@ const NAMES: [(&str, &[&str]); 10] = [
     ("name", &["mine"]),
 ];
 
-/// What is not drawn, as one picture of it takes seconds: pictures of points by waves, which have tests of their own.
+/// Kinds that are not drawn, as one image takes seconds: images of points by waves, which have tests of their own.
 const SLOW: [&str; 1] = ["wave"];
 
 /// Values at random of what the schema describes.
@@ -190,13 +190,13 @@ fn put(document: &mut Value, path: &str, value: Value) {
     at[key] = value;
 }
 
-/// What a picture of these values breaks; an error where they are refused.
+/// Invariants that an image of these values breaks; an error where they are refused.
 fn broken(values: &Value, folder: &Path) -> Result<Option<String>, Error> {
     let capture = Capture::of_values(values, &folder.join("capture.toml"), &[])?;
     let objects = TruthObject::of_scene(capture.scene());
     let prepared = Prepared::new(capture)?;
     let light = prepared.trace(Options::default())?;
-    let shot = prepared.expose(&light, 0)?;
+    let shot = light.frame(0, &light.settings().output.noise.maps)?;
     let capture = prepared.capture();
     let most = u32::MAX >> (32 - shot.raw.bits);
     if let Some(dn) = shot.raw.data.iter().find(|dn| u32::from(**dn) > most) {
@@ -217,12 +217,12 @@ fn broken(values: &Value, folder: &Path) -> Result<Option<String>, Error> {
         return Ok(Some(format!("truth has {of_truth:?} pixels, its grid {:?}", grid.resolution)));
     }
     if capture.output().image {
-        let picture = shot.develop(capture.develop())?;
-        let of_image = [picture.linear.width() as u32, picture.linear.height() as u32];
+        let image = shot.develop(capture.develop())?;
+        let of_image = [image.linear.width() as u32, image.linear.height() as u32];
         if of_image != of_truth {
             return Ok(Some(format!("the image has {of_image:?} pixels, truth {of_truth:?}")));
         }
-        if !picture.linear.channels().iter().all(|channel| channel.data.iter().all(|v| v.is_finite())) {
+        if !image.linear.channels().iter().all(|channel| channel.data.iter().all(|v| v.is_finite())) {
             return Ok(Some("the image is not finite".to_owned()));
         }
     }
@@ -266,7 +266,7 @@ fn keys(value: &Value, into: &mut BTreeSet<String>) {
 }
 
 #[test]
-fn pairs_of_options_are_refused_by_name_or_give_a_whole_picture() {
+fn pairs_of_options_are_refused_by_name_or_give_a_whole_image() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::write(folder.path().join("ball.obj"), BALL).expect("written");
     let schema = capture_schema();

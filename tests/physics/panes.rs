@@ -1,4 +1,4 @@
-//! Lamps without a surface behind panes and filters: closed forms, and the same light whatever the settings.
+//! Lights without a surface behind panes and filters: closed forms, and the same light whatever the settings.
 
 use glam::{DAffine3, DVec3, Vec3};
 use photosite::integrator::RenderSettings;
@@ -126,9 +126,9 @@ fn light_behind_panes_is_the_same_whatever_the_settings() {
     let diffuse = MaterialModel::Diffuse(Diffuse { reflectance: grey(0.7) });
     let above = || square(Vec3::new(0.1, 1.1, -0.3), Vec3::X, Vec3::Z, 0.6);
     for (name, settings) in [
-        ("light paths", RenderSettings { light_paths: 1.0, ..RenderSettings::default() }),
+        ("light paths", RenderSettings { light_paths: Some(1.0), ..RenderSettings::default() }),
         ("reuse", RenderSettings { reuse: 8, ..RenderSettings::default() }),
-        ("splitting", RenderSettings { splitting: 3, ..RenderSettings::default() }),
+        ("splitting", RenderSettings { splitting: Some(3), ..RenderSettings::default() }),
     ] {
         for (material, ball) in [("diffuse", diffuse.clone()), ("gold", gold(0.1))] {
             let stage = room(ball).mesh(above(), clear(0.5, None), None).light(lamp(DVec3::new(0.3, 1.5, 0.2)));

@@ -1,4 +1,4 @@
-//! The picture of a slanted edge through Airy's pattern against the same edge in closed form, read by the same tool.
+//! The image of a slanted edge through Airy's pattern against the same edge in closed form, read by the same tool.
 
 use std::f64::consts::PI;
 
@@ -14,7 +14,7 @@ const F_NUMBER: f64 = 8.0;
 const LAMBDA_NM: f32 = 550.0;
 const SAMPLES: u32 = 512;
 
-/// Distance of a position in the picture from an edge 5° off the columns, px.
+/// Distance of a position in the image from an edge 5° off the columns, px.
 fn distance(pixel: DVec2) -> f64 {
     (pixel - DVec2::new(32.0, 64.0)).dot(normal())
 }

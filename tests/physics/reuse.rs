@@ -9,7 +9,7 @@ use photosite::scene::description::{
 };
 use photosite::spectrum::Dispersion;
 
-use crate::light_paths::{RESOLUTION, compare, glass, gold, grey, lens, picture, room};
+use crate::light_paths::{RESOLUTION, compare, glass, gold, grey, image, lens, room};
 use crate::stage::{Stage, sphere, square};
 
 fn settings(reuse: u32) -> RenderSettings {
@@ -61,7 +61,7 @@ fn light_is_the_same_where_pixels_share_and_often_quieter() {
         ("groups cut by an edge", room(diffuse(0.7)), lens(), settings(3), Some(1.1)),
         ("groups cut by both edges", room(diffuse(0.7)), lens(), settings(35), Some(1.1)),
         ("out of focus", room(diffuse(0.7)), open, settings(8), None),
-        ("splitting", room(diffuse(0.7)), lens(), RenderSettings { splitting: 3, ..settings(4) }, Some(1.0)),
+        ("splitting", room(diffuse(0.7)), lens(), RenderSettings { splitting: Some(3), ..settings(4) }, Some(1.0)),
         ("black", room(diffuse(0.0)), lens(), settings(8), Some(1.0)),
         ("metal", room(gold(0.2)), lens(), settings(8), Some(1.3)),
         ("glass", room(glass(0.0)), lens(), settings(8), None),
@@ -89,7 +89,7 @@ fn pixels_share_with_their_own_group_alone() {
     // One beside the other, and two above two.
     for reuse in [2, 4] {
         let [whole, rest] = [false, true].map(|some| {
-            let estimate = picture(&scene, &lens(), settings(reuse), |film| {
+            let estimate = image(&scene, &lens(), settings(reuse), |film| {
                 if some {
                     ahead(film)
                 }

@@ -1,4 +1,4 @@
-//! Charge-coupled devices as a whole: what transfer, smear, blooming and the wells beside the pixels do to a picture.
+//! Charge-coupled devices as a whole: what transfer, smear, blooming and the wells beside the pixels do to an image.
 
 use photosite::image::Planes;
 use photosite::raw::RawImage;
@@ -27,7 +27,7 @@ fn spots(sensor: &SensorModel, spots: &[(usize, usize, f32)]) -> Planes {
     light
 }
 
-fn picture(light: &Planes, sensor: &SensorModel, stages: &[Stage]) -> RawImage {
+fn image(light: &Planes, sensor: &SensorModel, stages: &[Stage]) -> RawImage {
     expose(light, sensor, &EXPOSURE, Stages::only(stages), NoiseKey { seed: 8, frame: 0 }).expect("valid")
 }
 
@@ -67,14 +67,14 @@ fn a_spot_trails_behind_as_its_number_of_shifts_says() {
         let base = Ccd { architecture, overscan, ..ideal_ccd() };
         let sensor = ccd(Ccd { vertical_inefficiency: inefficiency, ..base.clone() });
         let light = spots(&sensor, &[(x, y, charge_e)]);
-        let raw = picture(&light, &sensor, &[Stage::VerticalTransfer]);
+        let raw = image(&light, &sensor, &[Stage::VerticalTransfer]);
         assert_eq!((raw.width, raw.height), (WIDTH + 3 + 8, HEIGHT + 10));
         let trail = (y..raw.height).map(|row| electrons(&raw, x + 3, row));
         assert_trail(trail, charge_e.into(), vertical_shifts, inefficiency);
         assert_eq!(total(&raw), f64::from(charge_e), "no electron is lost");
 
         let sensor = ccd(Ccd { horizontal_inefficiency: inefficiency, ..base });
-        let raw = picture(&light, &sensor, &[Stage::HorizontalTransfer]);
+        let raw = image(&light, &sensor, &[Stage::HorizontalTransfer]);
         let trail = (x + 3..raw.width).map(|column| electrons(&raw, column, y));
         assert_trail(trail, charge_e.into(), 3 + x + 1, inefficiency);
         assert_eq!(total(&raw), f64::from(charge_e), "no electron is lost");
@@ -87,7 +87,7 @@ fn overscan_tells_the_inefficiency() {
     let inefficiency = 2e-4;
     let overscan = Overscan { rows: 12, ..Overscan::default() };
     let sensor = ccd(Ccd { vertical_inefficiency: inefficiency, overscan, ..ideal_ccd() });
-    let raw = picture(&flat(&sensor, WIDTH, HEIGHT, 40_000.0), &sensor, &[Stage::VerticalTransfer]);
+    let raw = image(&flat(&sensor, WIDTH, HEIGHT, 40_000.0), &sensor, &[Stage::VerticalTransfer]);
     let row = |y: usize| (0..WIDTH).map(|x| electrons(&raw, x, y)).sum::<f64>();
     let deferred: f64 = (HEIGHT..HEIGHT + 12).map(row).sum();
     let found = deferred / (row(HEIGHT - 1) * HEIGHT as f64);
@@ -122,7 +122,7 @@ fn smear_conserves_the_light_of_the_shift() {
         overscan: Overscan { rows: 2, ..Overscan::default() },
         ..ideal_ccd()
     });
-    let raw = picture(&spots(&sensor, &[(4, 30, 20_480.0), (4, 31, 10_240.0)]), &sensor, &[Stage::Smear]);
+    let raw = image(&spots(&sensor, &[(4, 30, 20_480.0), (4, 31, 10_240.0)]), &sensor, &[Stage::Smear]);
     // A row passes all others of its column: 20 and 10 electrons; wells from beyond pass all.
     assert_eq!([electrons(&raw, 4, 0), electrons(&raw, 4, 30), electrons(&raw, 4, 31)], [30.0, 20_490.0, 10_260.0]);
     assert_eq!([electrons(&raw, 4, HEIGHT), electrons(&raw, 5, 30)], [30.0, 0.0]);
@@ -136,21 +136,21 @@ fn blooming_fills_the_column_and_keeps_its_charge() {
     sensor.full_well = Electrons(10_000.0);
     let light = spots(&sensor, &[(9, 30, 73_000.0), (20, 20, 9000.0)]);
     let stages = [Stage::Blooming, Stage::FullWell];
-    let raw = picture(&light, &sensor, &stages);
+    let raw = image(&light, &sensor, &stages);
     assert_eq!(total(&raw), 82_000.0);
     let full = (0..HEIGHT).filter(|&y| electrons(&raw, 9, y) == 10_000.0).count();
     // 63 000 electrons overflow, 31 500 to either side: three full wells and 1500 electrons.
     assert_eq!((full, electrons(&raw, 9, 26), electrons(&raw, 9, 34)), (7, 1500.0, 1500.0));
     assert_eq!(electrons(&raw, 8, 30), 0.0, "channel stops keep the neighbouring columns dark");
     // Without the effect the same light is lost.
-    assert_eq!(total(&picture(&light, &sensor, &[Stage::FullWell])), 19_000.0);
+    assert_eq!(total(&image(&light, &sensor, &[Stage::FullWell])), 19_000.0);
     // A drain up to five times the full well takes 40 000 electrons of it.
     sensor.architecture = Architecture::Ccd(Ccd { anti_blooming_factor: 5.0, ..ideal_ccd() });
-    assert_eq!(total(&picture(&light, &sensor, &stages)), 42_000.0);
+    assert_eq!(total(&image(&light, &sensor, &stages)), 42_000.0);
 }
 
 #[test]
-fn masked_pixels_surround_the_picture_and_see_no_light() {
+fn masked_pixels_surround_the_image_and_see_no_light() {
     for preset in ["generic-cmos-color", "generic-stacked-color"] {
         let bare = presets::model(preset).expect("a preset");
         let masked = SensorModel { masked: MaskedPixels { columns: [5, 2], rows: [3, 1] }, ..bare.clone() };
@@ -160,7 +160,7 @@ fn masked_pixels_surround_the_picture_and_see_no_light() {
         }
         let expect = |sensor| expose(&light, sensor, &EXPOSURE, Stages::NONE, NoiseKey::default()).expect("valid");
         let (plain, raw) = (expect(&bare), expect(&masked));
-        raw.validate().expect("a picture whose parts belong together");
+        raw.validate().expect("an image whose parts belong together");
         assert_eq!((raw.width, raw.height), (12 + 7, 9 + 4));
         assert_eq!(raw.cropped(), plain, "{preset}: numbers and the phase of the tile");
         let dark = raw.data.iter().filter(|&&dn| dn == bare.converter.black_level_dn).count();

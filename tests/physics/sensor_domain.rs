@@ -22,12 +22,12 @@ const LEVELS: [f64; 6] = [0.0, 0.5, 1.0, 30.0, 1e3, 1e6];
 
 /// Where light falls.
 #[derive(Clone, Copy, Debug)]
-enum Lit {
+enum Irradiation {
     Everywhere,
     OnePixel,
 }
 
-impl Lit {
+impl Irradiation {
     fn planes(self, sensor: &SensorModel, mean_e: f64) -> Planes {
         let [width, height] = SIZE;
         match self {
@@ -103,7 +103,13 @@ fn is_drawn(stage: Stage) -> bool {
 }
 
 /// Exposes to each of the [`LEVELS`] in turn, and checks the numbers and what is recorded of them.
-fn exposed(sensor: &SensorModel, exposure: &Exposure, stages: Stages, lit: Lit, maps: &[NoiseMap]) -> Vec<RawImage> {
+fn exposed(
+    sensor: &SensorModel,
+    exposure: &Exposure,
+    stages: Stages,
+    lit: Irradiation,
+    maps: &[NoiseMap],
+) -> Vec<RawImage> {
     let run = |level: f64| {
         let light = lit.planes(sensor, level * sensor.full_well.0);
         let (raw, found) = expose_with_maps(&light, sensor, exposure, stages, KEY, maps).expect("a valid exposure");
@@ -117,10 +123,10 @@ fn exposed(sensor: &SensorModel, exposure: &Exposure, stages: Stages, lit: Lit, 
     LEVELS.map(run).into()
 }
 
-/// Each picture has no less signal than the one before, which had less light: the mean of the differences, to 5 of its
+/// Each image has no less signal than the one before, which had less light: the mean of the differences, to 5 of its
 /// standard deviations.
-fn assert_rises_on_average(pictures: &[RawImage], case: &dyn std::fmt::Debug) {
-    for (level, pair) in LEVELS[1..].iter().zip(pictures.windows(2)) {
+fn assert_rises_on_average(images: &[RawImage], case: &dyn std::fmt::Debug) {
+    for (level, pair) in LEVELS[1..].iter().zip(images.windows(2)) {
         let difference = |(a, b): (&u16, &u16)| f64::from(*b) - f64::from(*a);
         let differences: Moments = pair[0].data.iter().zip(&pair[1].data).map(difference).collect();
         let deviation = (differences.variance() / pair[0].data.len() as f64).sqrt();
@@ -129,15 +135,15 @@ fn assert_rises_on_average(pictures: &[RawImage], case: &dyn std::fmt::Debug) {
 }
 
 #[rstest]
-fn a_stage_alone_lets_every_pixel_rise(#[values(Lit::Everywhere, Lit::OnePixel)] lit: Lit) {
+fn a_stage_alone_lets_every_pixel_rise(#[values(Irradiation::Everywhere, Irradiation::OnePixel)] lit: Irradiation) {
     for stage in Stage::ALL {
         let sensor = noisy_sensor_with(stage);
-        let pictures = exposed(&sensor, &EXPOSURE, Stages::only(&[stage]), lit, &NoiseMap::ALL);
-        assert_rises_on_average(&pictures, &stage);
+        let images = exposed(&sensor, &EXPOSURE, Stages::only(&[stage]), lit, &NoiseMap::ALL);
+        assert_rises_on_average(&images, &stage);
         if is_drawn(stage) {
             continue;
         }
-        for (level, pair) in LEVELS[1..].iter().zip(pictures.windows(2)) {
+        for (level, pair) in LEVELS[1..].iter().zip(images.windows(2)) {
             for (i, (before, after)) in pair[0].data.iter().zip(&pair[1].data).enumerate() {
                 // Each is rounded once.
                 assert!(
@@ -149,9 +155,11 @@ fn a_stage_alone_lets_every_pixel_rise(#[values(Lit::Everywhere, Lit::OnePixel)]
     }
 }
 
-/// What stands before the full well in the chain cannot bring a pixel below black or above saturation.
+/// Test that stages before the full well cannot bring a pixel below black or above saturation.
 #[rstest]
-fn charge_ends_between_black_and_the_full_well(#[values(Lit::Everywhere, Lit::OnePixel)] lit: Lit) {
+fn charge_ends_between_black_and_the_full_well(
+    #[values(Irradiation::Everywhere, Irradiation::OnePixel)] lit: Irradiation,
+) {
     for stage in Stage::ALL.into_iter().take_while(|stage| *stage != Stage::FullWell) {
         let sensor = noisy_sensor_with(stage);
         // The amplifiers, too, of which the white level knows.
@@ -165,7 +173,7 @@ fn charge_ends_between_black_and_the_full_well(#[values(Lit::Everywhere, Lit::On
 }
 
 #[rstest]
-fn all_stages_together_let_signals_rise(#[values(Lit::Everywhere, Lit::OnePixel)] lit: Lit) {
+fn all_stages_together_let_signals_rise(#[values(Irradiation::Everywhere, Irradiation::OnePixel)] lit: Irradiation) {
     for map in NoiseMap::ALL {
         let (sensor, exposure) = showing(map);
         assert_rises_on_average(&exposed(&sensor, &exposure, Stages::ALL, lit, &NoiseMap::ALL), &map);
@@ -176,19 +184,19 @@ fn all_stages_together_let_signals_rise(#[values(Lit::Everywhere, Lit::OnePixel)
 fn every_effect_shows_on_the_sensor_of_the_table() {
     for map in NoiseMap::ALL {
         let (sensor, exposure) = showing(map);
-        let shows = |level: f64, lit: Lit| {
+        let shows = |level: f64, lit: Irradiation| {
             let light = lit.planes(&sensor, level * sensor.full_well.0);
             let (_, found) = expose_with_maps(&light, &sensor, &exposure, Stages::ALL, KEY, &[map]).expect("valid");
             found.planes.channels()[0].data.iter().any(|&v| v != 0.0)
         };
-        let at = |level: f64| shows(level, Lit::Everywhere) || shows(level, Lit::OnePixel);
+        let at = |level: f64| shows(level, Irradiation::Everywhere) || shows(level, Irradiation::OnePixel);
         assert!(LEVELS.into_iter().any(at), "{map:?}");
     }
 }
 
 #[rstest]
 fn presets_let_signals_rise(
-    #[values(Lit::Everywhere, Lit::OnePixel)] lit: Lit,
+    #[values(Irradiation::Everywhere, Irradiation::OnePixel)] lit: Irradiation,
     #[values(-100.0, 25.0, 80.0)] temperature_c: f64,
     #[values(1e-5, 1.0)] time_s: f64,
     #[values(0, 1)] highest_gain: usize,
@@ -210,7 +218,7 @@ fn frames_after_a_lamp_rise_with_it() {
     let sensor = noisy_sensor_with(Stage::ImageLag);
     let frame = |level: f64| {
         let exposed = |level: f64, number: u64, before: Option<&_>| {
-            let light = Lit::OnePixel.planes(&sensor, level * sensor.full_well.0);
+            let light = Irradiation::OnePixel.planes(&sensor, level * sensor.full_well.0);
             let key = NoiseKey { frame: number, ..KEY };
             expose_after(&light, &sensor, &EXPOSURE, Stages::ALL, key, &[], before).expect("valid")
         };

@@ -193,7 +193,7 @@ fn both_converters_of_two_gains_bend() {
         let part = (50.0 + converter.conversion_gain_dn_per_e * f64::from(mean_e)) / 4095.0;
         let expected_e = converter.inl_dn * 4.0 * part * (1.0 - part) / converter.conversion_gain_dn_per_e;
         let found_e = (moments(&numbers(&sensor, &EXPOSURE, mean_e, 0)).mean() - before) / gain;
-        // Noise is the same in both pictures, but the steps of a number are not; 5 σ, and what the bow bends within the
+        // Noise is the same in both images, but the steps of a number are not; 5 σ, and what the bow bends within the
         // noise and the dark current of 1.2 e⁻.
         let step_e = 1.0 / converter.conversion_gain_dn_per_e;
         let tolerance = 5.0 * step_e * (2.0 / 12.0 / PIXELS).sqrt() + 0.005 * expected_e;
@@ -208,11 +208,11 @@ fn moving_boundaries_bend_the_photon_transfer_curve() {
     let per_e = [1e-6, 2e-6];
     let sensor = SensorModel { brighter_fatter_per_e: per_e, ..quiet_sensor() };
     for mean_e in [2000.0f32, 15_000.0, 40_000.0] {
-        let picture = numbers(&sensor, &EXPOSURE, mean_e, 0);
-        let m = moments(&picture);
+        let image = numbers(&sensor, &EXPOSURE, mean_e, 0);
+        let m = moments(&image);
         // Charge changes sides, but none is lost.
         assert!((m.mean() - f64::from(mean_e)).abs() < 5.0 * (f64::from(mean_e) / PIXELS).sqrt() + 0.01);
-        let at = |x: usize, y: usize| picture[y * SIDE + x] - m.mean();
+        let at = |x: usize, y: usize| image[y * SIDE + x] - m.mean();
         let covariance = |dx: usize, dy: usize| -> f64 {
             let all = (1..SIDE - 2).flat_map(|y| (1..SIDE - 2).map(move |x| (x, y)));
             all.map(|(x, y)| at(x, y) * at(x + dx, y + dy)).collect::<Moments>().mean()

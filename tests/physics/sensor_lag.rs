@@ -2,7 +2,7 @@
 
 use photosite::math::statistics::Moments;
 use photosite::sensor::{
-    Exposed, ImageLag, LeftCharge, NoiseKey, NoiseMap, SensorModel, Stage, Stages, expose, expose_after,
+    ExposedFrame, ImageLag, LeftCharge, NoiseKey, NoiseMap, SensorModel, Stage, Stages, expose, expose_after,
 };
 use photosite::units::Electrons;
 use rstest::rstest;
@@ -18,7 +18,7 @@ fn sensor(fraction: f64, electrons: f64, decay: f64) -> SensorModel {
 }
 
 /// Frames of these mean electrons, one after the other.
-fn series(sensor: &SensorModel, means: &[f32], stages: Stages) -> Vec<Exposed> {
+fn series(sensor: &SensorModel, means: &[f32], stages: Stages) -> Vec<ExposedFrame> {
     let mut left: Option<LeftCharge> = None;
     let frames = (0..).zip(means).map(|(frame, &mean)| {
         let light = flat(sensor, SIDE, SIDE, mean);
@@ -31,7 +31,7 @@ fn series(sensor: &SensorModel, means: &[f32], stages: Stages) -> Vec<Exposed> {
     frames.collect()
 }
 
-fn signals(exposed: &Exposed) -> Moments {
+fn signals(exposed: &ExposedFrame) -> Moments {
     exposed.raw.data.iter().map(|&dn| f64::from(dn) - BLACK).collect()
 }
 

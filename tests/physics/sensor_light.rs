@@ -77,7 +77,7 @@ fn sensors_that_scan_are_exposed_for_a_line_time_at_most() {
 }
 
 #[test]
-fn black_pictures_have_no_exposure_time() {
+fn black_images_have_no_exposure_time() {
     let sensor = quiet_sensor();
     for metering in [Metering::default(), Metering::Mean(0.2)] {
         let target = AutoExposure { metering, ..AutoExposure::default() };
@@ -107,7 +107,7 @@ fn metering_the_mean_counts_saturated_pixels_as_saturated() {
         // Numbers are rounded, by up to half a DN of 60 000.
         assert!((mean / 60_000.0 - level).abs() < 1e-5, "{mean} for {level}");
     }
-    // A picture of which half is black never gets brighter than the other half.
+    // An image of which half is black never gets brighter than the other half.
     for (i, to) in rates.channels_mut()[0].data.iter_mut().enumerate() {
         *to = if i < 1000 { 0.0 } else { 5.0 };
     }

@@ -9,7 +9,7 @@ use statrs::distribution::{Continuous, ContinuousCDF, StudentsT};
 
 use crate::sensor_cases::{EXPOSURE, flat, noisy_sensor, quiet_sensor};
 
-/// What the stages make of flat light, less the black level and the light, row by row: e⁻, as sensors here have 1
+/// Noise that the stages add to flat light, without the black level and the light, row by row: e⁻, as sensors here have 1
 /// DN/e⁻.
 fn noise(sensor: &SensorModel, size: [usize; 2], mean_e: f32, stages: &[Stage], frame: u64) -> Vec<f64> {
     let light = flat(sensor, size[0], size[1], mean_e);
@@ -22,7 +22,7 @@ fn moments(numbers: &[f64]) -> Moments {
     numbers.iter().copied().collect()
 }
 
-/// Means of the rows of a picture, or of its columns.
+/// Means of the rows of an image, or of its columns.
 fn row_means(noise: &[f64], width: usize) -> Moments {
     noise.chunks(width).map(|row| row.iter().sum::<f64>() / width as f64).collect()
 }
@@ -64,7 +64,7 @@ fn reset_noise_is_that_of_its_capacitance_and_gone_with_double_sampling() {
 }
 
 #[test]
-fn rows_and_columns_share_their_noise_in_one_picture_only() {
+fn rows_and_columns_share_their_noise_in_one_image_only() {
     let mut sensor = quiet_sensor();
     sensor.noise.row = Electrons(120.0);
     sensor.noise.column = Electrons(80.0);
@@ -285,7 +285,7 @@ fn telegraph_amplitudes_are_exponentially_distributed_and_few_pixels_have_them()
 }
 
 #[test]
-fn transmission_errors_are_black_or_white_and_elsewhere_in_every_picture() {
+fn transmission_errors_are_black_or_white_and_elsewhere_in_every_image() {
     let mut sensor = quiet_sensor();
     sensor.noise.transmission_errors = 0.01;
     let [a, b] = [0, 1].map(|frame| noise(&sensor, [512, 512], 4000.0, &[Stage::TransmissionErrors], frame));
@@ -315,10 +315,10 @@ fn all_noise_together_is_what_the_model_foretells() {
     sensor.noise.read_degrees_of_freedom = Some(30.0);
     let exposure = Exposure { frame_interval: Some(Seconds(50.0)), temperature: Celsius(30.0), ..EXPOSURE };
     let light = flat(&sensor, 512, 512, 500.0);
-    let picture =
+    let image =
         |frame| expose(&light, &sensor, &exposure, Stages::ALL, NoiseKey { seed: 5, frame }).expect("valid").data;
-    // Row, column and flicker noise are shared, so that few numbers count in one picture; many pictures tell.
-    let frames: Vec<Vec<u16>> = (0..24).map(picture).collect();
+    // Row, column and flicker noise are shared, so that few numbers count in one image; many images tell.
+    let frames: Vec<Vec<u16>> = (0..24).map(image).collect();
     let differences = frames.chunks(2).flat_map(|pair| pair[0].iter().zip(&pair[1]));
     let m: Moments = differences.map(|(&a, &b)| f64::from(a) - f64::from(b)).collect();
     let predicted = sensor.noise_variance(Electrons(500.0), &exposure);

@@ -1,4 +1,4 @@
-//! Noise maps: they sum to the picture, and each is what its stage does alone.
+//! Noise maps: they sum to the image, and each is what its stage does alone.
 
 use photosite::image::Planes;
 use photosite::math::statistics::Moments;
@@ -23,7 +23,7 @@ fn ramp(sensor: &SensorModel, width: usize, height: usize, mean_e: f32) -> Plane
     planes
 }
 
-/// Sums the maps, and finds the numbers of the picture to within rounding.
+/// Sums the maps, and finds the pixel values of the image to within rounding.
 fn assert_sum(light: &Planes, sensor: &SensorModel, exposure: &Exposure) -> NoiseMaps {
     let plain = expose(light, sensor, exposure, Stages::ALL, KEY).expect("valid");
     let (raw, maps) = expose_with_maps(light, sensor, exposure, Stages::ALL, KEY, &NoiseMap::ALL).expect("valid");
@@ -66,7 +66,7 @@ fn window(factor: [usize; 2], method: BinningMethod) -> Exposure {
 #[case::photon_counter(noisy_sensor_with(Stage::PhotonCounting))]
 #[case::two_gains(noisy_sensor_with(Stage::LowGainReadNoise))]
 #[case::logarithmic(SensorModel { logarithmic: Some(Logarithmic { reference_e_per_s: 500.0 }), ..noisy_sensor() })]
-fn maps_sum_to_the_picture(
+fn maps_sum_to_the_image(
     #[case] mut sensor: SensorModel,
     #[values(Exposure::of(EXPOSURE.time), window([2, 2], BinningMethod::Mean), window([2, 1], BinningMethod::Sum))]
     exposure: Exposure,
@@ -77,9 +77,7 @@ fn maps_sum_to_the_picture(
 }
 
 #[rstest]
-fn maps_of_added_charge_and_companded_numbers_sum_to_the_picture(
-    #[values(Stage::ReadNoise, Stage::Smear)] kind: Stage,
-) {
+fn maps_of_added_charge_and_companded_numbers_sum_to_the_image(#[values(Stage::ReadNoise, Stage::Smear)] kind: Stage) {
     let mut sensor = noisy_sensor_with(kind);
     let curve = CompandingCurve::KneePoints(vec![[0, 0], [2048, 2048], [65_535, 4095]]);
     sensor.converter.companding = Some(Companding { bits: 12, curve });
@@ -87,7 +85,7 @@ fn maps_of_added_charge_and_companded_numbers_sum_to_the_picture(
 }
 
 #[rstest]
-fn maps_of_presets_sum_to_the_picture(
+fn maps_of_presets_sum_to_the_image(
     #[values("generic-cmos-color", "generic-three-chip-ccd", "generic-stacked-color", "automotive-hdr-color")]
     preset: &str,
 ) {
@@ -197,7 +195,7 @@ fn raw_clean(light: &Planes, sensor: &SensorModel, exposure: &Exposure, stages: 
 #[case::photon_counter(roomy(Stage::PhotonCounting))]
 #[case::two_gains(roomy(Stage::LowGainReadNoise))]
 #[case::video(roomy(Stage::VideoBandwidth))]
-fn the_mean_of_many_pictures_is_the_clean_one(
+fn the_mean_of_many_images_is_the_clean_one(
     #[case] sensor: SensorModel,
     #[values(Exposure::of(EXPOSURE.time), window([2, 2], BinningMethod::Mean), window([2, 1], BinningMethod::Sum),
         window([2, 2], BinningMethod::Charge))]
@@ -212,20 +210,20 @@ fn the_mean_of_many_pictures_is_the_clean_one(
     let stages = Stages::ALL.without(Stage::TransmissionErrors);
     let clean = raw_clean(&light, &sensor, &exposure, stages);
     let mut of_pixels = vec![Moments::default(); clean.len()];
-    let mut of_pictures = Moments::default();
+    let mut of_images = Moments::default();
     for seed in 0..TAKES {
         let key = NoiseKey { seed, frame: 0 };
         let raw = expose(&light, &sensor, &exposure, stages, key).expect("valid");
         let differences = raw.data.iter().zip(&clean).map(|(&dn, clean)| f64::from(dn) - clean);
-        of_pictures.add(differences.clone().sum::<f64>() / clean.len() as f64);
+        of_images.add(differences.clone().sum::<f64>() / clean.len() as f64);
         of_pixels.iter_mut().zip(differences).for_each(|(pixel, difference)| pixel.add(difference));
     }
     // Steps of unequal width are averaged by noise, up to 0.4 DN, and curves bend less than a DN within the noise; bins
     // add up to four pixels, behind a gain of 1.8.
     let bias = if exposure.region.binning.pixels() > 1 { 4.0 } else { 1.0 };
     let error = |moments: &Moments| (moments.variance() / TAKES as f64).sqrt();
-    let mean = of_pictures.mean();
-    assert!(mean.abs() < 5.0 * error(&of_pictures) + bias, "{mean} ± {}", error(&of_pictures));
+    let mean = of_images.mean();
+    assert!(mean.abs() < 5.0 * error(&of_images) + bias, "{mean} ± {}", error(&of_images));
     let noise = of_pixels.iter().map(|pixel| pixel.variance().sqrt()).fold(0.0, f64::max);
     let brightest = clean.iter().copied().fold(0.0, f64::max);
     for (i, (pixel, clean)) in of_pixels.iter().zip(&clean).enumerate() {
@@ -248,7 +246,7 @@ fn the_mean_of_many_pictures_is_the_clean_one(
 // Rounding of the pixels, of the bin and behind a gain of 1.78.
 #[case::binned(noisy_sensor(), window([2, 2], BinningMethod::Mean), 0.5 + 1.78 * (0.5 + 0.5))]
 #[case::added(noisy_sensor(), window([2, 1], BinningMethod::Sum), 0.5 + 1.78 * (2.0 * 0.5))]
-fn without_temporal_noise_the_clean_picture_rounds_to_the_raw_one(
+fn without_temporal_noise_the_clean_image_rounds_to_the_raw_one(
     #[case] sensor: SensorModel,
     #[case] exposure: Exposure,
     #[case] rounding: f64,

@@ -1,4 +1,4 @@
-//! What makes pixels differ in every picture in the same way: dark current, defects, amplifiers, converters, crosstalk.
+//! Fixed patterns, by which pixels differ in every image alike: dark current, defects, amplifiers, converters, crosstalk.
 
 use photosite::image::Planes;
 use photosite::math::statistics::Moments;
@@ -13,7 +13,7 @@ use crate::sensor_cases::{EXPOSURE, flat, quiet_sensor};
 const SIDE: usize = 512;
 const PIXELS: f64 = (SIDE * SIDE) as f64;
 
-fn picture(sensor: &SensorModel, mean_e: f32, stages: &[Stage], frame: u64) -> RawImage {
+fn image(sensor: &SensorModel, mean_e: f32, stages: &[Stage], frame: u64) -> RawImage {
     let light = flat(sensor, SIDE, SIDE, mean_e);
     expose(&light, sensor, &EXPOSURE, Stages::only(stages), NoiseKey { seed: 17, frame }).expect("a valid exposure")
 }
@@ -36,8 +36,8 @@ fn dark_current_nonuniformity_keeps_the_mean_and_is_log_normal() {
     for ratio in [0.1, 0.4] {
         sensor.noise.dark_current_nonuniformity = ratio;
         let stages = [Stage::DarkCurrent, Stage::DarkCurrentNonuniformity];
-        let [a, b] = [0, 1].map(|frame| charge(&picture(&sensor, 0.0, &stages, frame)));
-        // Shot noise of two pictures is independent, so their covariance is that of the pattern.
+        let [a, b] = [0, 1].map(|frame| charge(&image(&sensor, 0.0, &stages, frame)));
+        // Shot noise of two images is independent, so their covariance is that of the pattern.
         let (mean, pattern) = covariance(&a, &b);
         assert!((mean - 10_000.0).abs() < 5.0 * 10_000.0 * ratio / PIXELS.sqrt(), "{mean}");
         let found = pattern.sqrt() / mean;
@@ -90,14 +90,14 @@ fn arrhenius_and_doubling_follow_the_temperature() {
 fn hot_pixels_are_always_the_same_and_exponentially_hot() {
     let mut sensor = quiet_sensor();
     sensor.noise.defects = Defects { hot: 0.02, hot_dark_current_e_per_s: 4000.0, ..Defects::default() };
-    let [a, b] = [0, 1].map(|frame| charge(&picture(&sensor, 0.0, &[Stage::HotPixels], frame)));
+    let [a, b] = [0, 1].map(|frame| charge(&image(&sensor, 0.0, &[Stage::HotPixels], frame)));
     let both = a.iter().zip(&b).filter(|(a, b)| **a > 0.0 && **b > 0.0).count() as f64 / PIXELS;
     assert!((both - 0.02).abs() < 5.0 * (0.02 / PIXELS).sqrt() + 1e-4, "{both}");
     let hot: Moments = a.iter().copied().filter(|e| *e > 0.0).collect();
     // 5200 pixels; an exponential distribution has mean and deviation alike: 5/√5200, and √(8)/2 times that.
     assert!((hot.mean() / 4000.0 - 1.0).abs() < 0.07, "{}", hot.mean());
     assert!((hot.variance().sqrt() / 4000.0 - 1.0).abs() < 0.1, "{}", hot.variance());
-    // Their shot noise is new in each picture: half the variance of the difference is the mean.
+    // Their shot noise is new in each image: half the variance of the difference is the mean.
     let difference: Moments = a.iter().zip(&b).filter(|(a, _)| **a > 0.0).map(|(a, b)| a - b).collect();
     assert!((difference.variance() / 2.0 / hot.mean() - 1.0).abs() < 0.15, "{}", difference.variance());
 }
@@ -106,12 +106,12 @@ fn hot_pixels_are_always_the_same_and_exponentially_hot() {
 fn dead_and_stuck_pixels_are_where_the_serial_number_puts_them() {
     let mut sensor = quiet_sensor();
     sensor.noise.defects = Defects { dead: 0.01, stuck: 0.02, ..Defects::default() };
-    let dead = |frame| charge(&picture(&sensor, 3000.0, &[Stage::DeadPixels], frame));
+    let dead = |frame| charge(&image(&sensor, 3000.0, &[Stage::DeadPixels], frame));
     assert_eq!(dead(0), dead(1));
     let count = dead(0).iter().filter(|e| **e == 0.0).count() as f64;
     assert!((count / PIXELS - 0.01).abs() < 5.0 * (0.01 / PIXELS).sqrt(), "{count}");
     assert_eq!(dead(0).iter().filter(|e| **e == 3000.0).count() as f64 + count, PIXELS);
-    let stuck = |frame| picture(&sensor, 3000.0, &[Stage::StuckPixels], frame).data;
+    let stuck = |frame| image(&sensor, 3000.0, &[Stage::StuckPixels], frame).data;
     assert_eq!(stuck(0), stuck(1));
     let numbers: Moments = stuck(0).iter().filter(|dn| **dn != 4000).map(|dn| f64::from(*dn)).collect();
     assert!((numbers.count() as f64 / PIXELS - 0.02).abs() < 5.0 * (0.02 / PIXELS).sqrt(), "{}", numbers.count());
@@ -120,7 +120,7 @@ fn dead_and_stuck_pixels_are_where_the_serial_number_puts_them() {
     assert!((numbers.variance().sqrt() * 12f64.sqrt() / 65_536.0 - 1.0).abs() < 0.04);
 }
 
-/// A ramp of light over the pixels of a picture, from 0 to `end_e`.
+/// A ramp of light over the pixels of an image, from 0 to `end_e`.
 fn ramp(sensor: &SensorModel, end_e: f32) -> Planes {
     let mut light = flat(sensor, SIDE, SIDE, 0.0);
     for (i, e) in light.channels_mut()[0].data.iter_mut().enumerate() {
@@ -186,7 +186,7 @@ fn columns_differ_in_gain_and_offset() {
     let mut sensor = quiet_sensor();
     (sensor.converter.column_gain, sensor.converter.column_offset_dn) = (0.01, 30.0);
     let of_columns = |mean_e: f32| -> Vec<f64> {
-        let raw = picture(&sensor, mean_e, &[Stage::ColumnAmplifiers], 0);
+        let raw = image(&sensor, mean_e, &[Stage::ColumnAmplifiers], 0);
         assert!(raw.data.chunks(SIDE).all(|row| row == &raw.data[..SIDE]), "all rows are alike");
         charge(&raw)[..SIDE].to_vec()
     };

@@ -1,4 +1,4 @@
-//! The photon transfer curve: what the noise of flat pictures tells of a sensor must be what went in (EMVA 1288).
+//! The photon transfer curve: what the noise of flat images tells of a sensor must be what went in (EMVA 1288).
 
 use photosite::math::statistics::Moments;
 use photosite::sensor::{FixedPattern, NoiseKey, SensorModel, Stages, expose};
@@ -9,14 +9,14 @@ use crate::sensor_cases::{EXPOSURE, flat, quiet_sensor};
 const SIDE: usize = 256;
 const PIXELS: f64 = (SIDE * SIDE) as f64;
 
-/// Mean and temporal variance of the digital numbers at a light level, from two pictures of it: fixed patterns drop out
+/// Mean and temporal variance of the digital numbers at a light level, from two images of it: fixed patterns drop out
 /// of their difference, σ² = ½·Var(a − b).
 fn mean_and_temporal_variance(sensor: &SensorModel, mean_e: f32, gain_db: f64, seed: u64) -> (f64, f64) {
     let exposure = photosite::sensor::Exposure { gain: Decibels(gain_db), ..EXPOSURE };
     let light = flat(sensor, SIDE, SIDE, mean_e);
-    let picture =
+    let image =
         |frame| expose(&light, sensor, &exposure, Stages::ALL, NoiseKey { seed, frame }).expect("valid exposure").data;
-    let (a, b) = (picture(0), picture(1));
+    let (a, b) = (image(0), image(1));
     let mean: Moments = a.iter().chain(&b).map(|&dn| f64::from(dn)).collect();
     let difference: Moments = a.iter().zip(&b).map(|(&a, &b)| f64::from(a) - f64::from(b)).collect();
     (mean.mean(), difference.variance() / 2.0)

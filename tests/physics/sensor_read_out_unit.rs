@@ -1,5 +1,5 @@
 //! One unit for all figures of a read-out: electrons of the pixel that is read out, whatever has become one number.
-//! Photon transfer finds the system gain from the pictures alone, K = Δσ²/Δμ between two flat fields in DN.
+//! Photon transfer finds the system gain from the images alone, K = Δσ²/Δμ between two flat fields in DN.
 
 use photosite::math::statistics::Moments;
 use photosite::raw::Cfa;
@@ -52,11 +52,11 @@ fn dual_gain() -> SensorModel {
 /// Mean of the numbers of a flat field, and their temporal variance from a pair, ½·Var(a − b).
 fn flat_field(sensor: &SensorModel, exposure: &Exposure, mean_e: f32) -> (f64, f64) {
     let light = flat(sensor, SIDE, SIDE, mean_e);
-    let picture = |frame| {
+    let image = |frame| {
         let key = NoiseKey { seed: 21, frame };
         expose(&light, sensor, exposure, Stages::ALL, key).expect("a valid exposure").data
     };
-    let [a, b] = [0, 1].map(picture);
+    let [a, b] = [0, 1].map(image);
     let mean: Moments = a.iter().chain(&b).map(|&dn| f64::from(dn)).collect();
     let difference: Moments = a.iter().zip(&b).map(|(&a, &b)| f64::from(a) - f64::from(b)).collect();
     (mean.mean(), difference.variance() / 2.0)

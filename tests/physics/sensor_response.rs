@@ -41,7 +41,7 @@ fn charges() -> Vec<f32> {
     (0..2000).map(|i| 50_000f32.powf(i as f32 / 1999.0)).collect()
 }
 
-/// What linear numbers say of the charges, e⁻, without any noise; and the numbers as they left the sensor.
+/// Charges by linear digital numbers, e⁻, without any noise; and the digital numbers as they left the sensor.
 fn recovered(sensor: &SensorModel, exposure: &Exposure) -> (Vec<f64>, Vec<u16>) {
     let data = charges();
     let planes = Planes::new(data.len(), 1, vec![Channel { name: "Y".to_owned(), data }]).expect("right sizes");

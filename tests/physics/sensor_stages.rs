@@ -14,7 +14,7 @@ use crate::sensor_cases::{EXPOSURE, flat, noisy_sensor, noisy_sensor_with, quiet
 const SIDE: usize = 256;
 const PIXELS: f64 = (SIDE * SIDE) as f64;
 
-fn picture(sensor: &SensorModel, mean_e: f32, stages: Stages, seed: u64, frame: u64) -> RawImage {
+fn image(sensor: &SensorModel, mean_e: f32, stages: Stages, seed: u64, frame: u64) -> RawImage {
     let light = flat(sensor, SIDE, SIDE, mean_e);
     expose(&light, sensor, &EXPOSURE, stages, NoiseKey { seed, frame }).expect("a valid exposure")
 }
@@ -32,7 +32,7 @@ fn the_full_well_clips_every_pixel() {
         sensor.noise.dark_current_e_per_s = 50.0;
         sensor.noise.dsnu = FixedPattern::of_pixels(0.0);
         sensor.noise.read = Electrons(0.0);
-        let raw = picture(&sensor, 100_000.0, Stages::ALL, 3, 0);
+        let raw = image(&sensor, 100_000.0, Stages::ALL, 3, 0);
         assert!(raw.data.iter().all(|&dn| dn == raw.white_level_dn));
         let gain = sensor.converter.conversion_gain_dn_per_e;
         let expected = f64::from(sensor.converter.black_level_dn) + 10_000.0 * gain;
@@ -45,7 +45,7 @@ fn the_converter_clips_what_the_well_does_not() {
     let mut sensor = quiet_sensor();
     sensor.converter.bits = 10;
     sensor.converter.black_level_dn = 20;
-    let raw = picture(&sensor, 50_000.0, Stages::ALL, 3, 0);
+    let raw = image(&sensor, 50_000.0, Stages::ALL, 3, 0);
     assert!(raw.data.iter().all(|&dn| dn == 1023));
     assert_eq!(raw.white_level_dn, 1023);
     assert_eq!(sensor.saturation_capacity(&EXPOSURE), Electrons(1003.0));
@@ -77,14 +77,14 @@ fn dark_current_doubles_every_so_many_kelvin() {
 fn prnu_is_the_spatial_deviation_of_the_response() {
     let mut sensor = quiet_sensor();
     sensor.noise.prnu = FixedPattern::of_pixels(0.008);
-    let raw = picture(&sensor, 20_000.0, Stages::only(&[Stage::PhotoResponse]), 5, 0);
+    let raw = image(&sensor, 20_000.0, Stages::only(&[Stage::PhotoResponse]), 5, 0);
     let m = moments(&raw);
     let prnu = (m.variance() - 1.0 / 12.0).sqrt() / 20_000.0;
     // The sample deviation of N normal numbers has the relative standard deviation 1/√(2N); 5 σ.
     assert!((prnu / 0.008 - 1.0).abs() < 5.0 / (2.0 * PIXELS).sqrt(), "{prnu}");
     assert!((m.mean() - 21_000.0).abs() < 5.0 * 160.0 / PIXELS.sqrt());
     // It scales with the light: twice the light, twice the deviation, pixel by pixel.
-    let dim = picture(&sensor, 10_000.0, Stages::only(&[Stage::PhotoResponse]), 5, 0);
+    let dim = image(&sensor, 10_000.0, Stages::only(&[Stage::PhotoResponse]), 5, 0);
     let differs = |(&bright, &dim): (&u16, &u16)| (f64::from(bright) - 1000.0 - 2.0 * (f64::from(dim) - 1000.0)).abs();
     assert!(
         raw.data.iter().zip(&dim.data).map(differs).all(|d| d <= 1.5),
@@ -97,7 +97,7 @@ fn dsnu_is_the_spatial_deviation_of_the_dark_signal() {
     let mut sensor = quiet_sensor();
     sensor.noise.dsnu = FixedPattern::of_pixels(9.0);
     for mean_e in [0.0, 20_000.0] {
-        let raw = picture(&sensor, mean_e, Stages::only(&[Stage::DarkOffset]), 5, 0);
+        let raw = image(&sensor, mean_e, Stages::only(&[Stage::DarkOffset]), 5, 0);
         let m = moments(&raw);
         let dsnu = (m.variance() - 1.0 / 12.0).sqrt();
         assert!((dsnu / 9.0 - 1.0).abs() < 5.0 / (2.0 * PIXELS).sqrt(), "{dsnu}");
@@ -112,10 +112,10 @@ fn fixed_patterns_stay_from_frame_to_frame_and_temporal_noise_does_not() {
     sensor.noise.dsnu = FixedPattern::of_pixels(5.0);
     sensor.noise.read = Electrons(5.0);
     let fixed = Stages::only(&[Stage::PhotoResponse, Stage::DarkOffset]);
-    assert_eq!(picture(&sensor, 5000.0, fixed, 1, 0).data, picture(&sensor, 5000.0, fixed, 1, 9).data);
-    assert_eq!(picture(&sensor, 5000.0, fixed, 1, 0).data, picture(&sensor, 5000.0, fixed, 2, 0).data);
+    assert_eq!(image(&sensor, 5000.0, fixed, 1, 0).data, image(&sensor, 5000.0, fixed, 1, 9).data);
+    assert_eq!(image(&sensor, 5000.0, fixed, 1, 0).data, image(&sensor, 5000.0, fixed, 2, 0).data);
     for stages in [Stages::only(&[Stage::ShotNoise]), Stages::only(&[Stage::ReadNoise])] {
-        let (a, b) = (picture(&sensor, 5000.0, stages, 1, 0), picture(&sensor, 5000.0, stages, 1, 1));
+        let (a, b) = (image(&sensor, 5000.0, stages, 1, 0), image(&sensor, 5000.0, stages, 1, 1));
         // The correlation of N independent pairs has the standard deviation 1/√N; 5 σ.
         let (ma, mb) = (moments(&a), moments(&b));
         let product = |(&a, &b): (&u16, &u16)| (f64::from(a) - ma.mean()) * (f64::from(b) - mb.mean());
@@ -125,7 +125,7 @@ fn fixed_patterns_stay_from_frame_to_frame_and_temporal_noise_does_not() {
     }
 }
 
-/// What is added to or multiplied with the signal of each pixel, for ever: all of it belongs to the serial number.
+/// Effects that are added to or multiplied with the signal of each pixel, for ever: all of them belong to the serial number.
 #[rstest]
 #[case::global(false)]
 #[case::scanning(true)]
@@ -143,7 +143,7 @@ fn fixed_patterns_belong_to_the_serial_number(#[case] scans: bool) {
         sensor.shutter = Shutter::Scanning { line_time: EXPOSURE.time };
     }
     let of = |serial, stage, seed, frame| {
-        picture(&SensorModel { serial, ..sensor.clone() }, 1500.0, Stages::only(&[stage]), seed, frame)
+        image(&SensorModel { serial, ..sensor.clone() }, 1500.0, Stages::only(&[stage]), seed, frame)
     };
     for stage in STAGES {
         let pattern = of(3, stage, 1, 0);
@@ -161,13 +161,13 @@ fn fixed_patterns_belong_to_the_serial_number(#[case] scans: bool) {
             assert!(correlation.abs() < 5.0 / (SIDE as f64).sqrt(), "{stage:?}: {correlation}");
         }
     }
-    // Dark current is new in each picture, but not where there is more of it: means over many frames are alike.
+    // Dark current is new in each image, but not where there is more of it: means over many frames are alike.
     for stage in [Stage::DarkCurrentNonuniformity, Stage::HotPixels] {
         let mean = |serial, seed| {
             let stages = Stages::only(&[Stage::DarkCurrent, stage]);
             let mut sum = vec![0.0; SIDE * SIDE];
             for frame in 0..8 {
-                let raw = picture(&SensorModel { serial, ..sensor.clone() }, 0.0, stages, seed, frame);
+                let raw = image(&SensorModel { serial, ..sensor.clone() }, 0.0, stages, seed, frame);
                 sum.iter_mut().zip(&raw.data).for_each(|(sum, &dn)| *sum += f64::from(dn));
             }
             sum
@@ -193,7 +193,7 @@ fn telegraph_signals_of_another_take_come_from_the_same_pixels() {
     sensor.noise.telegraph =
         TelegraphSignal { pixels: 0.1, amplitude: Electrons(150.0), high: Seconds(1.0), low: Seconds(1.0) };
     let of = |serial, seed| {
-        let raw = picture(&SensorModel { serial, ..sensor.clone() }, 0.0, Stages::only(&[Stage::Telegraph]), seed, 0);
+        let raw = image(&SensorModel { serial, ..sensor.clone() }, 0.0, Stages::only(&[Stage::Telegraph]), seed, 0);
         raw.data.iter().map(|&dn| f64::from(dn) - 1000.0).collect::<Vec<_>>()
     };
     let (one, again, other) = (of(3, 1), of(3, 2), of(4, 1));
@@ -218,21 +218,21 @@ fn telegraph_signals_of_another_take_come_from_the_same_pixels() {
 fn the_black_level_keeps_negative_noise() {
     let mut sensor = quiet_sensor();
     sensor.noise.read = Electrons(20.0);
-    let kept = moments(&picture(&sensor, 0.0, Stages::ALL, 4, 0));
+    let kept = moments(&image(&sensor, 0.0, Stages::ALL, 4, 0));
     assert!((kept.mean() - 1000.0).abs() < 5.0 * 20.0 / PIXELS.sqrt(), "{}", kept.mean());
     assert!((kept.variance().sqrt() / 20.0 - 1.0).abs() < 5.0 / (2.0 * PIXELS).sqrt() + 1e-3);
     // Without a black level half of the noise is lost: the mean of max(0, n) is σ/√(2π), its variance σ²·(½ − 1/(2π)).
     sensor.converter.black_level_dn = 0;
-    let lost = moments(&picture(&sensor, 0.0, Stages::ALL, 4, 0));
+    let lost = moments(&image(&sensor, 0.0, Stages::ALL, 4, 0));
     let expected = 20.0 / (2.0 * std::f64::consts::PI).sqrt();
     let spread = 20.0 * (0.5 - 0.5 / std::f64::consts::PI).sqrt();
     // Rounding moves the mean of the numbers above zero by less than 1/(12·20·2).
     assert!((lost.mean() - expected).abs() < 5.0 * spread / PIXELS.sqrt() + 2e-3, "{} for {expected}", lost.mean());
 }
 
-/// What a stage adds to every pixel, with all of `others` beside it.
+/// Contribution of a stage to every pixel, with all of `others` beside it.
 fn added_by(stage: Stage, others: Stages, sensor: &SensorModel) -> Vec<i32> {
-    let run = |stages| picture(sensor, 2000.0, stages, 11, 2).data;
+    let run = |stages| image(sensor, 2000.0, stages, 11, 2).data;
     let (with, without) = (run(others.with(stage)), run(others.without(stage)));
     with.into_iter().zip(without).map(|(a, b)| i32::from(a) - i32::from(b)).collect()
 }
@@ -292,12 +292,12 @@ fn the_same_key_gives_the_same_numbers_on_any_number_of_threads() {
     for (name, sensor) in sensors.chain([("every effect", noisy_sensor())]) {
         let run = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
-            pool.install(|| picture(&sensor, 3000.0, Stages::ALL, 21, 4))
+            pool.install(|| image(&sensor, 3000.0, Stages::ALL, 21, 4))
         };
         let one = run(1);
         assert_eq!(one, run(2), "{name}");
         assert_eq!(one, run(3), "{name}");
-        assert_ne!(one.data, picture(&sensor, 3000.0, Stages::ALL, 22, 4).data, "{name}");
+        assert_ne!(one.data, image(&sensor, 3000.0, Stages::ALL, 22, 4).data, "{name}");
     }
 }
 
@@ -344,7 +344,7 @@ fn rows_and_columns_of_a_pattern_stand_apart() {
     sensor.noise.dsnu = FixedPattern { pixel: 200.0, row: 120.0, column: 70.0 };
     sensor.noise.prnu = FixedPattern { pixel: 0.02, row: 0.012, column: 0.007 };
     for (mean_e, stage) in [(10_000.0, Stage::PhotoResponse), (0.0, Stage::DarkOffset)] {
-        let raw = picture(&sensor, mean_e, Stages::only(&[stage]), 6, 0);
+        let raw = image(&sensor, mean_e, Stages::only(&[stage]), 6, 0);
         let at = |x: usize, y: usize| f64::from(raw.data[y * SIDE + x]);
         let row_means: Moments = (0..SIDE).map(|y| (0..SIDE).map(|x| at(x, y)).sum::<f64>() / SIDE as f64).collect();
         let column_means: Moments = (0..SIDE).map(|x| (0..SIDE).map(|y| at(x, y)).sum::<f64>() / SIDE as f64).collect();

@@ -127,7 +127,7 @@ fn few_levels_have_the_error_of_their_steps(#[values(16, 8, 6, 3, 1)] bits: u32)
     );
 }
 
-/// Maps of what stages do are sampled as the picture is, and still sum to its numbers.
+/// Maps of what stages do are sampled as the image is, and still sum to its numbers.
 #[rstest]
 fn maps_sum_to_the_samples_of_a_frame_grabber(
     #[values(SignalInterpolation::Nearest, SignalInterpolation::Linear)] interpolation: SignalInterpolation,

@@ -1,4 +1,4 @@
-//! What of a sensor is read out: regions, and pixels that are read out as one.
+//! Parts of a sensor that are read out: regions, and pixels that are read out as one.
 
 use photosite::image::Planes;
 use photosite::math::statistics::Moments;
@@ -27,7 +27,7 @@ fn binned(factor: [usize; 2], method: BinningMethod) -> RegionOfInterest {
 #[case::cmos(Stage::ReadNoise, Binning::NONE)]
 #[case::ccd(Stage::Smear, Binning { factor: [2, 2], method: BinningMethod::Charge })]
 #[case::bins(Stage::LowGainReadNoise, Binning { factor: [2, 1], method: BinningMethod::Mean })]
-fn a_region_is_a_part_of_the_whole_picture(#[case] kind: Stage, #[case] binning: Binning) {
+fn a_region_is_a_part_of_the_whole_image(#[case] kind: Stage, #[case] binning: Binning) {
     let mut sensor = noisy_sensor_with(kind);
     sensor.masked.columns = [2, 4];
     let light = flat(&sensor, 40, 30, 2000.0);
@@ -50,7 +50,7 @@ fn what_makes_no_whole_bin_is_left_out(#[case] cfa: &str, #[case] factor: [usize
     sensor.cfa = Cfa::parse(cfa).expect("a layout");
     for method in [BinningMethod::Charge, BinningMethod::Sum, BinningMethod::Mean] {
         let raw = read_out(&sensor, &flat(&sensor, 40, 30, 100.0), binned(factor, method));
-        raw.validate().expect("a whole picture");
+        raw.validate().expect("a whole image");
         assert_eq!(([raw.width, raw.height], raw.active_area), (bins, None), "{method:?}");
     }
 }

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use glam::{DAffine3, Vec3};
 use photosite::film::{FilmResponses, Response};
+use photosite::geometry::QuadricKind;
 use photosite::image::Estimate;
 use photosite::integrator::{RenderJob, RenderSettings, render};
 use photosite::optics::{Camera, LensDescription, PixelGrid};
@@ -48,6 +49,23 @@ impl Stage {
         self.0.meshes.push(mesh.into());
         self.0.materials.push(material);
         self
+    }
+
+    /// Adds a quadric of unit size, transformed, that reflects as much of all light and emits as much of it on one side
+    /// or both, W·m⁻²·sr⁻¹·nm⁻¹.
+    pub(crate) fn quadric(
+        self,
+        kind: QuadricKind,
+        to_world: DAffine3,
+        reflectance: f32,
+        (radiance, two_sided): (f32, bool),
+    ) -> Self {
+        let mut stage = self.diffuse(Vec::new(), reflectance, radiance);
+        let (mesh, material) = (stage.0.meshes.len() - 1, stage.0.materials.len() - 1);
+        stage.0.meshes[mesh] = MeshDescription::of_quadric(kind, String::new(), material).into();
+        stage.0.materials[material].double_sided = two_sided;
+        stage.0.instances.last_mut().expect("that of the mesh").to_world = to_world;
+        stage
     }
 
     /// Moves the mesh added last through transforms at evenly spaced times.
@@ -149,6 +167,7 @@ pub(crate) fn irradiance(scene: &Scene, camera: &Camera, resolution: [u32; 2], s
         importance: None,
         resolution,
         settings,
+        device: None,
     };
     render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(())).estimate(["E"])
 }

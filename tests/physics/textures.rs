@@ -63,7 +63,7 @@ fn wall(squares: [u8; 4], filter: Filter) -> Scene {
 fn what_is_finer_than_a_pixel_is_seen_as_its_mean(#[case] filter: Filter) {
     let mut lens = LensDescription::thin(10e-3, 8.0, Focus::Infinity);
     (lens.kind, lens.falloff) = (LensKind::Pinhole, Falloff::None);
-    // 6 periods of the board in a pixel across, more along; nothing beyond the wall is in the picture.
+    // 6 periods of the board in a pixel across, more along; nothing beyond the wall is in the image.
     let grid = PixelGrid { resolution: RESOLUTION, pitch_m: [0.3e-3; 2] };
     let settings = RenderSettings { samples_per_pixel: SAMPLES, max_depth: 1, seed: 3, ..RenderSettings::default() };
     let camera = camera(&lens, &grid, DAffine3::IDENTITY);

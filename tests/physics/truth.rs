@@ -30,7 +30,7 @@ fn direction(x: usize, y: usize) -> DVec3 {
     DVec3::new((x as f64 + 0.5 - width / 2.0) / FX, -(y as f64 + 0.5 - height / 2.0) / FX, -1.0)
 }
 
-/// With flow to a picture of another scene.
+/// With flow to an image of another scene.
 fn ask_of([scene, later]: [&Scene; 2], [camera, next]: [&Camera; 2], layers: &[TruthLayer]) -> Planes {
     let [view, next] = [(scene, camera), (later, next)].map(|(scene, camera)| View::of(scene, camera, RESOLUTION));
     truth(&TruthJob { view, objects: &[], next: Some(next), partner: None }, layers)
@@ -84,7 +84,7 @@ fn a_plane_is_where_the_rays_meet_it(#[case] about_x: f64, #[case] about_y: f64)
     }
 }
 
-/// The camera of picture `number` of a series, rows one after the other where `row_time_s` is not 0.
+/// The camera of image `number` of a series, rows one after the other where `row_time_s` is not 0.
 fn moving(velocity_m_per_s: DVec3, row_time_s: f64, number: u32) -> Camera {
     let motion = Trajectory::Steady { velocity_m_per_s, angular_velocity_rad_per_s: DVec3::ZERO };
     let recording = Recording {
@@ -108,7 +108,7 @@ fn flow_is_that_of_a_passing_wall(
     let [camera, next] = [0, 1].map(|number| moving(DVec3::new(vx, vy, 0.0), row_time_s, number));
     let planes = ask(&wall().build(), &camera, &next, &[TruthLayer::Flow]);
     // A camera that rises sees things sink: by s = f·v/z rows a second. A point's row solves
-    // y = y₀ + s·(k·T + y·t_row), so that it is s·T/(1 − s·t_row) lower in the next picture; it is seen so much later,
+    // y = y₀ + s·(k·T + y·t_row), so that it is s·T/(1 − s·t_row) lower in the next image; it is seen so much later,
     // too.
     let speed = FX * vy / 2.0;
     let down = speed * 0.1 / (1.0 - speed * row_time_s);
@@ -142,7 +142,7 @@ fn a_line_camera_sees_points_at_the_line_that_they_come_to() {
     }
 }
 
-/// d = fx·b/z, positive for both cameras of a pair: the left one finds the point d to the left in the other picture,
+/// d = fx·b/z, positive for both cameras of a pair: the left one finds the point d to the left in the other image,
 /// the right one d to the right.
 #[rstest]
 fn disparity_is_that_of_a_parallel_pair(
@@ -174,15 +174,15 @@ fn disparity_is_that_of_a_parallel_pair(
 }
 
 #[test]
-fn nothing_is_visible_in_a_picture_that_there_is_not() {
+fn nothing_is_visible_in_an_image_that_there_is_not() {
     let (scene, camera) = (wall().build(), pinhole(DAffine3::IDENTITY));
     let job = TruthJob { view: View::of(&scene, &camera, RESOLUTION), objects: &[], next: None, partner: None };
     let planes = truth(&job, &[TruthLayer::Flow, TruthLayer::Disparity]);
     assert!(planes.channels().iter().all(|channel| channel.data.iter().all(|&value| value == 0.0)));
 }
 
-/// Before a wall that stays, a tile that is elsewhere in the next picture: as one of two of a mesh, alone in the world,
-/// mirrored, or on its way while the picture is taken, each of which is kept in another way.
+/// Before a wall that stays, a tile that is elsewhere in the next image: as one of two of a mesh, alone in the world,
+/// mirrored, or on its way while the image is taken, each of which is kept in another way.
 #[rstest]
 fn flow_follows_what_moves(
     #[values(false, true)] twice: bool,
@@ -200,7 +200,7 @@ fn flow_follows_what_moves(
         (if twice { tile.again(aside) } else { tile }).build()
     };
     let (from, to) = (DVec3::new(-0.1, 0.0, -1.0), DVec3::new(0.05, 0.1, -1.25));
-    // Still in one picture, and in the middle of its way when the exposure of the other is half over.
+    // Still in one image, and in the middle of its way when the exposure of the other is half over.
     let [now, later] = [scene(from, 0.0), scene(to, on_its_way)];
     let still = pinhole(DAffine3::IDENTITY);
     let next = Recording {
@@ -223,7 +223,7 @@ fn flow_follows_what_moves(
         on_tile += usize::from(moved != DVec3::ZERO);
         let expected = project(p + moved) - project(p);
         let flow = DVec2::new(value(&planes, "flow.X", i), value(&planes, "flow.Y", i));
-        // Positions are single precision in both pictures.
+        // Positions are single precision in both images.
         assert!((flow - expected).length() < 2.0 * ROUNDING_PX, "{x}, {y}: {flow}, not {expected}");
         if moved == DVec3::ZERO && p.z == -2.0 {
             // Seen from the camera, the wall at p is behind the moved tile where the way passes it.
@@ -239,7 +239,7 @@ fn flow_follows_what_moves(
 }
 
 #[test]
-fn what_the_next_picture_hides_is_not_visible_in_it() {
+fn what_the_next_image_hides_is_not_visible_in_it() {
     // A post between x = −0.1 and 0.1 at half the way, and a camera that moves to the right by 0.1 m.
     let post = vec![
         [Vec3::new(-0.1, -4.0, -1.0), Vec3::new(0.1, -4.0, -1.0), Vec3::new(0.1, 4.0, -1.0)],

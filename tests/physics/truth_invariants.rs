@@ -1,5 +1,5 @@
 //! What holds of ground truth in every scene, in scenes drawn at random: an object by itself is the judge of its masks, its
-//! own frame that of its box, and the other picture that of flow.
+//! own frame that of its box, and the other image that of flow.
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use photosite::calibration::truth::{TruthJob, TruthLayer, TruthObject, View, truth};
@@ -13,15 +13,15 @@ use crate::moving_scenes::{DISTANCE_M, FOCAL_PX, MovingScene, REGION_PX, SENSOR_
 
 const SCENES: u64 = 40;
 
-/// A picture that is ready for truth.
-struct Picture {
+/// An image that is ready for truth.
+struct RenderedImage {
     prepared: Prepared,
     objects: Vec<TruthObject>,
     camera: Camera,
     grid: ImageGrid,
 }
 
-impl Picture {
+impl RenderedImage {
     fn of(scene: &MovingScene, objects: &[usize], exposure: &str, frame: u32) -> Self {
         let capture = scene.capture(objects, exposure);
         let found = TruthObject::of_scene(capture.scene());
@@ -79,12 +79,12 @@ fn masks_are_those_of_the_object_by_itself() {
         let scene = MovingScene::draw(seed);
         let exposure = exposures(seed);
         let all: Vec<usize> = (0..scene.count()).collect();
-        let picture = Picture::of(&scene, &all, exposure, 0);
-        let instance = picture.layers(&[TruthLayer::Instance]);
-        for (i, object) in picture.report().objects.iter().enumerate() {
+        let image = RenderedImage::of(&scene, &all, exposure, 0);
+        let instance = image.layers(&[TruthLayer::Instance]);
+        for (i, object) in image.report().objects.iter().enumerate() {
             let case = format!("scene {seed}, {}", object.name);
             let [visible, alone] = [&object.visible, &object.alone].map(pixels);
-            let by_itself = Picture::of(&scene, &[i], exposure, 0).layers(&[TruthLayer::Instance]);
+            let by_itself = RenderedImage::of(&scene, &[i], exposure, 0).layers(&[TruthLayer::Instance]);
             let expected: Vec<bool> = plane(&by_itself, "instance").iter().map(|&n| n == 1.0).collect();
             let differ = alone.iter().zip(&expected).filter(|(a, b)| a != b).count();
             assert_eq!(differ, 0, "{case}: pixels that see it alone");
@@ -106,10 +106,10 @@ fn points_lie_in_their_box_and_nocs_in_the_unit_cube() {
     for seed in 0..SCENES {
         let scene = MovingScene::draw(seed);
         let all: Vec<usize> = (0..scene.count()).collect();
-        let picture = Picture::of(&scene, &all, exposures(seed), 0);
+        let image = RenderedImage::of(&scene, &all, exposures(seed), 0);
         let layers = [TruthLayer::Instance, TruthLayer::ObjectPosition, TruthLayer::Nocs, TruthLayer::Position];
-        let planes = picture.layers(&layers);
-        let report = picture.report();
+        let planes = image.layers(&layers);
+        let report = image.report();
         for (i, &number) in plane(&planes, "instance").iter().enumerate().filter(|(_, number)| **number > 0.0) {
             let object = &report.objects[number as usize - 1];
             let case = format!("scene {seed}, {}, pixel {i}", object.name);
@@ -140,10 +140,10 @@ fn corners_and_poses_are_those_of_what_is_seen() {
             continue;
         }
         let all: Vec<usize> = (0..scene.count()).collect();
-        let picture = Picture::of(&scene, &all, exposures(seed), 0);
-        let planes = picture.layers(&[TruthLayer::Instance, TruthLayer::ObjectPosition, TruthLayer::Position]);
+        let image = RenderedImage::of(&scene, &all, exposures(seed), 0);
+        let planes = image.layers(&[TruthLayer::Instance, TruthLayer::ObjectPosition, TruthLayer::Position]);
         let width = planes.width();
-        let report = picture.report();
+        let report = image.report();
         for (i, &number) in plane(&planes, "instance").iter().enumerate().filter(|(_, number)| **number > 0.0) {
             let object = &report.objects[number as usize - 1];
             let case = format!("scene {seed}, {}, pixel {i}", object.name);
@@ -169,14 +169,14 @@ fn corners_and_poses_are_those_of_what_is_seen() {
 
 /// The region is a part of the whole sensor: what of an object lies beside it there is cut off here.
 #[test]
-fn what_is_seen_beside_the_picture_is_cut_off() {
+fn what_is_seen_beside_the_image_is_cut_off() {
     let [left, top, columns, rows] = REGION_PX;
     let (mut cut, mut whole) = (0, 0);
     for seed in 0..SCENES {
         let scene = MovingScene::draw(seed);
         let all: Vec<usize> = (0..scene.count()).collect();
-        let report = Picture::of(&scene, &all, REGION, 0).report();
-        let larger = Picture::of(&scene, &all, "", 0).report();
+        let report = RenderedImage::of(&scene, &all, REGION, 0).report();
+        let larger = RenderedImage::of(&scene, &all, "", 0).report();
         assert_eq!(larger.resolution_px, SENSOR_PX);
         for (object, larger) in report.objects.iter().zip(&larger.objects) {
             let case = format!("scene {seed}, {}", object.name);
@@ -191,7 +191,7 @@ fn what_is_seen_beside_the_picture_is_cut_off() {
                     beside += usize::from(inside);
                 }
             }
-            assert!(beside == 0 || object.is_cut_off, "{case}: {beside} pixels beside the picture, and not cut off");
+            assert!(beside == 0 || object.is_cut_off, "{case}: {beside} pixels beside the image, and not cut off");
             assert_eq!(object.is_cut_off, !corners_within(object), "{case}");
             if object.is_cut_off { cut += 1 } else { whole += 1 }
         }
@@ -205,20 +205,20 @@ fn corners_within(object: &ObjectReport) -> bool {
     object.box_corners_px.iter().all(|corner| corner.is_some_and(is_within))
 }
 
-/// A surface that is seen in one picture and found in the next is found again in the first where it was.
+/// A surface that is seen in one image and found in the next is found again in the first where it was.
 #[test]
 fn flow_returns() {
     let mut returned = 0;
     for seed in 0..SCENES {
         let scene = MovingScene::draw(seed);
         let all: Vec<usize> = (0..scene.count()).collect();
-        let [now, next] = [0, 1].map(|frame| Picture::of(&scene, &all, exposures(seed), frame));
+        let [now, next] = [0, 1].map(|frame| RenderedImage::of(&scene, &all, exposures(seed), frame));
         let (view, next_view) = (now.view(), next.view());
-        let hit = |picture: &Picture, pixel: DVec2| {
-            let on_sensor = picture.grid.on_sensor(pixel);
-            let ray = picture.camera.at_row(on_sensor.y - 0.5).chief_ray(on_sensor)?;
-            let hit = picture.prepared.scene().closest(&ray)?;
-            let point = picture.prepared.scene().point(&hit, ray.time);
+        let hit = |image: &RenderedImage, pixel: DVec2| {
+            let on_sensor = image.grid.on_sensor(pixel);
+            let ray = image.camera.at_row(on_sensor.y - 0.5).chief_ray(on_sensor)?;
+            let hit = image.prepared.scene().closest(&ray)?;
+            let point = image.prepared.scene().point(&hit, ray.time);
             let cosine = f64::from(point.geometric_normal.dot(ray.direction.normalize()).abs());
             let reach = f64::from(point.position.distance(ray.origin));
             Some((hit, cosine, reach))

@@ -26,13 +26,13 @@ fn responses() -> Vec<Response> {
     [450.0, 550.0, 650.0, 400.0, 500.0, 600.0, 700.0, 750.0].iter().map(named).collect()
 }
 
-/// Daylight through a pane of glass that fills the picture.
-fn picture(wavelengths: WavelengthChoice, dispersion: Dispersion) -> Estimate {
+/// Daylight through a pane of glass that fills the image.
+fn image(wavelengths: WavelengthChoice, dispersion: Dispersion) -> Estimate {
     let lens = LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(0.01, 8.0, Focus::Infinity) };
-    picture_through(&lens, wavelengths, dispersion)
+    image_through(&lens, wavelengths, dispersion)
 }
 
-fn picture_through(lens: &LensDescription, wavelengths: WavelengthChoice, dispersion: Dispersion) -> Estimate {
+fn image_through(lens: &LensDescription, wavelengths: WavelengthChoice, dispersion: Dispersion) -> Estimate {
     let glass = MaterialModel::Dielectric(Dielectric {
         index: dispersion,
         distribution: Roughness::SMOOTH,
@@ -62,6 +62,7 @@ fn picture_through(lens: &LensDescription, wavelengths: WavelengthChoice, disper
         importance: None,
         resolution: RESOLUTION,
         settings: &settings,
+        device: None,
     };
     let film = render(&job, FilmResponses::new(&responses), &|_| ControlFlow::Continue(()));
     film.estimate(responses.iter().map(|r| r.name.as_str()))
@@ -73,12 +74,12 @@ fn a_lens_that_spreads_points_by_wavelength_leaves_even_light_behind_glass_that_
     let blurred = |spread| {
         let pinhole = LensDescription { kind: LensKind::Pinhole, ..LensDescription::thin(0.01, 8.0, Focus::Infinity) };
         let lens = LensDescription { point_spread: Some(spread), ..pinhole };
-        picture_through(&lens, WavelengthChoice::AllFilters, glass())
+        image_through(&lens, WavelengthChoice::AllFilters, glass())
     };
     let [even, by_wavelength] = [PointSpread::Gaussian { sigma_m: 1e-5 }, PointSpread::Airy].map(blurred);
     let sum = |planes: &Planes, i: usize| planes.channels()[i].data.iter().map(|&v| f64::from(v)).sum::<f64>();
     for i in 0..3 {
-        let [a, b] = [&even, &by_wavelength].map(|picture| sum(&picture.mean, i));
+        let [a, b] = [&even, &by_wavelength].map(|image| sum(&image.mean, i));
         let error = (sum(&even.variance, i) + sum(&by_wavelength.variance, i)).sqrt();
         assert!((a - b).abs() < 4.0 * error && error < 0.02 * a, "{i}: {a} {b} ± {error}");
     }
@@ -103,7 +104,7 @@ fn wavelengths_for_the_own_filter_are_right_for_all_and_quieter_for_it() {
     let pixels = (RESOLUTION[0] * RESOLUTION[1]) as usize;
     for (name, glass, least) in glasses {
         let [all, own_filter] = [WavelengthChoice::AllFilters, WavelengthChoice::OwnFilter]
-            .map(|wavelengths| picture(wavelengths, glass.clone()));
+            .map(|wavelengths| image(wavelengths, glass.clone()));
         let mut gains = Vec::new();
         for (channel, response) in responses().iter().enumerate() {
             // A sky that is the same everywhere looks the same through a pane, which reflects as much of it as it holds

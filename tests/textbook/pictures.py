@@ -1,4 +1,4 @@
-"""Pictures that rows hand to photosite, written without it, and those that it wrote, read without it."""
+"""Images that rows hand to photosite, written without it, and those that it wrote, read without it."""
 
 import struct
 
@@ -37,7 +37,7 @@ def write_exr(path, picture, aspect=1.0):
 
 
 def develop(tool, picture, *settings, output="out.npy"):
-    """Develops a picture with changes `key=value` of the table [develop]; gives what NumPy reads of it."""
+    """Develops an image with changes `key=value` of the table [develop]; gives what NumPy reads of it."""
     path = tool.scratch / output
     changes = [part for setting in settings for part in ("--set", f"develop.{setting}")]
     tool.run("develop", picture, "-o", path, "--force", "--quiet", *changes)

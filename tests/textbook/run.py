@@ -2,7 +2,7 @@
 
 Usage: run.py PHOTOSITE [--write] [FILE…]
 
-FILE names files of rows (`lens`, `noise` …); left out: all. --write makes the page and its pictures anew; without it, the page
+FILE names files of rows (`lens`, `noise` …); left out: all. --write makes the page and its images anew; without it, the page
 must have the same rows.
 """
 
@@ -33,7 +33,7 @@ FILES = {
 INTRODUCTION = """# The textbook, row by row
 
 What lectures on image acquisition teach, beside what photosite shows: the equation, the capture or command that shows it, what
-is measured there and what is expected. `tests/textbook/run.py` measures all of it again, in CI, too. Captures and pictures are in
+is measured there and what is expected. `tests/textbook/run.py` measures all of it again, in CI, too. Captures and images are in
 [textbook/](textbook).
 """
 
@@ -69,7 +69,7 @@ def main():
     page, wrong = INTRODUCTION, 0
     for name in arguments.files or FILES:
         page += f"\n## {FILES[name]}\n\n"
-        page += "| what | equation | shown by | picture | figure | measured | expected |\n" + "|---" * 7 + "|\n"
+        page += "| what | equation | shown by | image | figure | measured | expected |\n" + "|---" * 7 + "|\n"
         for row in importlib.import_module(f"rows.{name}").ROWS:
             with tempfile.TemporaryDirectory() as scratch:
                 figures = row.measure(Tool(arguments.photosite, scratch, FOLDER if arguments.write else scratch))

@@ -8,7 +8,7 @@ from pathlib import Path
 import OpenEXR
 
 ROOT = Path(__file__).resolve().parents[2]
-#: Captures and pictures that the page shows.
+#: Captures and images that the page shows.
 FOLDER = ROOT / "docs/theory/textbook"
 
 
@@ -37,7 +37,7 @@ class Row:
     equation: str
     #: The capture in docs/theory/textbook, or the command, that shows it.
     shown_by: str
-    #: Takes a Tool, gives a list of Figures. May draw the picture at `tool.picture(NAME)`.
+    #: Takes a Tool, gives a list of Figures. May draw the image at `tool.picture(NAME)`.
     measure: callable
     #: Name of a PNG in docs/theory/textbook; none where there is nothing to look at.
     picture: str = ""
@@ -79,5 +79,5 @@ class Tool:
         return json.loads((Path(folder) / "capture.json").read_text())
 
     def picture(self, name):
-        """Where a picture of the page is written: in the page's folder with --write, else in the scratch folder."""
+        """Where an image of the page is written: in the page's folder with --write, else in the scratch folder."""
         return self.pictures / name

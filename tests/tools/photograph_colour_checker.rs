@@ -9,7 +9,8 @@ use photosite::colour::ColourSpace;
 use photosite::develop::camera_colour::camera_colour;
 use photosite::develop::{DevelopSettings, ToneCurve, develop};
 use photosite::image::Planes;
-use photosite::io::developed::{PictureFormat, write_encoded, write_png};
+use photosite::io::developed::{write_encoded, write_png};
+use photosite::io::formats::TIFF;
 use photosite::io::output::{create_folder, write_whole};
 use photosite::raw::{RawImage, write_dng};
 use photosite::sensor::{Exposure, NoiseKey, SensorModel, Stages, expose, presets};
@@ -30,7 +31,7 @@ fn main() -> miette::Result<()> {
             let spectrum = illuminant::illuminant(light).ok_or_else(|| miette::miette!("{light} is unknown"))?;
             let raw = photograph(&sensor, &spectrum).map_err(|error| miette::miette!("{error}"))?;
             let developed = |settings| develop(&raw, &settings).map_err(|error| miette::miette!("{error}"));
-            let picture = developed(DevelopSettings::default())?;
+            let image = developed(DevelopSettings::default())?;
             // A space wide enough that no patch is clipped.
             let wide = developed(DevelopSettings {
                 colour_space: ColourSpace::Rec2020,
@@ -41,14 +42,14 @@ fn main() -> miette::Result<()> {
             let folder = folder.join(format!("{}-{light}", sensor.name));
             create_folder(&folder)?;
             write_whole(&folder.join("raw.dng"), |to| write_dng(&raw, to))?;
-            write_whole(&folder.join("image.png"), |to| write_png(&picture, to))?;
-            write_whole(&folder.join("wide.tiff"), |to| write_encoded(&wide, PictureFormat::Tiff, to))?;
+            write_whole(&folder.join("image.png"), |to| write_png(&image, to))?;
+            write_whole(&folder.join("wide.tiff"), |to| write_encoded(&wide, &TIFF, to))?;
         }
     }
     Ok(())
 }
 
-/// A noise-free picture in which white would just saturate.
+/// A noise-free image in which white would just saturate.
 fn photograph(sensor: &SensorModel, light: &Spectrum) -> Result<RawImage, photosite::Invalid> {
     let exposure = Exposure::of(Seconds(0.01));
     let responses = sensor.responses();

@@ -1,5 +1,5 @@
 //! Writes charts as a Bayer sensor would record them, with the whole truth beside, for programs that nobody here wrote
-//! to demosaic (`tests/judges/demosaicing.py`): charts made for it, and pictures from the electrons.exr files of
+//! to demosaic (`tests/judges/demosaicing.py`): charts made for it, and images from the electrons.exr files of
 //! renders.
 //!
 //! `cargo run --release --example write_demosaic_charts -- FOLDER [ELECTRONS.EXR…]`
@@ -10,10 +10,11 @@ use std::io::BufReader;
 use std::path::PathBuf;
 
 use photosite::develop::{
-    Codes, Demosaic, DevelopSettings, EncodedPicture, Highlights, ToneCurve, WhiteBalance, develop,
+    Codes, Demosaic, DevelopSettings, EncodedImage, Highlights, ToneCurve, WhiteBalance, develop,
 };
-use photosite::io::developed::{PictureFormat, write_encoded};
+use photosite::io::developed::write_encoded;
 use photosite::io::electrons::read_electrons;
+use photosite::io::formats::TIFF;
 use photosite::io::output::{create_folder, write_whole};
 use photosite::raw::{Cfa, RawImage, write_tiff};
 
@@ -28,7 +29,7 @@ const METHODS: [(&str, Demosaic); 6] = [
     ("lmmse", Demosaic::Lmmse),
 ];
 
-/// A picture with all channels at every pixel, interleaved.
+/// An image with all channels at every pixel, interleaved.
 struct Chart {
     name: String,
     width: usize,
@@ -101,9 +102,9 @@ fn write(chart: &Chart, phase: &str, folder: &std::path::Path) -> photosite::Res
     let (data, bits) = ((0..width * height).map(seen).collect(), 16);
     let raw = RawImage { width: *width, height: *height, data, cfa, bits, ..RawImage::default() };
     write_whole(&folder.join("raw.tiff"), |to| write_tiff(&raw, to))?;
-    let picture = |name: &str, picture: &EncodedPicture| {
+    let image = |name: &str, image: &EncodedImage| {
         let path = folder.join(format!("{name}.tiff"));
-        write_whole(&path, |to| write_encoded(picture, PictureFormat::Tiff, to))
+        write_whole(&path, |to| write_encoded(image, &TIFF, to))
     };
     let settings = DevelopSettings {
         white_balance: WhiteBalance::None,
@@ -117,11 +118,11 @@ fn write(chart: &Chart, phase: &str, folder: &std::path::Path) -> photosite::Res
     let codes = Codes::U16(rgb.clone());
     let (colour_space, transfer) = (encoding.colour_space, encoding.transfer);
     let (width, height) = (*width, *height);
-    let truth = EncodedPicture { width, height, components: 3, codes, colour_space, transfer, pixel_aspect: 1.0 };
-    picture("truth", &truth)?;
+    let truth = EncodedImage { width, height, components: 3, codes, colour_space, transfer, pixel_aspect: 1.0 };
+    image("truth", &truth)?;
     for (name, demosaic) in METHODS {
         let developed = develop(&raw, &DevelopSettings { demosaic, ..settings.clone() });
-        picture(name, &developed.map_err(|invalid| invalid.in_file(folder))?)?;
+        image(name, &developed.map_err(|invalid| invalid.in_file(folder))?)?;
     }
     Ok(())
 }

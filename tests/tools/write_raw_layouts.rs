@@ -1,4 +1,4 @@
-//! Writes the same kind of picture in every layout that DNG files know, in even and odd sizes, compressed and not, with
+//! Writes the same kind of image in every layout that DNG files know, in even and odd sizes, compressed and not, with
 //! and without masked pixels, in every raw format, for programs that nobody here wrote to read back
 //! (`tests/judges/raw_files.py`).
 //!
@@ -31,19 +31,19 @@ fn main() -> miette::Result<()> {
             // Several whole tiles, odd sides, and a single tile or strip.
             for (width, height, bits) in [(640, 480, 12), (333, 217, 16), (64, 31, 8)] {
                 let name = format!("{layout}-{width}x{height}-{bits}bit-{compression_name}").replace(':', "-");
-                let raw = picture(layout, width, height, bits).map_err(|error| miette::miette!("{error}"))?;
+                let raw = image(layout, width, height, bits).map_err(|error| miette::miette!("{error}"))?;
                 write_all(&raw, compression, &folder.join(name))?;
             }
         }
-        let raw = masked(picture(layout, 333, 217, 14).map_err(|error| miette::miette!("{error}"))?);
+        let raw = masked(image(layout, 333, 217, 14).map_err(|error| miette::miette!("{error}"))?);
         let raw = raw.map_err(|error| miette::miette!("{error}"))?;
         write_all(&raw, DngCompression::LosslessJpeg, &folder.join(format!("{layout}-masked").replace(':', "-")))?;
     }
     Ok(())
 }
 
-/// A picture in which every number differs from its neighbours and the whole range occurs.
-fn picture(layout: &str, width: usize, height: usize, bits: u32) -> Result<RawImage, photosite::Invalid> {
+/// An image in which every number differs from its neighbours and the whole range occurs.
+fn image(layout: &str, width: usize, height: usize, bits: u32) -> Result<RawImage, photosite::Invalid> {
     let cfa = Cfa::parse(layout)?;
     let max_dn = (1u32 << bits) - 1;
     let number = |i: usize| (((i as u32).wrapping_mul(2_654_435_761) >> 7) % (max_dn + 1)) as u16;

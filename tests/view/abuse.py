@@ -27,7 +27,7 @@ from pathlib import Path
 CAPTURE = Path(__file__).resolve().parents[2] / "scenes/cornell-box/capture.toml"
 # What lies on every Linux machine, and never in an answer.
 SECRET_FILE, SECRET = "/etc/passwd", b"root:"
-# Most that the process may grow by in all, above what one picture of this size takes many times over.
+# Most that the process may grow by in all, above what one image of this size takes many times over.
 MEMORY_BYTES = 200 << 20
 
 
@@ -72,14 +72,14 @@ class Server:
         return self.ask(f"/{self.token}/{path}", **more)
 
     def picture(self, query="plane=developed"):
-        """A picture, waited for while there is no light yet, or others take all places."""
+        """An image, waited for while there is no light yet, or others take all places."""
         for _ in range(600):
             status, _, body = self.own(f"picture?{query}")
             if status not in (409, 503):
                 assert status == 200, body
                 return body
             time.sleep(0.1)
-        raise AssertionError("no picture within a minute")
+        raise AssertionError("no image within a minute")
 
     def wait_until_done(self):
         with self.connect(timeout=120) as connection:
@@ -246,7 +246,7 @@ def connections(server, count, request):
 
 
 def a_hundred_connections(server):
-    """Those that say nothing, begin to, listen, or ask for pictures: who comes after them is answered while they stay, in whatever time a
+    """Those that say nothing, begin to, listen, or ask for images: who comes after them is answered while they stay, in whatever time a
     busy machine takes."""
     head = f" HTTP/1.1\r\nHost: {server.host()}\r\n"
     kinds = {
@@ -269,7 +269,7 @@ def a_hundred_connections(server):
 
 
 def readers_that_do_not_read(server):
-    """Pictures pile up nowhere: a reader of a byte a second costs others nothing."""
+    """Images pile up nowhere: a reader of a byte a second costs others nothing."""
     request = f"GET /{server.token}/picture?plane=raw HTTP/1.1\r\nHost: {server.host()}\r\n\r\n".encode()
     before = server.memory()
     with connections(server, 40, request * 50) as slow:
@@ -282,7 +282,7 @@ def readers_that_do_not_read(server):
             assert status in (200, 503) and took < 90, (status, took)
         grown = server.memory() - before
     assert grown < MEMORY_BYTES, f"{grown >> 20} MiB for readers that do not read"
-    print(f"  2000 pictures that nobody reads: {grown / (1 << 20):.0f} MiB")
+    print(f"  2000 images that nobody reads: {grown / (1 << 20):.0f} MiB")
 
 
 CASES = [strangers_are_refused, answers_keep_to_themselves, files_stay_unread, orders_that_are_none, noise_is_no_request,
@@ -301,9 +301,9 @@ def main(photosite, *names):
                 print(case.__name__.replace("_", " "), flush=True)
                 case(server)
                 assert server.process.poll() is None, f"the server has ended: {server.log.read_text()}"
-            # The head of a picture tells how long it took.
+            # The head of an image tells how long it took.
             values = 3 * 160 * 120
-            assert server.picture()[-values:] == first[-values:], "another picture than in the beginning"
+            assert server.picture()[-values:] == first[-values:], "another image than in the beginning"
             grown = server.memory() - begun
             assert grown < MEMORY_BYTES, f"{grown >> 20} MiB more than in the beginning"
             print(f"the page answers as in the beginning, with {grown / (1 << 20):.0f} MiB more")

@@ -1,4 +1,4 @@
-// What the tests of the page have in common: photosite as a command and as a server, Chromium, and pictures of files.
+// What the tests of the page have in common: photosite as a command and as a server, Chromium, and images of files.
 import { execFileSync, spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { createRequire } from "node:module";

@@ -1,11 +1,11 @@
 // Drives the page of `photosite view` in headless Chromium through what changes the light: the f-number, the frames of what
-// moves, captures that are saved, planes of folders, and pictures that are too large to be sent whole.
+// moves, captures that are saved, planes of folders, and images that are too large to be sent whole.
 //
 //     node tests/view/light.mjs PHOTOSITE [SCREENSHOTS]
 //
 // Run it in a folder with playwright-core. The page must show the bytes that `photosite render` writes for the same keys,
 // and a capture that it saves must render to the bytes that it showed; noise of light is that of the report; means of large
-// pictures, and figures of patches of them, are those of all pixels of the files.
+// images, and figures of patches of them, are those of all pixels of the files.
 import { readFileSync, writeFileSync } from "node:fs";
 import { join, resolve } from "node:path";
 import { browser, check, difference, folder, open, photosite, readNpy, readPng, view } from "./harness.mjs";
@@ -94,7 +94,7 @@ async function pinhole(chromium) {
     const text = await saves(page, "a pinhole", near);
     check(text.includes("#   lens.f_number = 8.0") && text.includes(`#   exposure.time_s = ${time_s}`), text.slice(0, 400));
   });
-  console.log("f-numbers of a pinhole and other exposures answer with the pictures of photosite render, and its noise of light");
+  console.log("f-numbers of a pinhole and other exposures answer with the images of photosite render, and its noise of light");
 }
 
 /** Light goes through a lens anew. */
@@ -152,10 +152,10 @@ async function stored(chromium) {
     await answered(page, () => slider(page, "Gain").fill("6"));
     await saves(page, "a folder");
   });
-  console.log("folders show their ground truth, irradiance and ideal picture; a capture of them is saved whole");
+  console.log("folders show their ground truth, irradiance and ideal image; a capture of them is saved whole");
 }
 
-/** Of large pictures only what is seen is sent. */
+/** Of large images only what is seen is sent. */
 async function large(chromium) {
   const size = [1600, 1200];
   render(box, "large", `sensor.resolution_px=[${size}]`, "render.samples_per_pixel=1", 'output.raw=["dng","npy"]');
@@ -199,7 +199,7 @@ async function large(chromium) {
     }
     if (pictures) await page.screenshot({ path: join(pictures, "light-large.png") });
   });
-  console.log("large pictures are sent as fine as the screen, and measured by all of their pixels");
+  console.log("large images are sent as fine as the screen, and measured by all of their pixels");
 }
 
 const chromium = await browser();

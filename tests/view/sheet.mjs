@@ -2,9 +2,9 @@
 //
 //     node tests/view/sheet.mjs PHOTOSITE [SCREENSHOTS]
 //
-// Run it in a folder with playwright-core. Filters must leave the pictures that the manifest says; corners and boxes must
+// Run it in a folder with playwright-core. Filters must leave the images that the manifest says; corners and boxes must
 // stand where the reports have them; points of one number on the epipolar lines of both cameras must lie in one plane
-// with both lenses, by the poses and the distortion of `capture.json`; the picture that the live view shows must have
+// with both lenses, by the poses and the distortion of `capture.json`; the image that the live view shows must have
 // the bytes of `image.png`.
 import { readFileSync } from "node:fs";
 import { join, resolve } from "node:path";
@@ -18,7 +18,7 @@ const lines = readFileSync(join(set, "manifest.jsonl"), "utf8").trim().split("\n
 const report = number => JSON.parse(readFileSync(join(set, lines[number].folder, "capture.json")));
 const near = (a, b, tolerance) => Math.abs(a - b) <= tolerance;
 
-/** The numbers of the pictures that pass. */
+/** The pixel values of the images that pass. */
 const shown = page => page.evaluate(() => window.state.shown);
 const numbers = passes => lines.map((_, number) => number).filter(number => passes(lines[number]));
 const same = (found, wanted, words) => { const differs = difference(found, wanted); check(!differs, `${words}: ${found} in place of ${wanted}`); };
@@ -39,7 +39,7 @@ async function filters(page) {
   await to.fill("0.001");
   same(await shown(page), numbers(line => line.varied[TIME] <= 0.001), "exposed for a short time");
   const words = await page.getByRole("status").innerText();
-  check(words === `${numbers(line => line.varied[TIME] <= 0.001).length} of ${lines.length} pictures`, words);
+  check(words === `${numbers(line => line.varied[TIME] <= 0.001).length} of ${lines.length} images`, words);
   await page.getByRole("button", { name: "Reset filters" }).click();
   await page.getByRole("combobox", { name: "Sort by" }).selectOption(RED);
   const sorted = (await shown(page)).map(number => lines[number].varied[RED]);
@@ -55,14 +55,14 @@ async function filters(page) {
   console.log("filters, order and jumps to a frame are those of the manifest");
 }
 
-/** The picture of that number, large, with what is drawn over it. */
+/** The image of that number, large, with what is drawn over it. */
 async function enlarged(page, number) {
   await page.getByRole("button", { name: `${lines[number].camera} ${lines[number].frame}`, exact: true }).click();
   await page.waitForFunction(number => window.state.large === number && window.state.overlays, number);
   return page.evaluate(() => window.state.overlays);
 }
 
-/** What is drawn at a point of the picture that is large, in its pixels. */
+/** What is drawn at a point of the image that is large, in its pixels. */
 const drawnAt = (page, [x, y], width) => page.evaluate(([x, y, width]) => {
   const canvas = document.getElementById("picture"), times = canvas.width / width;
   return [...canvas.getContext("2d").getImageData(Math.floor(x * times), Math.floor(y * times), 1, 1).data].slice(0, 3);
@@ -122,9 +122,9 @@ async function overlays(page) {
     const [r, g, b] = await drawnAt(page, px, plain.width);
     check(g > 100 && g > r + 50 && g > b + 20, `corner ${i} at ${px} is drawn as ${[r, g, b]}`);
   }
-  // Far from all corners the picture stays what it is.
+  // Far from all corners the image stays what it is.
   const far = wanted.every(([[x, y]]) => Math.hypot(x - 5, y - 90) > 10) ? 90 * plain.width + 5 : null;
-  check(far !== null && !difference(await drawnAt(page, [5.5, 90.5], plain.width), [...plain.values.slice(3 * far, 3 * far + 3)]), "the picture is not that of image.png");
+  check(far !== null && !difference(await drawnAt(page, [5.5, 90.5], plain.width), [...plain.values.slice(3 * far, 3 * far + 3)]), "the image is not that of image.png");
   await page.keyboard.press("Escape");
 
   await boxes.Boxes.check();
@@ -145,7 +145,7 @@ async function overlays(page) {
   console.log(`${wanted.length} corners and ${seen.length} objects stand where the reports have them`);
 }
 
-/** The live view of one picture, and back. */
+/** The live view of one image, and back. */
 async function oneOfThem(page) {
   await enlarged(page, 3);
   await page.getByRole("link", { name: "Open in the live view" }).click();
@@ -156,9 +156,9 @@ async function oneOfThem(page) {
   await page.getByRole("slider", { name: "Gain", exact: true }).fill("6");
   await page.waitForFunction(() => window.state.answers > 0);
   check(!await page.evaluate(() => window.state.error), "its light cannot be exposed");
-  await page.getByRole("link", { name: "All pictures" }).click();
+  await page.getByRole("link", { name: "All images" }).click();
   await page.waitForFunction(() => window.state?.shown?.length > 0);
-  console.log("a picture of the set can be opened in the live view");
+  console.log("an image of the set can be opened in the live view");
 }
 
 /** What no page asks for. */

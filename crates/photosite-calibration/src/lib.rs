@@ -1,7 +1,7 @@
-//! What cameras are calibrated with and against: [`targets`], flat patterns whose points are known, which can be
-//! printed and photographed; [`truth`], what is really there at each pixel; [`camera_files`], by which other tools know
-//! a camera; [`dataset`], which varies a capture from frame to frame; and [`layouts`], in which other tools read what
-//! came of that.
+//! Calibration of cameras and data sets: [`targets`], flat patterns whose points are known, which can be printed and
+//! photographed; [`truth`], ground truth of each pixel; [`camera_files`], which describe a camera to other tools;
+//! [`dataset`], which varies a capture from frame to frame; and [`layouts`], in which other tools read finished data
+//! sets.
 //!
 //! In: the sizes of a target; a [`Scene`](photosite_transport::scene::Scene), a
 //! [`Camera`](photosite_transport::optics::Camera). Out: drawings and meshes; planes of positions, normals, identities,

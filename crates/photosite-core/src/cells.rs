@@ -1,15 +1,15 @@
-//! The cells of an image sensor: where in the picture each collects its light, and which of them see any.
+//! Cells of an image sensor: the place of each on the sensor, and whether it lies in the image circle.
 //!
 //! Places are continuous pixel coordinates: pitches from the top-left corner along a row, rows downwards. Rectangular
 //! cells stand in columns. Rows of hexagonal cells are staggered: every second one, from the second on, lies half a
-//! pitch farther to the right, and a cell is all that is nearer to its centre than to any other. With the pitch p along
-//! rows and the distance q between them that is, about the centre,
+//! pitch farther to the right, and a cell holds all places nearer to its centre than to any other. With the pitch p
+//! along rows and the distance q between them that is, about the centre,
 //!
 //! |x| ≤ p/2,  |y| ≤ q·(½ + a − 4·a·|x|/p),  a = (p/q)²/8
 //!
-//! a hexagon of the area p·q, regular for q = p·√3/2 (the lattice that samples an isotropic picture with the fewest
-//! cells, [Mersereau79](crate::references#mersereau79)). Valid for q ≥ p/2: closer rows have neighbours beyond the next
-//! one.
+//! a hexagon of the area p·q, regular for q = p·√3/2 (the lattice that samples an isotropic image with the fewest
+//! cells, [Mersereau79](crate::references#mersereau79)). The cells are valid for q ≥ p/2: closer rows have neighbours
+//! beyond the next one.
 
 use glam::DVec2;
 
@@ -19,7 +19,7 @@ pub const REGULAR_ROWS: f64 = 0.866_025_403_784_438_6;
 /// The cells of a sensor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CellLayout {
-    /// Their shape.
+    /// Shape of all cells.
     pub shape: CellShape,
     /// The part of the sensor that sees light; `None` for all of it.
     pub image_circle: Option<ImageCircle>,
@@ -45,22 +45,22 @@ pub struct Hexagon {
 /// A circle on the sensor; cells with their centres in it see light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImageCircle {
-    /// Its centre.
+    /// Centre in pixels: columns from the left edge, rows from the top.
     pub centre_px: DVec2,
-    /// Its radius in pitches along a row, and in rows.
+    /// Radius in pitches along a row, and in row distances across.
     pub radii_px: DVec2,
 }
 
 impl Hexagon {
-    /// That of a pitch along rows and a distance between them, in one unit; `None` where rows lie closer than half a
+    /// Hexagon of a pitch along rows and a distance between rows, in one unit; `None` where rows lie closer than half a
     /// pitch.
     pub fn new([pitch, rows]: [f64; 2]) -> Option<Self> {
         let slant = (pitch / rows).powi(2) / 8.0;
         (rows > 0.0 && slant <= 0.5).then_some(Self { slant })
     }
 
-    /// The centre of the neighbour to which a place of the rectangle about a cell belongs, from that cell's centre;
-    /// `None` for the cell's own places.
+    /// Centre of the neighbouring cell that a place in a cell's bounding rectangle belongs to, relative to the cell's
+    /// own centre; `None` where the place is the cell's own.
     #[inline]
     fn neighbour(self, about_centre: DVec2) -> Option<DVec2> {
         let DVec2 { x, y } = about_centre;
@@ -70,7 +70,7 @@ impl Hexagon {
 }
 
 impl ImageCircle {
-    /// The circle of a diameter about the middle of so many columns and rows of a pitch, all in one unit.
+    /// Circle of a diameter about the middle of a sensor of `size` columns and rows; diameter and pitch in one unit.
     pub fn new(diameter: f64, size: [usize; 2], pitch: [f64; 2]) -> Self {
         let half = |axis: usize| size[axis] as f64 / 2.0;
         Self {
@@ -79,7 +79,7 @@ impl ImageCircle {
         }
     }
 
-    /// Whether a place lies in it.
+    /// Whether a place, px, lies in the circle.
     #[inline]
     pub fn contains(&self, place: DVec2) -> bool {
         ((place - self.centre_px) / self.radii_px).length_squared() <= 1.0
@@ -96,9 +96,9 @@ impl CellLayout {
         }
     }
 
-    /// The place of a cell, column and row, that numbers in [0, 1) along both sides stand for: even ones fill it
-    /// evenly. A rectangle of the staggered rows covers a hexagon but for pieces that its neighbours cover of others, so
-    /// that those places change sides.
+    /// Place in a cell (column and row) for two numbers in [0, 1): uniform numbers give places uniform over the cell.
+    /// The rectangle about a hexagonal cell covers it but for corners that belong to its neighbours; places in these
+    /// move to the opposite sides.
     #[inline]
     pub fn place(&self, [column, row]: [usize; 2], within: [f64; 2]) -> DVec2 {
         let corner = DVec2::new(column as f64, row as f64);
@@ -118,7 +118,8 @@ impl CellLayout {
         self.place(cell, [0.5; 2])
     }
 
-    /// Column and row of the cell that a place belongs to, whole numbers, on the sensor or beside it.
+    /// Column and row, whole numbers, of the cell that a place belongs to; beside the sensor, of the cell that would be
+    /// there.
     #[inline]
     pub fn cell_at(&self, place: DVec2) -> DVec2 {
         match self.shape {
@@ -148,7 +149,7 @@ impl CellLayout {
     }
 }
 
-/// How far the staggered cells of a row lie to the right, pitches.
+/// Shift of a row of staggered cells to the right, in pitches: 0 or ½.
 #[inline]
 pub fn shift(row: f64) -> f64 {
     0.5 * row.rem_euclid(2.0)
@@ -164,14 +165,14 @@ mod tests {
         CellLayout { shape: CellShape::Hexagonal(Hexagon::new([1.0, rows]).expect("far enough")), image_circle: None }
     }
 
-    /// Even numbers, with their cells' centres between them and no corner on them.
+    /// Evenly spaced numbers, with the cells' centres between them and none on a corner.
     fn within() -> impl Iterator<Item = [f64; 2]> {
         let at = |i: usize| (i as f64 + 0.43) / N as f64;
         (0..N * N).map(move |i| [at(i % N), at(i / N)])
     }
 
-    /// The second moments of a regular hexagon of the width p, 5/72·p² along both axes (of a square they are p²/12), say
-    /// that places fill it, and each is nearest to the centre of its cell.
+    /// The second moments of a regular hexagon of the width p, 5/72·p² along both axes (of a square they are p²/12),
+    /// show that places fill a cell; each place is nearest to the centre of its own cell.
     #[test]
     fn places_fill_the_hexagon_and_know_their_cell() {
         for rows in [0.6, REGULAR_ROWS, 1.0, 1.7] {

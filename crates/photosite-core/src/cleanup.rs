@@ -1,12 +1,12 @@
-//! What has to be put away when the program ends early: temporary files, unfinished folders, locks.
+//! Cleanup when the program ends early: temporary files, unfinished folders and locks are removed.
 //!
-//! A signal ends the program from another thread, where nothing is dropped. So what is unfinished says here how to be
-//! put away, and is put away by whichever comes first: its own drop, or the end of the program.
+//! A signal ends the program from another thread, where nothing is dropped. So each unfinished thing registers its
+//! removal here, and whichever comes first runs it: its own drop, or the end of the program.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Puts something away, and lets pass what cannot be: nothing depends on it.
+/// Removal of one unfinished thing. Errors are ignored, since nothing depends on the removal.
 type Action = Box<dyn Fn() + Send>;
 
 static OPEN: Mutex<Vec<(u64, Action)>> = Mutex::new(Vec::new());
@@ -15,14 +15,14 @@ fn open() -> MutexGuard<'static, Vec<(u64, Action)>> {
     OPEN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Something unfinished, put away when this is dropped or when the program ends.
+/// Guard of something unfinished, which is removed when the guard is dropped or the program ends.
 #[derive(Debug)]
 pub struct Cleanup {
     number: u64,
 }
 
 impl Cleanup {
-    /// Registers how something is put away. The action must not create or drop another of these.
+    /// Registers a removal. The action must not create or drop another guard of this type.
     pub fn new(action: impl Fn() + Send + 'static) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let number = NEXT.fetch_add(1, Ordering::Relaxed);
@@ -30,7 +30,7 @@ impl Cleanup {
         Self { number }
     }
 
-    /// It is finished, and stays.
+    /// Keeps what was guarded: it is finished.
     pub fn disarm(self) {
         open().retain(|(number, _)| *number != self.number);
     }
@@ -47,12 +47,13 @@ impl Drop for Cleanup {
     }
 }
 
-/// Everything is put away, and as long as this lives, nothing new can be begun.
+/// Proof that all cleanup has run. As long as it lives, no new guard can be registered.
 pub struct AllClean {
     _open: MutexGuard<'static, Vec<(u64, Action)>>,
 }
 
-/// Puts everything away, what came last first. The caller ends the program while it holds what this returns.
+/// Runs all registered removals, the last registered first. The caller ends the program while it holds the returned
+/// proof.
 pub fn clean_up() -> AllClean {
     let mut open = open();
     while let Some((_, action)) = open.pop() {

@@ -1,8 +1,8 @@
-//! Numbers of things, in words.
+//! Counts in words.
 
 use std::fmt::Display;
 
-/// So many of something: `1 picture`, `2 pictures`.
+/// A count with its noun in the singular or plural: `1 image`, `2 images`.
 pub fn counted<N: Display + PartialEq + From<u8>>(count: N, [one, several]: [&str; 2]) -> String {
     format!("{count} {}", if count == N::from(1) { one } else { several })
 }
@@ -13,7 +13,7 @@ mod tests {
 
     #[test]
     fn only_one_is_singular() {
-        let pictures = |count| counted(count, ["picture", "pictures"]);
-        assert_eq!([0_u32, 1, 2].map(pictures), ["0 pictures", "1 picture", "2 pictures"]);
+        let images = |count| counted(count, ["image", "images"]);
+        assert_eq!([0_u32, 1, 2].map(images), ["0 images", "1 image", "2 images"]);
     }
 }

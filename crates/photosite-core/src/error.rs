@@ -1,7 +1,7 @@
-//! What a user or a file can get wrong, told so that it can be put right.
+//! Errors that a user or a file can cause, with a message that says how to put each right.
 //!
-//! Modules that never touch files report an [`Invalid`]: a key, what is wrong with it, what to write instead. The
-//! modules that read files turn it into an [`Error`], which adds the file and the line.
+//! Modules that never touch files report an [`Invalid`]: its key, the fault, and the remedy. The modules that read
+//! files turn it into an [`Error`], which adds the file and the line.
 
 use std::fmt;
 use std::io::ErrorKind;
@@ -20,9 +20,9 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 pub struct Invalid {
     /// Dotted path of the offending key; may be empty where no single key is at fault.
     pub key: String,
-    /// What is wrong, with the value that was found.
+    /// Message: the fault and the value that was found.
     pub message: String,
-    /// What to write instead.
+    /// Remedy: a value to write instead, or something else to do.
     pub help: Option<Help>,
 }
 
@@ -32,14 +32,14 @@ impl Invalid {
         Self { key: key.into(), message: shorten(message.into()), help: None }
     }
 
-    /// Says what to write instead.
+    /// Adds a remedy, in place of any before.
     #[must_use]
     pub fn help(mut self, help: impl Into<Help>) -> Self {
         self.help = Some(help.into());
         self
     }
 
-    /// Says what else to do.
+    /// Adds an alternative to the remedy.
     #[must_use]
     pub fn or(mut self, remedy: Remedy) -> Self {
         self.help = Some(match self.help {
@@ -81,7 +81,7 @@ impl Invalid {
         Error::Input(Box::new(error))
     }
 
-    /// The error of an override of a key, as short as messages have it.
+    /// The error of an override of a key, `key=value`, which is shortened as in all messages.
     pub fn in_override(self, argument: &str) -> Error {
         let error = self.input_error(argument.as_ref(), None);
         Error::Input(Box::new(InputError { is_override: true, ..error }))
@@ -106,7 +106,7 @@ impl Invalid {
     }
 }
 
-/// Whether the line around a byte and its neighbours are short enough to be shown: documents that programs wrote may
+/// Whether the line around a byte and its neighbours are short enough to show: documents written by programs may
 /// consist of a single line of megabytes.
 fn is_readable(text: &str, at: usize) -> bool {
     const LONGEST_LINE: usize = 240;
@@ -122,28 +122,27 @@ impl fmt::Display for Invalid {
 
 impl std::error::Error for Invalid {}
 
-/// A problem inside an input file: where it is, what it is, what to write instead.
+/// A fault in an input file: place, message and remedy.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 #[error("{}", self.describe())]
 pub struct InputError {
-    /// The file at fault.
+    /// File at fault.
     pub path: PathBuf,
     /// Line of the offending key or record, counted from 1.
     pub line: Option<usize>,
     /// Dotted key, glTF path (`materials[2]`) or record name; empty where the whole file is at fault.
     pub key: String,
-    /// What is wrong.
+    /// Message: the fault and the value that was found.
     pub message: String,
-    /// What to write instead.
+    /// Remedy: a value to write instead, or something else to do.
     #[help]
     pub help: Option<Help>,
-    /// The text of the file, for underlining.
+    /// Text of the file, to underline the fault in.
     #[source_code]
     pub source_code: Option<NamedSource<String>>,
-    /// Whether it is not a file that is at fault, but an override of a key, `key=value`, which stands in the place of
-    /// the path.
+    /// Whether an override of a key, `key=value`, is at fault; `path` then holds the override instead of a file.
     pub is_override: bool,
-    /// The bytes to underline.
+    /// Bytes to underline.
     #[label("here")]
     pub span: Option<SourceSpan>,
 }
@@ -162,69 +161,69 @@ impl InputError {
     }
 }
 
-/// Everything that can go wrong for a reason outside the program.
+/// An error with a cause outside the program.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum Error {
-    /// A file says something that cannot be used.
+    /// An input file, or an override of a key, with an unusable value.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Input(Box<InputError>),
     /// The operating system refused to read or write.
     #[error("{}: cannot {action}: {reason}", shorten(path.display().to_string()))]
     Io {
-        /// The file or folder.
+        /// File or folder.
         path: PathBuf,
-        /// What was attempted, as a verb: "read", "create the folder".
+        /// Attempted action, as a verb: "read", "create the folder".
         action: &'static str,
-        /// The system's reason. Part of the message, hence no `source` besides.
+        /// The system's reason. It is part of the message, hence there is no `source` besides.
         reason: std::io::Error,
     },
-    /// An override of a key, `key=value`, that is none.
+    /// A malformed override of a key, `key=value`.
     #[error("override {argument}: {message}")]
     Override {
-        /// The override, as short as messages have it.
+        /// The override, shortened as in all messages.
         argument: String,
-        /// What is wrong with it.
+        /// Message: the fault of the override.
         message: String,
-        /// What to write instead.
+        /// Remedy.
         #[help]
         help: Option<Help>,
     },
     /// A request whose parts do not fit together.
     #[error("{message}")]
     Usage {
-        /// What does not fit.
+        /// Message: the parts that do not fit together.
         message: String,
-        /// What to ask for instead.
+        /// Remedy: a request that works.
         #[help]
         help: Option<Help>,
     },
-    /// The machine does not give what the work takes: threads, memory.
+    /// Threads or memory that the machine lacks for the work.
     #[error("{message}")]
     Resources {
-        /// What there is not.
+        /// Message: the missing resource.
         message: String,
-        /// What to do.
+        /// Remedy.
         #[help]
         help: Option<Help>,
     },
-    /// What another try may cure: a folder that another process fills, a file that was there and is gone.
+    /// An error that another try may cure: a folder that another process fills, a file that was there and is gone.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Temporary(Box<Error>),
-    /// The work was asked to stop, and did.
+    /// Work that stopped because it was asked to.
     #[error("{message}")]
     Cancelled {
-        /// Who asked.
+        /// Message: the source of the request to stop.
         message: String,
-        /// How it goes on.
+        /// Remedy: the way to resume.
         #[help]
         help: Option<Help>,
     },
 }
 
 impl Error {
-    /// A problem with a file as a whole or with one named part of it.
+    /// A fault of a file as a whole, or of one named part of it.
     pub fn in_file(path: &Path, key: impl Into<String>, message: impl Into<String>) -> Self {
         Invalid::new(key, message).in_file(path)
     }
@@ -234,20 +233,20 @@ impl Error {
         Self::Io { path: path.to_owned(), action, reason }
     }
 
-    /// The same error where another try may cure it.
+    /// Marks the error as one that another try may cure.
     #[must_use]
     pub fn temporary(self) -> Self {
         if self.is_temporary() { self } else { Self::Temporary(Box::new(self)) }
     }
 
-    /// The error of work that has begun: a file that is not there now was there then.
+    /// Error of work that has begun: a missing file is temporary, because it was there when the work began.
     #[must_use]
     pub fn since_begun(self) -> Self {
         let is_gone = matches!(&self, Self::Io { reason, .. } if reason.kind() == ErrorKind::NotFound);
         if is_gone { self.temporary() } else { self }
     }
 
-    /// The same in the words of a front end: what it calls a remedy, and an override of a key.
+    /// The error in the words of a front end, which has its own names for remedies and for an override of a key.
     #[must_use]
     pub fn in_words(self, remedy: &dyn Fn(&Remedy) -> String, override_of: &str) -> Self {
         let words = |help: Option<Help>| help.map(|help| Help::from(help.in_words(remedy)));
@@ -270,7 +269,7 @@ impl Error {
         }
     }
 
-    /// Whether another try may cure it, later or on another machine.
+    /// Whether another try, later or on another machine, may cure the error.
     pub fn is_temporary(&self) -> bool {
         match self {
             Self::Temporary(_) => true,
@@ -284,10 +283,9 @@ impl Error {
     }
 }
 
-/// Whether what the operating system gives as its reason may have passed by the next try: disks get space, servers come
-/// back.
+/// Whether the operating system's reason may have passed by the next try: disks get space, servers come back.
 fn may_pass(reason: &std::io::Error) -> bool {
-    /// "Input/output error", which std has no kind for: of this disk, or of a server that went away.
+    /// `EIO`, "Input/output error" of a disk or of a lost server; `std` has no kind for it.
     const EIO: i32 = 5;
     matches!(
         reason.kind(),
@@ -307,7 +305,7 @@ fn may_pass(reason: &std::io::Error) -> bool {
 mod tests {
     use super::*;
 
-    /// The numbers are those of Linux; names in errno(3).
+    /// Error numbers are those of Linux, errno(3).
     #[cfg(target_os = "linux")]
     #[test]
     fn another_try_may_cure_full_disks_and_lost_servers_but_no_missing_or_forbidden_file() {

@@ -1,6 +1,6 @@
-//! Fail points: named places at which a test lets the program end as if it had been killed.
+//! Fail points: named places at which a test ends the program as if it had been killed.
 //!
-//! Where the variable `PHOTOSITE_FAIL_POINT` is `NAME:N`, the program ends when it reaches the point of that name for
+//! When the variable `PHOTOSITE_FAIL_POINT` is `NAME:N`, the program ends when it reaches the point of that name for
 //! the N-th time: at once, with status 137 as after SIGKILL, and without putting anything away. Without the variable a
 //! point costs one comparison. Points stand where files change, never in hot loops:
 //!
@@ -9,18 +9,18 @@
 //! | `file-written` | a file is complete under its temporary name |
 //! | `file-named` | a file has got its name |
 //! | `pass-ended` | a pass over the image is traced, and what it asks for is kept |
-//! | `picture-begun` | a picture of a data set has a folder of its own, with nothing in it |
-//! | `picture-complete` | that folder has all its files, but not its name |
+//! | `image-begun` | an image of a data set has a folder of its own, with nothing in it |
+//! | `image-complete` | that folder has all its files, but not its name |
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// What ends the program, see [`reach`].
+/// Environment variable that names the fail point, see [`reach`].
 const VARIABLE: &str = "PHOTOSITE_FAIL_POINT";
-/// The status of a program that was killed: 128 and the number of SIGKILL.
+/// Exit status of a killed program: 128 and the number of SIGKILL.
 const KILLED: i32 = 137;
 
-/// The point that ends the program, and the time that it is reached then.
+/// Name of the fail point that ends the program, and the number of times it is reached until then.
 fn wanted() -> Option<&'static (String, u32)> {
     static WANTED: OnceLock<Option<(String, u32)>> = OnceLock::new();
     let read = || {
@@ -31,7 +31,7 @@ fn wanted() -> Option<&'static (String, u32)> {
     WANTED.get_or_init(read).as_ref()
 }
 
-/// Ends the program if a test has asked for that at this point.
+/// Ends the program if `PHOTOSITE_FAIL_POINT` asks for it at this point.
 pub fn reach(name: &str) {
     static REACHED: AtomicU32 = AtomicU32::new(0);
     let Some((wanted, count)) = wanted() else { return };

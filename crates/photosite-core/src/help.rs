@@ -1,70 +1,70 @@
-//! What to do about an error, in parts that each front end puts into its own words: a command speaks of its options, a
+//! Remedies for errors, in parts that each front end puts into its own words: a command speaks of its options, a
 //! library of its arguments.
 
 use std::fmt;
 
-/// What to do: one thing or another.
+/// Alternatives for curing an error: one remedy or another.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Help(Vec<Remedy>);
 
-/// One thing to do.
+/// A single remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Remedy {
-    /// In words that hold for every caller.
+    /// Advice in words that hold for every front end.
     Say(String),
-    /// Allow that earlier results are overwritten.
+    /// Allow overwriting earlier results.
     Overwrite,
-    /// Allow that an earlier beginning is thrown away.
+    /// Allow discarding a run begun earlier.
     StartAnew,
-    /// Let the results go to `another folder`, `a new folder`, `another file`.
+    /// Write the results to another place: `another folder`, `a new folder`, `another file`.
     Elsewhere(String),
     /// Override a key: `render.samples_per_pixel=64`.
     Override(String),
-    /// What an override looks like: `noise.read_noise_e=2`.
+    /// Override a key, with an example: `noise.read_noise_e=2`.
     Example(String),
-    /// Allow so many GiB for the film.
+    /// Allow this number of GiB for the film.
     FilmMemory(String),
-    /// Allow so many GiB for the program.
+    /// Allow this number of GiB for the program.
     Memory(String),
-    /// Render these samples of each pixel: from the first up to, but without, the second.
+    /// Render these samples of each pixel: from the first up to, but not including, the second.
     Samples([u32; 2]),
     /// Name these channels.
     Channels(Vec<String>),
-    /// Look at the masked pixels of this raw image, too, of which the active area is looked at.
+    /// Include the masked pixels of a raw image, of which only the active area was asked for.
     Masked {
-        /// Its name.
+        /// Name of the image.
         name: String,
-        /// Where the active area lies.
+        /// Rectangle of the active area.
         area: String,
     },
-    /// Give the variance of the picture that is called so, or say that it is exact.
+    /// Give the variance of the image of this name, or state that the image is exact.
     Variance(&'static str),
-    /// Say of how many samples the second moments of that picture are.
+    /// State the number of samples per pixel behind the second moments of the image of this name.
     Moments(&'static str),
-    /// Let something stand in for textures that cannot be had.
+    /// Let grey stand in for textures that are missing.
     Lenient,
-    /// Take the nearest that a file format has.
+    /// Take the closest equivalent that a file format has.
     Nearest,
-    /// Say that the numbers of a picture are in proportion to light.
+    /// State that pixel values are proportional to light.
     Linear,
-    /// Say what the numbers of a picture are on the sensor.
+    /// State the quantity on the sensor that pixel values are.
     LightUnit,
 }
 
 impl Help {
-    /// One thing or another.
+    /// Alternatives, of which any one is enough.
     pub fn any(remedies: impl IntoIterator<Item = Remedy>) -> Self {
         Self(remedies.into_iter().collect())
     }
 
-    /// This, or another thing.
+    /// Adds an alternative.
     #[must_use]
     pub fn or(mut self, remedy: Remedy) -> Self {
         self.0.push(remedy);
         self
     }
 
-    /// In the words of a front end: "a", "a, or b", "a, b, or c".
+    /// Text of the alternatives in the words of a front end: "a", "a, or b", "a, b, or c".
     pub fn in_words(&self, word: impl Fn(&Remedy) -> String) -> String {
         let words: Vec<String> = self.0.iter().map(word).collect();
         match &words[..] {
@@ -91,14 +91,14 @@ impl fmt::Display for Remedy {
             Self::Masked { name, area } => {
                 write!(f, "of {name} the active area is looked at, {area}; ask for its masked pixels, too")
             }
-            Self::Variance(picture) => write!(f, "give the variance of {picture}; 0 if it is exact"),
-            Self::Moments(picture) => {
-                write!(f, "state how many samples per pixel the second moments of {picture} come from")
+            Self::Variance(image) => write!(f, "give the variance of {image}; 0 if it is exact"),
+            Self::Moments(image) => {
+                write!(f, "state how many samples per pixel the second moments of {image} come from")
             }
             Self::Lenient => f.write_str("override scene.lenient=true, and grey is used instead"),
             Self::Nearest => f.write_str("ask for the closest equivalent"),
             Self::Linear => f.write_str("state that its codes are proportional to light"),
-            Self::LightUnit => f.write_str("say what the numbers of the picture are on the sensor"),
+            Self::LightUnit => f.write_str("say what the pixel values of the image are on the sensor"),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Pictures of a physical quantity: named planes of numbers, and Monte Carlo estimates with their variance.
+//! Images of a physical quantity: named channels of pixel values, and Monte Carlo estimates with their variance.
 
 use std::fmt;
 
@@ -6,16 +6,17 @@ use rayon::prelude::*;
 
 use crate::Invalid;
 
-/// One named plane of a picture, row by row from the top-left pixel.
+/// One named channel of an image, row by row from the top-left pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Channel {
-    /// What the plane holds: "R", "Y", "550,0nm" …
+    /// Channel name: "R", "Y", "550,0nm" …
     pub name: String,
-    /// width × height values.
+    /// Pixel values, width × height of them.
     pub data: Vec<f32>,
 }
 
-/// Planes of one quantity on one pixel grid. The unit is that of the quantity and named where a picture is passed on.
+/// Channels of one quantity on one pixel grid. The unit is that of the quantity and is stated where an image is passed
+/// on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Planes {
     width: usize,
@@ -24,13 +25,13 @@ pub struct Planes {
 }
 
 impl Planes {
-    /// Planes filled with zeros.
+    /// Channels filled with zeros.
     pub fn zeros<S: Into<String>>(width: usize, height: usize, names: impl IntoIterator<Item = S>) -> Self {
         let channel = |name: S| Channel { name: name.into(), data: vec![0.0; width * height] };
         Self { width, height, channels: names.into_iter().map(channel).collect() }
     }
 
-    /// From filled channels; each must hold width × height values.
+    /// An image of filled channels, each of which must hold width × height values.
     pub fn new(width: usize, height: usize, channels: Vec<Channel>) -> Result<Self, Invalid> {
         match channels.iter().find(|c| c.data.len() != width * height) {
             Some(c) => {
@@ -41,37 +42,37 @@ impl Planes {
         }
     }
 
-    /// Pixels in a row.
+    /// Number of pixels in a row.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows.
+    /// Number of rows.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// The planes.
+    /// All channels.
     pub fn channels(&self) -> &[Channel] {
         &self.channels
     }
 
-    /// The planes, to be written.
+    /// All channels, for writing.
     pub fn channels_mut(&mut self) -> &mut [Channel] {
         &mut self.channels
     }
 
-    /// The planes, given away.
+    /// Unwraps the channels.
     pub fn into_channels(self) -> Vec<Channel> {
         self.channels
     }
 
-    /// The values of the plane called `name`.
+    /// Pixel values of the channel called `name`.
     pub fn plane(&self, name: &str) -> Option<&[f32]> {
         self.channels.iter().find(|c| c.name == name).map(|c| &c.data[..])
     }
 
-    /// Every value times `factor`.
+    /// The image with every value multiplied by `factor`.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Self {
         for channel in &mut self.channels {
@@ -84,25 +85,25 @@ impl Planes {
 /// A Monte Carlo estimate: mean, and variance of that mean, on the same grid with the same channel names.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// The estimated quantity.
+    /// Mean of the estimated quantity.
     pub mean: Planes,
-    /// Variance of the mean, in the squared unit; channels of which it is not known are missing. With a stratified
-    /// sampler (Sobol) this is an upper bound in practice, since it is computed as if samples were independent.
+    /// Variance of the mean, in the squared unit; channels whose variance is not known are missing. With a stratified
+    /// sampler (Sobol) it is an upper bound in practice, since it is computed as if samples were independent.
     pub variance: Planes,
 }
 
 impl Estimate {
-    /// The estimate of the quantity times `factor`: the variance goes with its square.
+    /// Estimate of the quantity times `factor`; the variance is multiplied by its square.
     #[must_use]
     pub fn scaled(self, factor: f64) -> Self {
         Self { mean: self.mean.scaled(factor), variance: self.variance.scaled(factor * factor) }
     }
 }
 
-/// Values of planes that are NaN or infinite.
+/// Pixel values that are NaN or infinite: their number, and the first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NotFinite {
-    /// How many there are.
+    /// Number of such values.
     pub count: usize,
     channel: String,
     value: f32,
@@ -110,7 +111,7 @@ pub struct NotFinite {
 }
 
 impl NotFinite {
-    /// Values of the planes that are not finite; `None` where there are none.
+    /// Pixel values that are NaN or infinite; `None` where all are finite.
     pub fn of(planes: &Planes) -> Option<Self> {
         let width = planes.width().max(1);
         let mut found: Option<Self> = None;
@@ -124,7 +125,8 @@ impl NotFinite {
         found
     }
 
-    /// Refuses planes that hold any, where they would make a figure or a light of all planes neither.
+    /// Refuses an image with NaN or infinite values, where a single one would spoil a figure or an emitter made of all
+    /// pixels.
     pub fn refuse(planes: &Planes) -> Result<(), Invalid> {
         let refused = |found: Self| Invalid::new("", found.to_string()).help("write finite values in their place");
         Self::of(planes).map_or(Ok(()), |found| Err(refused(found)))

@@ -1,9 +1,10 @@
-//! The pixels of a delivered image on those of the sensor: what regions, binning, a frame grabber, the delay of a video line,
-//! square pixels, resizing and zooming leave of the sensor's grid.
+//! Pixel grid of a delivered image relative to the sensor's, after regions of interest, binning, frame grabbers, video
+//! line delays, pixel-aspect correction, resizing and zooming.
 //!
-//! s = a + d·p along each axis, with a place p of the image, s of the sensor, both in continuous coordinates from the
-//! top-left corner of the first pixel that sees light, px; a where the image begins on the sensor, and d the pixels of the
-//! sensor in one of the image. Ground truth, points, camera files and layouts of data sets are all in pixels of this grid.
+//! Along each axis s = a + d·p, where p is a place in the image and s the same place on the sensor, both in continuous
+//! coordinates from the top-left corner of the first pixel that sees light, px; a is the image's origin on the sensor,
+//! and d the number of sensor pixels per image pixel. Ground truth, points, camera files and layouts of data sets are
+//! all in pixels of this grid.
 
 use glam::DVec2;
 
@@ -15,16 +16,16 @@ use crate::projection::Intrinsics;
 pub struct ImageGrid {
     /// Columns and rows.
     pub resolution: [u32; 2],
-    /// Where it begins on the sensor, px.
+    /// Origin of the image on the sensor, px.
     pub first: DVec2,
-    /// Pixels of the sensor in one of its own.
+    /// Sensor pixels per image pixel, along rows and across.
     pub per_pixel: DVec2,
     /// Whether every second row lies half a pixel farther to the right.
     pub is_staggered: bool,
 }
 
 impl From<[u32; 2]> for ImageGrid {
-    /// The grid of all pixels of a sensor with cells in columns.
+    /// Grid of all pixels of a sensor with cells in columns.
     fn from(resolution: [u32; 2]) -> Self {
         Self { resolution, first: DVec2::ZERO, per_pixel: DVec2::ONE, is_staggered: false }
     }
@@ -38,13 +39,13 @@ impl ImageGrid {
         DVec2::new(column as f64 + right, row as f64) + 0.5
     }
 
-    /// The place on the sensor of one in the image.
+    /// Place in the image → place on the sensor.
     #[inline]
     pub fn on_sensor(&self, place: DVec2) -> DVec2 {
         self.first + place * self.per_pixel
     }
 
-    /// The place in the image, or beside it, of one on the sensor.
+    /// Place on the sensor → place in the image, or beside it.
     #[inline]
     pub fn in_image(&self, place: DVec2) -> DVec2 {
         (place - self.first) / self.per_pixel
@@ -57,7 +58,7 @@ impl ImageGrid {
         (0.0..width).contains(&place.x) && (0.0..height).contains(&place.y)
     }
 
-    /// The matrix of a camera on this grid, from that on the grid of the sensor.
+    /// Camera matrix on this grid, from the camera matrix on the sensor's grid.
     pub fn intrinsics(&self, on_sensor: &Intrinsics) -> Intrinsics {
         on_sensor.on_grid(self.first.to_array(), self.per_pixel.to_array())
     }

@@ -1,5 +1,5 @@
-//! Reading files and folders, those that users name and those that folders hold: regular ones, in the sandbox if there is
-//! one ([`sandbox`]), and texts of a bounded size. Nothing else opens files to read them.
+//! Reading of regular files and of folders, in the [`sandbox`] if there is one, and of texts of a bounded size. All of
+//! photosite opens files for reading here.
 //!
 //! Devices, pipes and sockets may have no end, or keep a reader waiting for ever.
 
@@ -9,11 +9,11 @@ use std::path::Path;
 
 use crate::{memory, sandbox, text};
 
-/// Most bytes of a description that is read into a tree, as captures and sensors are: the tree of a TOML file takes some
-/// seventy times as much memory.
+/// Largest size, in bytes, of a description that is parsed into a tree, such as a capture or a sensor: the tree of a
+/// TOML file takes some seventy times as much memory.
 pub const TREE_BYTES: u64 = 16 << 20;
 
-/// Most bytes of a table of numbers, or of a report, which has a line for each point of a target.
+/// Largest size, in bytes, of a table of numbers, or of a report, which has a line for each point of a target.
 pub const TABLE_BYTES: u64 = 256 << 20;
 
 /// Opens a regular file.
@@ -31,7 +31,7 @@ pub fn open(path: &Path) -> io::Result<File> {
     File::open(path)
 }
 
-/// Opens a file to read and to change it, which is made or emptied where it is to be new.
+/// Opens a file for reading and changing; where it is to be new, it is created or emptied.
 ///
 /// # Errors
 ///
@@ -63,7 +63,7 @@ pub fn entries(folder: &Path) -> io::Result<ReadDir> {
 ///
 /// # Errors
 ///
-/// As [`open`]; that it cannot be read.
+/// Errors of [`open`], and a file that cannot be read.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut file = open(path)?;
     let mut bytes = Vec::new();
@@ -78,11 +78,11 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads a regular file of at most so many bytes as a whole.
+/// Reads a regular file as a whole if it has at most `most` bytes.
 ///
 /// # Errors
 ///
-/// As [`read`]; that it is longer.
+/// Errors of [`read`], and a file that is longer.
 pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     let mut bytes = Vec::new();
@@ -95,16 +95,16 @@ pub fn read_at_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Reads a text of at most so many bytes, as [`text::decode`] has it.
+/// Reads a text file of at most `most` bytes, decoded by [`text::decode`].
 ///
 /// # Errors
 ///
-/// Those of [`read_at_most`] and [`text::decode`].
+/// Errors of [`read_at_most`] and [`text::decode`].
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     text::decode(read_at_most(path, most)?)
 }
 
-/// What there is instead of a file.
+/// Name of a kind of file that is not regular.
 fn other_kind(kind: FileType) -> Option<&'static str> {
     #[cfg(unix)]
     {

@@ -1,4 +1,4 @@
-//! Finding the line of a JSON value by its path, for messages.
+//! Search for the line of a JSON value by its path, for messages.
 
 use std::ops::Range;
 use std::path::Path;
@@ -6,7 +6,8 @@ use std::path::Path;
 use crate::Error;
 use crate::error::Invalid;
 
-/// The error of a value in a JSON text whose key is a path such as `nodes[3].scale`, with its line if the text has it.
+/// Error of a value in a JSON text whose key is a path such as `nodes[3].scale`, with the value's line if the text has
+/// it.
 pub fn located(invalid: Invalid, path: &Path, json: &[u8]) -> Error {
     let Some((text, span)) = std::str::from_utf8(json).ok().and_then(|text| Some((text, find(text, &invalid.key)?)))
     else {
@@ -33,7 +34,7 @@ fn find(text: &str, path: &str) -> Option<Range<usize>> {
     found
 }
 
-/// Walks over JSON that is known to be well-formed; on any surprise it gives up with `None`.
+/// Scanner of JSON that is known to be well-formed; a syntax error ends the search with `None`.
 struct Scanner<'a> {
     text: &'a [u8],
     at: usize,

@@ -6,7 +6,7 @@ use glob::Pattern;
 
 use crate::toml_text;
 
-/// An override, `key=value`, as its key and its value; `None` where it has no value.
+/// Key and value of an override, `key=value`; `None` where it has no value.
 pub fn split_change(change: &str) -> Option<(&str, &str)> {
     let equals = outside_quotes(change, '=').next().or_else(|| change.find('='))?;
     Some((change[..equals].trim(), change[equals + 1..].trim()))
@@ -37,18 +37,19 @@ pub fn path(keys: &[String]) -> String {
     keys.iter().map(written).collect::<Vec<_>>().join(".")
 }
 
-/// Whether a key stands for several: `*` for any letters, `?` for one, `[ab]` for one of these beside them.
+/// Whether a key is a pattern for several: `*` for any letters, `?` for one, `[ab]` for one of the enclosed, besides
+/// other letters.
 pub fn is_pattern(key: &str) -> bool {
     key.contains(['*', '?'])
 }
 
-/// Whether a key is one of those that a pattern stands for. What is no pattern stands for itself.
+/// Whether a key matches a pattern. A plain key matches itself alone.
 pub fn matches(pattern: &str, key: &str) -> bool {
     let is_alike = || Pattern::new(pattern).is_ok_and(|pattern| pattern.matches(key));
     pattern == key || is_pattern(pattern) && is_alike()
 }
 
-/// Whether a path is one of those that a path of patterns stands for.
+/// Whether a path matches a path of patterns.
 pub fn path_matches(pattern: &str, path: &str) -> bool {
     let (patterns, keys) = (keys(pattern), keys(path));
     patterns.len() == keys.len() && patterns.iter().zip(&keys).all(|(pattern, key)| matches(pattern, key))
@@ -59,7 +60,7 @@ pub fn has_outside_quotes(text: &str, letters: &[char]) -> bool {
     letters.iter().any(|letter| outside_quotes(text, *letter).next().is_some())
 }
 
-/// Where a letter stands outside of quotes.
+/// Positions of a letter outside quotes.
 fn outside_quotes(text: &str, wanted: char) -> impl Iterator<Item = usize> {
     let (mut quote, mut is_escaped) = (None, false);
     text.char_indices().filter_map(move |(i, c)| {
@@ -76,7 +77,7 @@ fn outside_quotes(text: &str, wanted: char) -> impl Iterator<Item = usize> {
     })
 }
 
-/// What a string in quotes holds.
+/// Content of a string in quotes.
 fn unquoted(part: &str) -> Option<String> {
     if !part.starts_with(['"', '\'']) {
         return None;

@@ -1,10 +1,13 @@
-//! What everything else in photosite stands on and what knows nothing of rays, sensors or files: [`units`], mathematics
+//! Foundation of all other crates of photosite, independent of rays, sensors and file formats: [`units`], mathematics
 //! ([`math`]), spectra ([`spectrum`]), colour ([`colour`]), images in memory ([`image`]), the projections of lenses
 //! ([`projection`]), where a sensor's [`cells`] are, and the errors and warnings that users read.
 //!
 //! SI units throughout, wavelengths in nanometres.
 
 #![forbid(unsafe_code)]
+
+// By which derived code names this crate, within it too.
+extern crate self as photosite_core;
 
 pub mod cells;
 pub mod cleanup;
@@ -18,11 +21,14 @@ pub mod image_grid;
 pub mod input;
 pub mod json;
 pub mod key_path;
+pub mod keys;
+pub mod locked;
 pub mod math;
 pub mod memory;
 pub mod output;
 pub mod projection;
 pub mod references;
+pub mod rows;
 pub mod sandbox;
 pub mod schema_range;
 pub mod shorten;

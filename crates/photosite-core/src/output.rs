@@ -1,7 +1,8 @@
-//! Writing files so that each appears whole or not at all, and is there after a power cut.
+//! Writing of files that appear whole or not at all, and survive a power cut.
 //!
-//! A file is written under a name that no other process has, synced, and renamed; then its folder is synced. While it is
-//! written it is locked, so that the next process that writes to its folder knows those of dead ones, and sweeps them.
+//! A file is written under a name that no other process has, synced, and renamed; then its folder is synced. While it
+//! is written it is locked, so that the next process that writes to its folder recognises and removes files of dead
+//! processes.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, Metadata};
@@ -16,9 +17,9 @@ use crate::fail_point;
 use crate::sandbox;
 use crate::{Error, Invalid, Result};
 
-/// What names of files begin and end with that are being written.
+/// Prefix of the names of files that are being written.
 const PREFIX: &str = ".photosite-";
-/// The same of folders, too.
+/// Suffix of the names of files and folders that are being written.
 pub const PARTIAL: &str = ".partial";
 
 /// A file being written, as encoders see it.
@@ -31,37 +32,38 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<
     write_beside(path, write)?.put_in_place(path)
 }
 
-/// Writes a file beside its place, synced, under a name that nobody knows.
+/// Writes a file beside its place and syncs it, under a temporary name.
 pub fn write_beside(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<FileBeside> {
     Ok(FileBeside(Temporary::write(path, write)?.synced(path)?))
 }
 
-/// A complete file that has not its name yet, and goes unless it gets it.
+/// A complete, synced file under a temporary name, which is removed unless it is put in place.
 pub struct FileBeside(Temporary);
 
 impl FileBeside {
-    /// Gives the file its name, which an older one may have.
+    /// Renames the file to its final name, replacing an older file of that name.
     pub fn put_in_place(self, path: &Path) -> Result<()> {
         self.0.persist(path)?;
         sync_folder(folder_of(path)?)
     }
 }
 
-/// As [`write_whole`], unless there is a file of that name by then, which stays as it is: whether it was written.
+/// Writes a file as [`write_whole`] does, unless a file of that name exists by then; that one stays as it was. Returns
+/// whether the file was written.
 pub fn write_new(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<bool> {
     let is_new = Temporary::write(path, write)?.synced(path)?.persist_new(path)?;
     sync_folder(folder_of(path)?)?;
     Ok(is_new)
 }
 
-/// Writes a file whole that need not survive a power cut: a picture of what is under way, or one of a folder that is
+/// Writes a whole file that need not survive a power cut: a preview of work under way, or one of a folder that is
 /// synced when it is finished (`UnfinishedFolder` of the files of data sets).
 pub fn write_unsynced(path: &Path, write: impl FnOnce(&mut dyn Sink) -> io::Result<()>) -> Result<()> {
     Temporary::write(path, write)?.persist(path).map(|_| ())
 }
 
-/// The same as [`write_whole`], or as [`write_unsynced`]; what tells the file from one that another process puts in its
-/// place.
+/// Writes a file as [`write_whole`] does, or as [`write_unsynced`], and returns the stamp that tells it from a file
+/// that another process puts in its place.
 pub fn write_stamped(
     path: &Path,
     is_synced: bool,
@@ -76,7 +78,7 @@ pub fn write_stamped(
     Ok(stamp)
 }
 
-/// What tells a file from others that had its name.
+/// Size and inode, which tell a file from others that had its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stamp {
     bytes: u64,
@@ -92,13 +94,13 @@ impl Stamp {
         Self { bytes: file.len(), inode }
     }
 
-    /// Whether it is still this file that has the name.
+    /// Whether the file of that name is still the stamped one.
     pub fn is_of(self, path: &Path) -> bool {
         fs::metadata(path).is_ok_and(|file| Self::of(&file) == self)
     }
 }
 
-/// A file that is complete, but has not its name yet.
+/// A file under a temporary name.
 struct Temporary {
     file: NamedTempFile,
     cleanup: Cleanup,
@@ -137,7 +139,7 @@ impl Temporary {
         }
         #[cfg(unix)]
         {
-            // Temporary files are private; a picture is not.
+            // Temporary files are private; an image is not.
             use std::os::unix::fs::PermissionsExt;
             file.as_file().set_permissions(fs::Permissions::from_mode(0o644)).map_err(failed)?;
         }
@@ -171,19 +173,19 @@ impl Temporary {
     }
 }
 
-/// A file that remembers why it first refused something: encoders wrap that beyond recognition.
+/// A writer that remembers its first error, which encoders wrap beyond recognition.
 pub struct Remembering<W> {
     inner: W,
     failure: Option<io::Error>,
 }
 
 impl<W> Remembering<W> {
-    /// Around a file that nothing was written to.
+    /// Wrapper of a writer without errors so far.
     pub fn new(inner: W) -> Self {
         Self { inner, failure: None }
     }
 
-    /// Why it first refused something.
+    /// First error of the writer.
     pub fn into_failure(self) -> Option<io::Error> {
         self.failure
     }
@@ -218,7 +220,7 @@ impl<W: Seek> Seek for Remembering<W> {
     }
 }
 
-/// The same reason once more.
+/// Copy of an error, which is not `Clone`.
 fn same(reason: &io::Error) -> io::Error {
     reason.raw_os_error().map_or_else(|| reason.kind().into(), io::Error::from_raw_os_error)
 }
@@ -244,7 +246,7 @@ pub fn create_folder(path: &Path) -> Result<()> {
 ///
 /// # Errors
 ///
-/// Such a link, or what the system says.
+/// A link that leads out, or the system's error.
 pub fn create_folders(path: &Path) -> io::Result<()> {
     sandbox::written(path)?;
     fs::create_dir_all(path)
@@ -262,12 +264,12 @@ pub fn sync_folder(path: &Path) -> Result<()> {
     }
 }
 
-/// Whether a file system says so that it does not sync folders, or that this one must not be read.
+/// Whether an error only means that a file system does not sync folders, or that the folder must not be read.
 fn is_no_need(kind: ErrorKind) -> bool {
     matches!(kind, ErrorKind::InvalidInput | ErrorKind::Unsupported | ErrorKind::PermissionDenied)
 }
 
-/// Removes files that a process was writing to a folder when it died. No living one may be writing to it.
+/// Removes files that a process was writing to a folder when it died. No living process may be writing to it.
 pub fn remove_leftovers(folder: &Path) {
     let names = fs::read_dir(folder).into_iter().flatten().flatten();
     let leftovers = names.filter(|entry| is_temporary(&entry.file_name().to_string_lossy()));
@@ -275,8 +277,8 @@ pub fn remove_leftovers(folder: &Path) {
     leftovers.for_each(|entry| drop(fs::remove_file(entry.path())));
 }
 
-/// Removes files that dead processes were writing to a folder, once for each folder that this process writes to. Those
-/// of living ones are locked.
+/// Removes files that dead processes were writing to a folder, once for each folder that this process writes to. Files
+/// of living processes are locked and stay.
 fn sweep_once(folder: &Path) {
     static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let Ok(whole) = folder.canonicalize() else { return };

@@ -20,6 +20,14 @@
 //! ## Veach97
 //! E. Veach, *Robust Monte Carlo Methods for Light Transport Simulation*, PhD thesis, Stanford (1997).
 //!
+//! ## GrittmannEtAl22
+//! P. Grittmann, Ö. Yazici, I. Georgiev, P. Slusallek, "Efficiency-aware multiple importance sampling for bidirectional
+//! rendering algorithms", ACM Transactions on Graphics 41(4), article 80 (2022).
+//!
+//! ## Ylitie17
+//! H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", Proceedings
+//! of High Performance Graphics (2017).
+//!
 //! ## Conty18
 //! A. Conty Estevez, C. Kulla, "Importance Sampling of Many Lights with Adaptive Tree Splitting", Proceedings of the
 //! ACM on Computer Graphics and Interactive Techniques 1(2) (2018).
@@ -276,7 +284,7 @@
 //! ITU-R BT.2020-2, *Parameter values for ultra-high definition television systems* (2015).
 //!
 //! ## Aces14
-//! Academy of Motion Picture Arts and Sciences, S-2014-004, *ACEScg – A Working Space for CGI Render and Compositing*.
+//! Academy of Motion Image Arts and Sciences, S-2014-004, *ACEScg – A Working Space for CGI Render and Compositing*.
 //!
 //! ## Malvar04
 //! H. S. Malvar, L. He, R. Cutler, "High-Quality Linear Interpolation for Demosaicing of Bayer-Patterned Color Images",
@@ -337,7 +345,7 @@
 //! Similarity", IEEE Transactions on Image Processing 13(4), 600–612 (2004).
 //!
 //! ## Iso12233
-//! ISO 12233:2017, *Photography – Electronic still picture imaging – Resolution and spatial frequency responses*.
+//! ISO 12233:2017, *Photography – Electronic still image imaging – Resolution and spatial frequency responses*.
 //!
 //! ## TruccoVerri98
 //! E. Trucco, A. Verri, *Introductory Techniques for 3-D Computer Vision* (1998), chapter 2.

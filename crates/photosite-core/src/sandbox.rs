@@ -1,8 +1,8 @@
-//! A folder that files must lie in which scenes name, for scenes from strangers.
+//! Sandbox: a folder that all files named by a scene must lie in, for scenes from strangers.
 //!
-//! A name is checked where it stands, with its key and line: [`Sandbox::check`]. What no file names, and a folder only
-//! holds, is checked where it is opened: a process that is confined by [`Sandbox::confine`] opens nothing else, whoever
-//! asks ([`input`](crate::input)).
+//! A file name in a scene is checked with its key and line: [`Sandbox::check`]. Files that are only found in folders
+//! are checked when they are opened: a process that is confined by [`Sandbox::confine`] opens nothing else
+//! ([`input`](crate::input)).
 
 use std::io::{self, ErrorKind};
 use std::path::{Component, Path, PathBuf, absolute};
@@ -13,30 +13,30 @@ use crate::{Error, Invalid, Result};
 /// The sandbox of this process, once it is confined.
 static WALLS: OnceLock<Walls> = OnceLock::new();
 
-/// A sandbox for all that a process opens.
+/// Walls of the sandbox, for all that a process opens.
 struct Walls {
     folder: Arc<Path>,
-    /// Files and folders that the user has named himself, which may lie anywhere.
+    /// Files and folders named by the user, which may lie anywhere.
     trusted: Mutex<Vec<PathBuf>>,
-    /// The first file that was asked for and lies outside, and why it was not opened.
+    /// First file that was requested and lies outside, and why it was not opened.
     refused: Mutex<Option<(PathBuf, String)>>,
 }
 
-/// Where files may lie that captures and scenes name: in one folder, or anywhere.
+/// Region of the file system for files named by captures and scenes: one folder, or anywhere.
 ///
-/// It goes along with whatever is loaded, and is asked before a file that something names is looked for. Links are
-/// followed first, so that none leads out. Nothing is held against a folder that somebody changes meanwhile.
+/// Loaders carry it along and check each named file before looking for it. Links are followed first, so that none leads
+/// out. A folder that changes between check and use is not guarded against.
 #[derive(Clone, Debug, Default)]
 pub struct Sandbox {
     folder: Option<Arc<Path>>,
 }
 
 impl Sandbox {
-    /// Files may lie in this folder alone, and in those below it.
+    /// Sandbox of a folder and all folders below it.
     ///
     /// # Errors
     ///
-    /// That there is no such folder.
+    /// A folder that does not exist.
     pub fn new(folder: &Path) -> Result<Self> {
         let whole = folder.canonicalize().and_then(|whole| {
             if whole.is_dir() { Ok(whole) } else { Err(io::Error::from(io::ErrorKind::NotADirectory)) }
@@ -45,8 +45,8 @@ impl Sandbox {
         Ok(Self { folder: Some(whole.into()) })
     }
 
-    /// Lets this process open nothing outside, but for what the user has named himself: those files, and what those
-    /// folders hold. What lies in the sandbox by its name must really lie there.
+    /// Confines the process: it opens nothing outside the sandbox except the files named by the user, and the content
+    /// of named folders. A path that lies in the sandbox by its name must really lie there.
     pub fn confine(&self, named: impl IntoIterator<Item = PathBuf>) {
         let Some(folder) = &self.folder else { return };
         let walls = Walls { folder: folder.clone(), trusted: Mutex::default(), refused: Mutex::default() };
@@ -72,14 +72,14 @@ impl Sandbox {
     }
 }
 
-/// Lets a confined process open a file, or what a folder holds, that the user has named or that results go to.
+/// Lets a confined process open a file or a folder's content, because the user named it or results go there.
 pub fn trust(path: &Path) {
     if let Some(walls) = WALLS.get() {
         walls.trust(path);
     }
 }
 
-/// The path that a file or a folder really has, if this process may open it.
+/// Real path of a file or a folder, if this process may open it.
 ///
 /// # Errors
 ///
@@ -98,7 +98,7 @@ pub fn written(folder: &Path) -> io::Result<()> {
     WALLS.get().map_or(Ok(()), |walls| walls.written(folder))
 }
 
-/// The error of the first file that this process was refused: what had asked may have gone on without it.
+/// Error of the first file that this process was refused, since the code that asked may have gone on without it.
 ///
 /// # Errors
 ///
@@ -152,7 +152,7 @@ impl Walls {
     }
 }
 
-/// A path as it reads, with each `..` taken for the folder above.
+/// Lexical path, with each `..` resolved to the folder above.
 fn without_steps_back(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
     for part in path.components() {
@@ -165,8 +165,8 @@ fn without_steps_back(path: &Path) -> PathBuf {
     plain
 }
 
-/// The path that a file really has, or would have where it is not there. `None` where steps back follow what is not
-/// there, or links lead nowhere.
+/// Real path of a file, or the one that a missing file would have. `None` where `..` follows a missing folder, or links
+/// lead nowhere.
 fn real(path: &Path) -> Option<PathBuf> {
     let path = absolute(path).ok()?;
     for known in path.ancestors() {

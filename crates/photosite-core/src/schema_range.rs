@@ -1,15 +1,16 @@
 //! Ranges of numbers in JSON Schemas.
 //!
-//! `#[schemars(transform = within(0.0..=1.0))]` on a field of a table says in the schema what the code that gives the
-//! table its meaning checks. It holds of the field's number, whether it may be left out or not, and of all numbers of a
-//! list; tables within have ranges of their own. `src/capture/tests/ranges.rs` compares both.
+//! `#[schemars(transform = within(0.0..=1.0))]` on a field of a table states in the schema the range that the code
+//! checks. It applies to the field's number, optional or not, and to all numbers of a list; nested tables have ranges
+//! of their own. `src/capture/tests/ranges.rs` compares both.
 
 use std::ops::{Bound, RangeBounds};
 
+use crate::Invalid;
 use schemars::Schema;
 use serde_json::{Map, Number, Value};
 
-/// Numbers in a range, its bounds included as the range says.
+/// Range of a number, with its bounds included or not as the range says.
 pub fn within(range: impl RangeBounds<f64>) -> impl FnMut(&mut Schema) {
     let low = match range.start_bound() {
         Bound::Included(low) => Some(("minimum", *low)),
@@ -19,13 +20,80 @@ pub fn within(range: impl RangeBounds<f64>) -> impl FnMut(&mut Schema) {
     limited([low, upper(&range)])
 }
 
-/// Numbers above the beginning of a range, and up to its end.
+/// Range of a number above its beginning, which is excluded, and up to its end.
 pub fn above(range: impl RangeBounds<f64>) -> impl FnMut(&mut Schema) {
     let low = match range.start_bound() {
         Bound::Included(low) | Bound::Excluded(low) => Some(("exclusiveMinimum", *low)),
         Bound::Unbounded => None,
     };
     limited([low, upper(&range)])
+}
+
+/// Kind of a range's lowest number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lowest {
+    /// Bound that belongs to the range: [`within`].
+    Within,
+    /// Bound that does not: [`above`].
+    Above,
+}
+
+/// Numbers of a key, none or one or several.
+pub trait Numbers {
+    /// The first that is as wanted.
+    fn find(&self, is_wanted: &dyn Fn(f64) -> bool) -> Option<f64>;
+}
+
+/// Numbers that are turned into f64 exactly, or nearly so where that is beyond any range.
+macro_rules! numbers {
+    ($($kind:ty)*) => {
+        $(impl Numbers for $kind {
+            fn find(&self, is_wanted: &dyn Fn(f64) -> bool) -> Option<f64> {
+                Some(*self as f64).filter(|number| is_wanted(*number))
+            }
+        })*
+    };
+}
+
+numbers! { f64 u8 u32 u64 usize }
+
+impl<T: Numbers> Numbers for Option<T> {
+    fn find(&self, is_wanted: &dyn Fn(f64) -> bool) -> Option<f64> {
+        self.as_ref()?.find(is_wanted)
+    }
+}
+
+/// Refuses numbers of a key beyond a range, which is stated as in schemas; `example` is one that belongs to it.
+///
+/// # Errors
+///
+/// The first number that does not belong to it, the range and the example.
+pub fn check(
+    key: &str,
+    numbers: &impl Numbers,
+    lowest: Lowest,
+    range: impl RangeBounds<f64>,
+    example: &str,
+) -> Result<(), Invalid> {
+    let is_above = lowest == Lowest::Above;
+    let is_out = |number: f64| !range.contains(&number) || is_above && range.start_bound() == Bound::Included(&number);
+    let Some(number) = numbers.find(&is_out) else { return Ok(()) };
+    let low = match range.start_bound() {
+        Bound::Included(low) if is_above => Some(format!("above {low}")),
+        Bound::Included(low) => Some(format!("at least {low}")),
+        Bound::Excluded(low) => Some(format!("above {low}")),
+        Bound::Unbounded => None,
+    };
+    let high = match range.end_bound() {
+        Bound::Included(high) => Some(format!("at most {high}")),
+        Bound::Excluded(high) => Some(format!("below {high}")),
+        Bound::Unbounded => None,
+    };
+    let wanted = match (range.start_bound(), range.end_bound()) {
+        (Bound::Included(low), Bound::Included(high)) if !is_above => format!("from {low} to {high}"),
+        _ => low.into_iter().chain(high).collect::<Vec<_>>().join(" and "),
+    };
+    Err(Invalid::new(key, format!("must be {wanted}, got {number}")).help(format!("for example {key} = {example}")))
 }
 
 fn upper(range: &impl RangeBounds<f64>) -> Option<(&'static str, f64)> {
@@ -36,7 +104,7 @@ fn upper(range: &impl RangeBounds<f64>) -> Option<(&'static str, f64)> {
     }
 }
 
-/// Puts bounds, each under its keyword, beside the type of every number of a schema.
+/// Adds bounds, each under its keyword, beside the type of every number of a schema.
 fn limited(bounds: [Option<(&'static str, f64)>; 2]) -> impl FnMut(&mut Schema) {
     move |schema| {
         if let Some(object) = schema.as_object_mut() {
@@ -67,7 +135,7 @@ fn limit(schema: &mut Map<String, Value>, bounds: &[Option<(&'static str, f64)>;
     }
 }
 
-/// A bound as it is written: whole numbers without a point.
+/// Number of a bound, whole numbers without a decimal point.
 fn number(bound: f64) -> Value {
     let is_whole = bound.fract() == 0.0 && bound.abs() < 1e15;
     if is_whole { Value::from(bound as i64) } else { Number::from_f64(bound).map_or(Value::Null, Value::Number) }
@@ -93,6 +161,21 @@ mod tests {
         angles: Option<[f64; 2]>,
         #[schemars(transform = within(..=-0.5))]
         rows: Vec<Vec<f64>>,
+    }
+
+    #[test]
+    fn numbers_beyond_a_range_are_told_with_it() {
+        let said = |error: Result<(), Invalid>| error.err().map(|invalid| invalid.message);
+        let splitting = |number: u32| said(check("splitting", &number, Lowest::Within, 1.0..=256.0, "4"));
+        assert_eq!((splitting(1), splitting(256)), (None, None));
+        assert_eq!(splitting(300).as_deref(), Some("must be from 1 to 256, got 300"));
+        let time = |number: f64| said(check("time_s", &Some(number), Lowest::Above, 0.0.., "1"));
+        assert_eq!((time(1e-9), time(f64::INFINITY)), (None, None));
+        assert_eq!(time(0.0).as_deref(), Some("must be above 0, got 0"));
+        assert_eq!(time(f64::NAN).as_deref(), Some("must be above 0, got NaN"));
+        let part = |number: f64| said(check("part", &number, Lowest::Above, 0.0..1.0, "0.5"));
+        assert_eq!(part(1.0).as_deref(), Some("must be above 0 and below 1, got 1"));
+        assert_eq!(said(check("none", &None::<f64>, Lowest::Within, 0.0.., "1")), None);
     }
 
     #[test]

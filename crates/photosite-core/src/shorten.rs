@@ -1,15 +1,15 @@
-//! Messages of a length that can be read, whatever the files hold that they quote.
+//! Messages of readable length, whatever the quoted files hold.
 
-/// Characters that are left of a word that is cut.
+/// Number of characters that a cut word keeps.
 const KEPT: usize = 60;
-/// Bytes of the longest word that stays: paths are long, and of use only as a whole.
+/// Longest word, in bytes, that stays whole: paths are long, and of use only as a whole.
 const LONGEST_WORD: usize = 400;
-/// Characters of the longest name in a table: that of a file.
+/// Longest name in a table, in characters: that of a file.
 const LONGEST_NAME: usize = 255;
-/// Bytes of the longest message.
+/// Longest message, in bytes.
 const LONGEST: usize = 4000;
 
-/// Cuts words that no message needs as a whole down to their beginning and "…", and what is too long to be read.
+/// Cuts overlong words down to their beginning and "…", and an overlong message to a readable length.
 pub fn shorten(message: String) -> String {
     if message.len() <= LONGEST_WORD {
         return message;
@@ -25,12 +25,12 @@ pub fn shorten(message: String) -> String {
     format!("{}…", &words[..words.floor_char_boundary(LONGEST)])
 }
 
-/// A text of many lines, each of which is cut like a message.
+/// Cuts each line of a text like a message.
 pub fn shorten_lines(text: &str) -> String {
     text.split('\n').map(|line| shorten(line.to_owned())).collect::<Vec<_>>().join("\n")
 }
 
-/// A name in a table, whose other lines become as wide, without its end where that is longer than a name can be.
+/// Name in a table, whose column becomes as wide; the end of an overlong name is cut.
 pub fn shorten_name(name: &str) -> String {
     match name.char_indices().nth(LONGEST_NAME).and_then(|_| name.char_indices().nth(KEPT)) {
         Some((end, _)) => format!("{}…", &name[..end]),
@@ -38,7 +38,7 @@ pub fn shorten_name(name: &str) -> String {
     }
 }
 
-/// What closes a quotation, and the space, after a word.
+/// Closing quotation mark and space after a word.
 fn closing(word: &str) -> &str {
     let end = word.trim_end_matches(|c: char| c.is_whitespace() || "\"'`,;:.)]}".contains(c)).len();
     // A word of such signs alone has no end.

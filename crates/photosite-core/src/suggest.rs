@@ -1,13 +1,13 @@
-//! "Did you mean …?"
+//! Suggestions for misspelt words: "did you mean …?"
 
-/// Half the letters in place is the least that looks like the same word: `focal_length` is 0.8 of `focal_length_mm`,
-/// `aperture` 0.1 of `f_number`.
+/// Least similarity of a suggestion: half the letters in place. `focal_length` is 0.8 of `focal_length_mm`, `aperture`
+/// 0.1 of `f_number`.
 const LEAST_SIMILARITY: f64 = 0.5;
 
-/// How much two words are alike, 0–1, capitals aside: the part of their letters that are in place. A word that is in
-/// the other one whole, as `samples` in `samples_per_pixel`, counts as half of the way there.
+/// Similarity of two words, 0–1, regardless of case: the fraction of letters in place. For a word that is contained
+/// whole in the other, as `samples` in `samples_per_pixel`, the rest counts by half.
 fn similarity(word: &str, candidate: &str) -> f64 {
-    /// Fewer letters are in many words.
+    /// Shortest contained word that counts; shorter ones are in many words.
     const SHORTEST_PART: usize = 3;
     let [word, candidate] = [word, candidate].map(str::to_lowercase);
     let in_place = strsim::normalized_damerau_levenshtein(&word, &candidate);
@@ -25,14 +25,14 @@ pub fn closest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .map(|(_, candidate)| candidate)
 }
 
-/// "; did you mean `x`?" or nothing.
+/// Suggestion for a message, "; did you mean `x`?", or an empty text.
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
     closest(word, candidates).map_or_else(String::new, |candidate| format!("; did you mean `{candidate}`?"))
 }
 
-/// Names for a help text: those that are like `word` first, the most alike at the head, then all others as they come.
+/// Names for a help text: those similar to `word` first, the most similar at the head, then all others in their order.
 pub fn list<'a>(word: &str, names: impl IntoIterator<Item = &'a str>) -> String {
-    /// More than any table has keys; a scene may have thousands of materials.
+    /// Largest number of names shown: more than any table has keys, but a scene may have thousands of materials.
     const SHOWN: usize = 60;
     let with_similarity = names.into_iter().map(|name| (similarity(word, name), name));
     let (mut near, others): (Vec<_>, Vec<_>) =

@@ -1,12 +1,12 @@
-//! Bytes of texts as programs write them: in UTF-8 or UTF-16, with a byte order mark or without, or in eight bits a
-//! letter, with lines that end in `\n`, `\r\n` or `\r`.
+//! Decoding of texts: UTF-8 or UTF-16, with or without a byte order mark, or eight bits a letter, with lines that end
+//! in `\n`, `\r\n` or `\r`.
 //!
-//! Every reader of a text that users bring begins here, so that all of them read the same files.
+//! All readers of texts from users begin here, so that all accept the same files.
 
 use std::borrow::Cow;
 use std::io::{self, ErrorKind};
 
-/// A text of UTF-8 or UTF-16, without its byte order mark. Lines that end in `\r` alone end in `\n` then.
+/// Decodes a text of UTF-8 or UTF-16, without its byte order mark. Lines that end in `\r` alone end in `\n` then.
 ///
 /// # Errors
 ///
@@ -21,12 +21,12 @@ pub fn decode(bytes: Vec<u8>) -> io::Result<String> {
     })
 }
 
-/// A text as [`decode`] has it, or, where it is neither UTF-8 nor UTF-16, of Latin-1: comments and names in older files
-/// are in any code page, and what counts is ASCII.
+/// Decodes a text as [`decode`] does, or as Latin-1 where it is neither UTF-8 nor UTF-16: comments and names in older
+/// files are in any code page, and only ASCII matters.
 ///
 /// # Errors
 ///
-/// Those of [`decode`], but for bytes that are no UTF-8 and do not begin as such.
+/// Errors of [`decode`], except for bytes that are no UTF-8 and do not begin as such.
 pub fn decode_any(bytes: Vec<u8>) -> io::Result<String> {
     let (text, start) = unmarked(bytes)?;
     match String::from_utf8(text) {
@@ -36,8 +36,8 @@ pub fn decode_any(bytes: Vec<u8>) -> io::Result<String> {
     }
 }
 
-/// Bytes of a file that begins with a text, and may go on with numbers: those of UTF-16 as UTF-8, without a byte order
-/// mark. Ends of lines stay.
+/// Bytes of a file that begins with a text and may go on with binary data, with UTF-16 turned into UTF-8, without a
+/// byte order mark. Line ends stay.
 ///
 /// # Errors
 ///
@@ -50,7 +50,7 @@ pub fn plain(bytes: &[u8]) -> io::Result<Cow<'_, [u8]>> {
     })
 }
 
-/// The bytes of [`plain`] with ends of lines as [`decode`] leaves them, and how they began.
+/// Bytes of [`plain`] with line ends as [`decode`] leaves them, and the encoding of the start.
 fn unmarked(bytes: Vec<u8>) -> io::Result<(Vec<u8>, Start)> {
     let start = Start::of(&bytes)?;
     let mut text = match plain(&bytes)? {
@@ -67,14 +67,14 @@ fn unmarked(bytes: Vec<u8>) -> io::Result<(Vec<u8>, Start)> {
 
 const UTF8_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// How a text is encoded, by its first bytes.
+/// Encoding of a text, by its first bytes.
 #[derive(Clone, Copy, Debug)]
 enum Start {
     /// A text without a mark.
     Plain,
     /// A text with the mark of UTF-8.
     Utf8,
-    /// A text of UTF-16 behind a mark of so many bytes, which may be none.
+    /// A text of UTF-16 after a mark of `mark` bytes, which may be 0.
     Utf16 { mark: usize, unit: fn([u8; 2]) -> u16 },
 }
 
@@ -102,7 +102,7 @@ impl Start {
 
 /// Whether a file begins with letters of Latin-1 in two bytes each, of which the first or the second has the letter.
 fn is_latin_in_words(bytes: &[u8], letter: usize) -> bool {
-    /// Letters that tell: no header of numbers has as many in a row.
+    /// Number of letters that decide: no binary header has as many in a row.
     const TELLING: usize = 8;
     let words = bytes.as_chunks::<2>().0;
     let is_letter = |word: &[u8; 2]| {
@@ -130,7 +130,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The same text in every encoding that is read.
+    /// A text in all encodings that are read.
     fn encodings(text: &str) -> Vec<Vec<u8>> {
         let wide = |unit: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(unit).collect::<Vec<u8>>();
         vec![
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn numbers_are_not_taken_for_a_text() {
-        // An STL file whose head is empty, a PLY file, a picture
+        // An STL file whose head is empty, a PLY file, an image
         for bytes in [&[0u8; 84][..], b"ply\nformat binary_little_endian 1.0\n\r\0\0\0", b"\x89PNG\r\n\x1a\n\0\0\0\r"] {
             assert!(matches!(plain(bytes).expect("kept"), Cow::Borrowed(same) if same == bytes));
         }

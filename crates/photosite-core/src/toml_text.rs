@@ -1,7 +1,7 @@
-//! TOML texts of anybody, parsed within a thread's stack.
+//! Parsing of TOML texts from any source, within a thread's stack.
 //!
-//! `toml` bounds how deep values nest while a text is well-formed, but neither on its way of recovering from errors nor
-//! in dotted keys, and each level takes a part of the stack. So the structure of a text is walked first, without values:
+//! `toml` bounds how deep values nest while a text is well-formed, but neither while it recovers from errors nor in
+//! dotted keys, and each level takes a part of the stack. So the structure of a text is walked first, without values:
 //! up to [`MOST_LEVELS`], and up to the first error, after which nothing is entered any more.
 
 use std::fmt::Write as _;
@@ -14,15 +14,15 @@ use toml_parser::decoder::Encoding;
 use toml_parser::parser::{EventReceiver, parse_document};
 use toml_parser::{ErrorSink, Expected, ParseError, Source, Span};
 
-/// Levels of tables and lists, dotted keys included. The deepest key of a capture file has seven.
+/// Largest depth of tables and lists, dotted keys included. The deepest key of a capture file has seven levels.
 pub const MOST_LEVELS: usize = 64;
 
-/// What is wrong with a text, and the bytes of it that are.
+/// A fault in a TOML text, and the bytes at fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TomlError {
-    /// Bytes of the text, where they are known.
+    /// Bytes at fault, where they are known.
     pub span: Option<Range<usize>>,
-    /// What is wrong.
+    /// Message: the fault.
     pub message: String,
 }
 
@@ -71,7 +71,7 @@ pub fn read<T: DeserializeOwned>(text: &str) -> Result<T, TomlError> {
     Ok(toml::from_str(text)?)
 }
 
-/// Reads a value alone; `None` where the text is none.
+/// Parses a single value; `None` where the text is none.
 pub fn value(text: &str) -> Option<toml::Value> {
     check(&format!("value = {text}")).ok()?;
     text.parse().ok()
@@ -85,13 +85,14 @@ fn check(text: &str) -> Result<(), TomlError> {
     first.map_or(Ok(()), |error| Err(error.into()))
 }
 
-/// How deep the walk is in the structure.
+/// Depth of the walk in the structure.
 #[derive(Default)]
 struct Walk {
-    /// The levels that the header of the table takes, and each value around this place with the keys before it.
+    /// Levels of the current table's header, and of each enclosing value with the keys before it.
     around: Vec<usize>,
     level: usize,
-    /// Nothing is entered after an error: closing brackets need not belong to opening ones from there on.
+    /// Whether an error was met, after which nothing is entered: closing brackets need not match opening ones from
+    /// there on.
     is_lost: bool,
 }
 
@@ -124,7 +125,7 @@ impl Walk {
         self.next();
     }
 
-    /// Another key of a table, or value of a list.
+    /// Moves to another key of a table, or value of a list.
     fn next(&mut self) {
         self.level = self.around.last().copied().unwrap_or(0);
     }
@@ -181,7 +182,7 @@ mod tests {
     use super::*;
     use rstest::rstest;
 
-    /// What a thread has on systems that give it little.
+    /// Stack of a thread on systems that give it little, in bytes.
     const STACK: usize = 256 << 10;
 
     fn on_a_small_stack(text: &str) -> Result<(), TomlError> {
@@ -232,7 +233,7 @@ mod tests {
         assert_eq!(read.is_ok(), is_read, "{read:?}");
     }
 
-    /// Errors of structure are told in the words of `toml`.
+    /// Structural errors have the wording of `toml`.
     #[rstest]
     #[case("b = = 2")]
     #[case("a = [1")]

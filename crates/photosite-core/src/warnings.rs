@@ -1,8 +1,8 @@
-//! Things worth telling the user once.
+//! Warnings that the user sees once.
 
 use crate::shorten::shorten;
 
-/// Messages in the order in which they first came up, each once.
+/// Distinct messages in the order in which they first came up.
 #[derive(Debug, Default)]
 pub struct Warnings {
     messages: Vec<String>,
@@ -17,12 +17,12 @@ impl Warnings {
         }
     }
 
-    /// The messages, each headed by the file they are about.
+    /// Messages, each headed by the file that it is about.
     pub fn of_file(self, path: &std::path::Path) -> Vec<String> {
         self.messages.into_iter().map(|message| format!("{}: {message}", path.display())).collect()
     }
 
-    /// The messages alone.
+    /// Messages alone.
     pub fn into_messages(self) -> Vec<String> {
         self.messages
     }

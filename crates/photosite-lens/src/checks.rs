@@ -1,4 +1,4 @@
-//! What a prescription must fulfil to be traced. Each error names surface and value.
+//! Checks that a prescription can be traced. Each error names surface and value.
 
 use glam::DVec3;
 
@@ -11,26 +11,26 @@ use crate::prescription::{Coating, Layer, LayerIndex, Position, Prescription, Su
 use crate::profile::Profile;
 use crate::trace::{Apertures, Ray, Stopped};
 
-/// More surfaces than any lens has: a zoom for broadcasting has 60.
+/// Largest number of surfaces of a lens: a zoom for broadcasting has 60.
 pub const MOST_SURFACES: usize = 200;
-/// The highest order of an asphere.
+/// Highest order of an asphere.
 pub const HIGHEST_ORDER: u32 = 30;
-/// The most layers of a coating.
+/// Largest number of layers of a coating.
 pub const MOST_LAYERS: usize = 200;
-/// Wavelengths, nm, over which every lens must have indices of 1 or more. Cameras for others check theirs with
-/// [`check_indices`].
+/// Wavelengths, nm, over which every lens must have indices of 1 or more. Cameras for other wavelengths check theirs
+/// with [`check_indices`].
 pub const VISIBLE_NM: [f64; 2] = [400.0, 700.0];
-/// Surfaces may touch, and tables give thicknesses of few digits, mm.
+/// Overlap of surfaces that still counts as contact, mm: surfaces may touch, and tables give thicknesses of few digits.
 const CONTACT_MM: f64 = 1e-6;
-/// A sag is looked at in this many places from the vertex to the rim.
+/// Number of places from the vertex to the rim at which a sag is checked.
 const PLACES: u32 = 64;
-/// The steepest slope of an asphere: 89°. A steeper one is a coefficient that went wrong.
+/// Steepest slope of an asphere: 89°. A steeper one comes from a wrong coefficient.
 const STEEPEST: f64 = 57.3;
 
 impl Lens {
-    /// The lens of a prescription in its first position, or, where it has none, with its surfaces' own thicknesses. All
-    /// positions are checked. Keys of errors are those of the prescription, `surfaces[3].semi_aperture_mm`, with
-    /// surfaces counted from 0.
+    /// Checks a prescription and makes its lens, in the first position or, without positions, with the surfaces' own
+    /// thicknesses. All positions are checked. Keys of errors are those of the prescription,
+    /// `surfaces[3].semi_aperture_mm`, with surfaces counted from 0.
     pub fn new(prescription: &Prescription) -> Result<Self, Invalid> {
         check(prescription)?;
         let lens = Self::unchecked(prescription);
@@ -47,7 +47,7 @@ impl Lens {
     }
 }
 
-/// The values of a prescription one by one.
+/// Checks the values of a prescription one by one.
 fn check(prescription: &Prescription) -> Result<(), Invalid> {
     let surfaces = &prescription.surfaces;
     if !surfaces.iter().any(|surface| surface.glass.is_some()) {
@@ -74,7 +74,7 @@ fn check(prescription: &Prescription) -> Result<(), Invalid> {
     check_indices(prescription, VISIBLE_NM)
 }
 
-/// That every glass has an index of 1 or more at each nanometre from `range_nm[0]` to `range_nm[1]`.
+/// Checks that every glass has an index of 1 or more at each nanometre from `range_nm[0]` to `range_nm[1]`.
 pub fn check_indices(prescription: &Prescription, range_nm: [f64; 2]) -> Result<(), Invalid> {
     for (number, surface) in prescription.surfaces.iter().enumerate() {
         let Some(glass) = &surface.glass else { continue };
@@ -160,7 +160,7 @@ fn check_layer(number: usize, layer: &Layer) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Semi-apertures: that there are some, and that the surfaces reach so far.
+/// Checks that surfaces have semi-apertures and reach out to them.
 fn check_apertures(prescription: &Prescription) -> Result<(), Invalid> {
     for (number, surface) in prescription.surfaces.iter().enumerate() {
         let key = format!("{}.semi_aperture_mm", at(number));
@@ -180,7 +180,7 @@ fn check_apertures(prescription: &Prescription) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// That a surface reaches out to its rim.
+/// Checks that a surface reaches out to its rim.
 pub(crate) fn check_shape(surface: &Surface, semi_aperture: f64) -> Result<(), Invalid> {
     let (c, k1) = (surface.radius_mm.map_or(0.0, f64::recip), 1.0 + surface.conic);
     let reach = if k1 > 0.0 && c != 0.0 { 1.0 / (k1.sqrt() * c.abs()) } else { f64::INFINITY };
@@ -243,8 +243,8 @@ fn check_positions(prescription: &Prescription) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// That every position at a distance belongs to a setting of the zoom, of which each has some if one has, and that no two
-/// are of the same distance.
+/// Checks that every position at a finite distance belongs to a zoom setting, that all settings have such positions if
+/// one has, and that no two positions share a distance.
 fn check_zoom(lens: &Lens, positions: &[Position]) -> Result<(), Invalid> {
     let refuse = |number: usize, message: String| {
         Err(Invalid::new(format!("positions[{number}]"), message).help(
@@ -267,7 +267,7 @@ fn check_zoom(lens: &Lens, positions: &[Position]) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// What a lens must fulfil as a whole, in one position.
+/// Checks a lens as a whole, in one position.
 fn check_traced(lens: &Lens) -> Result<(), Invalid> {
     check_gaps(lens)?;
     let [shortest, longest] = VISIBLE_NM;
@@ -275,10 +275,10 @@ fn check_traced(lens: &Lens) -> Result<(), Invalid> {
         let first_order = lens.at(nm).first_order();
         let efl = first_order.efl_mm;
         if !efl.is_finite() || efl.abs() > LONGEST_EFL_MM {
-            return Err(Invalid::new("surfaces", format!("the lens is afocal at {nm} nm: it makes no picture")));
+            return Err(Invalid::new("surfaces", format!("the lens is afocal at {nm} nm: it makes no image")));
         }
         if efl < 0.0 {
-            let message = format!("the focal length at {nm} nm is {efl:.4} mm: the lens diverges and makes no picture");
+            let message = format!("the focal length at {nm} nm is {efl:.4} mm: the lens diverges and makes no image");
             let help = "check the signs of the radii, and that the file gives radii where it seems to give them";
             return Err(Invalid::new("surfaces", message).help(help));
         }
@@ -297,10 +297,10 @@ fn check_traced(lens: &Lens) -> Result<(), Invalid> {
 /// Height of a ray that counts as close to the axis, over the diameter of the entrance pupil.
 const NEAR_AXIS: f64 = 1e-3;
 
-/// A focal length of a kilometre is none.
+/// Longest focal length, mm: beyond a kilometre a lens counts as afocal.
 const LONGEST_EFL_MM: f64 = 1e6;
 
-/// That surfaces are in their order out to their rims.
+/// Checks that surfaces do not cross, out to their rims.
 fn check_gaps(lens: &Lens) -> Result<(), Invalid> {
     let surfaces = lens.surfaces();
     let last = surfaces.len() - 1;
@@ -333,8 +333,8 @@ fn check_gaps(lens: &Lens) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Whether a surface is a flat opening in air, as stops are, which has no glass where light passes: what is in its
-/// opening may reach through its plane.
+/// Whether a surface is a flat opening in air, as stops are, without glass in its opening, so that a neighbouring
+/// surface may reach through its plane.
 fn is_aperture(lens: &Lens, number: usize) -> bool {
     let surfaces = lens.surfaces();
     surfaces.get(number).is_some_and(|surface| {
@@ -344,19 +344,19 @@ fn is_aperture(lens: &Lens, number: usize) -> bool {
     })
 }
 
-/// Where a surface runs through one behind it.
+/// Crossing of a surface with one behind it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
-    /// That surface; their number for the sensor.
+    /// Number of that surface; for the sensor, the number of surfaces.
     pub(crate) next: usize,
-    /// The distance from the axis, mm.
+    /// Distance from the axis, mm.
     pub(crate) r: f64,
-    /// What is left between them there, mm, below 0.
+    /// Gap between the surfaces there, mm, below 0.
     pub(crate) left: f64,
 }
 
-/// The crossing of a surface nearest to the axis, within its rim and that of what is behind it. Of an opening in air only
-/// the rim is there.
+/// The crossing of a surface nearest to the axis, within its rim and the rim of the surface behind. An opening in air
+/// counts by its rim alone.
 pub(crate) fn crossing(lens: &Lens, number: usize) -> Option<Crossing> {
     let surfaces = lens.surfaces();
     let surface = &surfaces[number];

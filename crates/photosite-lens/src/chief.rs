@@ -1,4 +1,4 @@
-//! Chief rays: through the centre of the stop, whatever apertures cut off.
+//! Chief rays, through the centre of the stop, whatever apertures cut off.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -7,51 +7,52 @@ use glam::DVec3;
 use crate::profile::Travel;
 use crate::trace::{Apertures, LensAt, Ray, Step, Stopped};
 
-/// Angles at the stop, from the axis to 90°, among which the one that is asked for is looked for.
+/// Number of angles at the stop, from the axis to 90°, that bracket the wanted ray.
 const ANGLES: u32 = 256;
-/// Halvings of the interval that holds it, after which no digit is left.
+/// Number of bisections of the bracket, after which no digit is left.
 const HALVINGS: u32 = 60;
-/// How near to what is asked for the ray found must come, mm or rad; it is nearer by far unless the lens has no such ray.
+/// Largest deviation of the found ray from the wanted value, mm or rad; it is far smaller unless the lens has no such
+/// ray.
 const TOLERANCE: f64 = 1e-9;
 
 /// A chief ray in the y–z plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChiefRay {
-    /// Before the lens, towards the sensor, from its point on the first surface.
+    /// Ray before the lens, towards the sensor, from its point on the first surface.
     pub before: Ray,
-    /// Behind the lens, towards the sensor, from its point on the last surface.
+    /// Ray behind the lens, towards the sensor, from its point on the last surface.
     pub behind: Ray,
-    /// Angle to the axis before the lens, rad: that of the direction (0, sin θ, cos θ); above π/2 for what is behind the
-    /// first vertex.
+    /// Angle to the axis before the lens, rad: that of the direction (0, sin θ, cos θ); above π/2 for objects behind
+    /// the first vertex.
     pub field_rad: f64,
     /// Angle to the axis at the stop, in the medium before it, rad.
     pub stop_rad: f64,
-    /// Where it meets the sensor, mm from the axis.
+    /// Image height: distance from the axis at which the ray meets the sensor, mm.
     pub image_height_mm: f64,
 }
 
 impl ChiefRay {
-    /// Where it crosses the axis before the lens: the entrance pupil of its field, mm from the first vertex. Not a number
-    /// on the axis itself.
+    /// Entrance pupil of the field: the point at which the ray crosses the axis before the lens, mm from the first
+    /// vertex. NaN on the axis itself.
     pub fn entrance_pupil_mm(&self) -> f64 {
         let Ray { origin, direction } = self.before;
         origin.z - origin.y / direction.y * direction.z
     }
 
-    /// Where it crosses the plane so far before the first vertex, mm from the axis.
+    /// Object height: distance from the axis, mm, in the plane `distance_mm` before the first vertex.
     pub fn object_height_mm(&self, distance_mm: f64) -> f64 {
         self.before.at_z(-distance_mm).y
     }
 
-    /// The distortion of a field angle θ, 100·(h/(f·tan θ) − 1) in per cent, with the focal length f of the wavelength.
-    /// Not a number on the axis.
+    /// Distortion of a field angle θ, 100·(h/(f·tan θ) − 1) in per cent, with the focal length f of the wavelength. NaN
+    /// on the axis.
     pub fn distortion_percent(&self, efl_mm: f64) -> f64 {
         100.0 * (self.image_height_mm / (efl_mm * self.field_rad.tan()) - 1.0)
     }
 }
 
 impl LensAt<'_> {
-    /// The chief ray that reaches the stop under an angle in rad to the axis, in the medium before it, and is traced from
+    /// The chief ray that reaches the stop at an angle in rad to the axis, in the medium before the stop, traced from
     /// there both ways.
     pub fn chief_ray_of_stop_angle(&self, angle_rad: f64) -> Result<ChiefRay, Stopped> {
         let (stop, surfaces) = (self.lens.stop(), self.lens.surfaces().len());
@@ -72,8 +73,8 @@ impl LensAt<'_> {
         })
     }
 
-    /// Whether that ray passes every aperture: of a lens that vignettes, those far from the axis do not, and the light of
-    /// their place of the picture goes by the stop's centre.
+    /// Whether the chief ray at an angle at the stop, rad, passes every aperture. Far from the axis of a lens that
+    /// vignettes, it does not, and light reaches the image beside the stop's centre.
     pub fn chief_ray_passes(&self, angle_rad: f64) -> bool {
         let stop = self.lens.stop();
         let origin = DVec3::new(0.0, 0.0, self.lens.surfaces()[stop].z_mm);
@@ -85,8 +86,8 @@ impl LensAt<'_> {
             && self.trace(Ray { origin, direction }, Travel::ToSensor, behind, Apertures::Clip, |_| {}).is_ok()
     }
 
-    /// The image height in mm up to which chief rays pass every aperture, looked for up to an angle at the stop in rad;
-    /// infinite where all up to there do.
+    /// Image height in mm up to which chief rays pass every aperture, searched up to an angle at the stop in rad;
+    /// infinite where all pass.
     pub fn clear_height_mm(&self, end: f64) -> f64 {
         let at = |i: u32| end * f64::from(i) / f64::from(ANGLES);
         let Some(blocked) = (1..=ANGLES).find(|&i| !self.chief_ray_passes(at(i))) else { return f64::INFINITY };
@@ -108,16 +109,17 @@ impl LensAt<'_> {
         self.find_chief_ray(image_height_mm, |chief| chief.image_height_mm)
     }
 
-    /// The chief ray of a point of the plane so far before the first vertex, at a height, mm; `None` where the lens has none.
+    /// The chief ray of a point at a height, mm, in the plane `distance_mm` before the first vertex; `None` where the
+    /// lens has none.
     pub fn chief_ray_of_object(&self, height_mm: f64, distance_mm: f64) -> Option<ChiefRay> {
         self.find_chief_ray(height_mm, |chief| chief.object_height_mm(distance_mm))
     }
 
-    /// The chief ray nearest to the axis of which a quantity, 0 on the axis, has this value.
+    /// The chief ray nearest to the axis for which a quantity, 0 on the axis, has this value.
     fn find_chief_ray(&self, value: f64, quantity: impl Fn(&ChiefRay) -> f64) -> Option<ChiefRay> {
         let at = |angle: f64| self.chief_ray_of_stop_angle(angle).ok();
         let step = FRAC_PI_2 / f64::from(ANGLES);
-        // Where something before the stop makes a picture of its own, the stop is seen upside down.
+        // Where something before the stop makes an image of its own, the stop is seen upside down.
         let side = (quantity(&at(step)?) * value).signum();
         let reaches = |angle: f64| at(side * angle).is_none_or(|chief| quantity(&chief).abs() >= value.abs());
         let beyond = (0..ANGLES).find(|i| reaches(f64::from(i + 1) * step))?;

@@ -1,4 +1,4 @@
-//! Chief rays of all image heights at one wavelength: where the picture of a point is, and what a place looks at.
+//! Chief rays of all image heights at one wavelength: from scene points to image points and back.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -9,22 +9,22 @@ use photosite_core::math::monotone_cubic::MonotoneCubic;
 use crate::chief::ChiefRay;
 use crate::trace::LensAt;
 
-/// Angles at the stop at which chief rays are traced.
+/// Number of angles at the stop at which chief rays are traced.
 const ANGLES: u32 = 512;
-/// How far beyond the corner of the picture the rays go, as a part of its distance from the axis: points beside the
-/// picture have places, too.
+/// Largest distance of traced chief rays from the axis, relative to the image corner: points beside the image have
+/// places, too.
 const BEYOND: f64 = 1.25;
-/// The field angle of a point is found to this many radians, in this many steps.
+/// Precision of the field angle of a point, rad, and the largest number of steps.
 const PRECISION_RAD: f64 = 1e-13;
 const MOST_STEPS: usize = 50;
 
-/// The chief rays of a lens as curves.
+/// Interpolated chief rays of a lens.
 #[derive(Clone, Debug)]
 pub struct ChiefMap {
-    /// Field angle, rad, and where the ray crosses the axis before the lens, mm from the first vertex, by image height.
+    /// Field angle, rad, and crossing of the axis before the lens, mm from the first vertex, by image height.
     field: MonotoneCubic,
     pupil: MonotoneCubic,
-    /// The same and the image height, mm, by field angle.
+    /// Image height, mm, and crossing of the axis, mm, by field angle.
     height_of_field: MonotoneCubic,
     pupil_of_field: MonotoneCubic,
     highest_mm: f64,
@@ -32,18 +32,18 @@ pub struct ChiefMap {
     widest_stop_rad: f64,
 }
 
-/// What a place of the picture looks at.
+/// Line of sight of an image point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sighting {
     /// Unit vector out into the scene.
     pub direction: DVec3,
-    /// Where the line of sight crosses the axis, mm from the first vertex.
+    /// Crossing of the line of sight with the axis, mm from the first vertex.
     pub pupil_mm: f64,
 }
 
 impl ChiefMap {
-    /// The chief rays up to an image height in mm, and a little beyond, as far as the lens has them. `None` of a lens
-    /// that has none off its axis.
+    /// Chief rays up to an image height in mm, and a little beyond, as far as the lens has them. `None` where it has
+    /// none off its axis.
     pub fn new(at: &LensAt<'_>, highest_mm: f64) -> Option<Self> {
         let mut rays: Vec<ChiefRay> = Vec::new();
         let rises = |rays: &[ChiefRay], next: &ChiefRay| {
@@ -56,7 +56,7 @@ impl ChiefMap {
         for i in 1..=ANGLES {
             match at.chief_ray_of_stop_angle(end * f64::from(i) / f64::from(ANGLES)) {
                 Ok(chief) if rises(&rays, &chief) => rays.push(chief),
-                // Beyond, there are none, or the lens folds its picture.
+                // Beyond, there are none, or the lens folds its image.
                 Ok(_) | Err(_) => break,
             }
         }
@@ -79,38 +79,38 @@ impl ChiefMap {
         })
     }
 
-    /// The greatest image height that it knows, mm.
+    /// Greatest image height of the map, mm.
     pub fn highest_mm(&self) -> f64 {
         self.highest_mm
     }
 
-    /// The field angle at that height, rad.
+    /// Field angle at the greatest image height, rad.
     pub fn widest_rad(&self) -> f64 {
         self.widest_rad
     }
 
-    /// The angle at the stop of the ray at that height, rad.
+    /// Angle at the stop of the ray at the greatest image height, rad.
     pub fn widest_stop_rad(&self) -> f64 {
         self.widest_stop_rad
     }
 
-    /// Field angle of an image height in mm, rad; `None` beyond what is known.
+    /// Field angle of an image height in mm, rad; `None` beyond the map.
     pub fn field_rad(&self, height_mm: f64) -> Option<f64> {
         (height_mm <= self.highest_mm).then(|| self.field.eval(height_mm))
     }
 
-    /// What a sensor point, mm from the axis, looks at; `None` beyond what is known.
+    /// Line of sight of a sensor point, mm from the axis; `None` beyond the map.
     pub fn sighting(&self, point: DVec2) -> Option<Sighting> {
         let height = point.length();
         let field = self.field_rad(height)?;
-        // The picture of what is on one side of the axis lies on the other.
+        // The image of what is on one side of the axis lies on the other.
         let outward = if height > 0.0 { -point / height } else { DVec2::ZERO };
         let (sin, cos) = field.sin_cos();
         Some(Sighting { direction: (outward * sin).extend(-cos), pupil_mm: self.pupil.eval(height) })
     }
 
-    /// The sensor point, mm from the axis, whose chief ray goes by a point of the scene, mm, z = 0 at the first vertex;
-    /// `None` where none that is known does.
+    /// The sensor point, mm from the axis, whose chief ray passes through a point of the scene, mm, z = 0 at the first
+    /// vertex; `None` where none in the map does.
     ///
     /// The ray of the field angle θ crosses the axis at z(θ), the entrance pupil, which moves: θ is where
     /// θ = atan2(ρ, z(θ) − z) of the point's distance ρ from the axis, by fixed-point steps and the secant method.

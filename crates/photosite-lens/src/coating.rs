@@ -1,6 +1,6 @@
-//! What thin films on a surface reflect and let through, by transfer matrices.
+//! Reflectance and transmittance of thin films on a surface, by transfer matrices.
 
-use rustfft::num_complex::Complex64;
+use photosite_fft::Complex64;
 
 use photosite_core::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
 
@@ -8,43 +8,43 @@ use crate::prescription::{Coating, Layer, LayerIndex};
 use crate::profile::Travel;
 use crate::trace::{Hit, LensAt};
 
-/// The coating that a surface between air and glass has where the prescription says none, as patents do not: a quarter
-/// wave of magnesium fluoride at 550 nm, index 1.38. It reflects 1.3 % where bare glass of index 1.5 reflects 4.2 %.
+/// Coating of a surface between air and glass where the prescription gives none, as patents do: a quarter wave of
+/// magnesium fluoride at 550 nm, index 1.38. It reflects 1.3 % where bare glass of index 1.5 reflects 4.2 %.
 pub const DEFAULT_COATING: Layer =
     Layer { index: LayerIndex::Constant { n: 1.38, k: 0.0 }, thickness_nm: 550.0 / (4.0 * 1.38) };
 
-/// The side of a surface that light comes from.
+/// Side of a surface that light comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// The side of a coating's first layer.
+    /// Side of the coating's first layer.
     Air,
-    /// The side of its last one.
+    /// Side of the coating's last layer.
     Glass,
 }
 
-/// What becomes of the energy of light at a surface, for the polarisations s and p.
+/// Fractions of light reflected and transmitted at a surface, for the polarisations s and p.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Split {
-    /// Reflected part, 0–1.
+    /// Reflectance, 0–1.
     pub reflectance: [f64; 2],
-    /// Transmitted part, 0–1. What is left of 1 is absorbed.
+    /// Transmittance, 0–1. The rest of 1 is absorbed.
     pub transmittance: [f64; 2],
 }
 
 impl Split {
-    /// The reflected part of unpolarised light.
+    /// Reflectance for unpolarised light.
     pub fn mean_reflectance(&self) -> f64 {
         0.5 * (self.reflectance[0] + self.reflectance[1])
     }
 
-    /// The transmitted part of unpolarised light.
+    /// Transmittance for unpolarised light.
     pub fn mean_transmittance(&self) -> f64 {
         0.5 * (self.transmittance[0] + self.transmittance[1])
     }
 }
 
 impl LayerIndex {
-    /// n − ik at a wavelength; of a table beyond 300–1100 nm, that at its nearer end.
+    /// Complex index n − ik at a wavelength; beyond 300–1100 nm a table gives that at its nearer end.
     fn at(&self, wavelength_nm: f64) -> Complex64 {
         match self {
             Self::Constant { n, k } => Complex64::new(*n, -k),
@@ -56,9 +56,9 @@ impl LayerIndex {
     }
 }
 
-/// Light of a wavelength in nm that comes from one side of a coating, a medium of index `index`, to the medium of index
-/// `index_behind` on the other; `cos_incidence` is in the first medium. Beyond the angle of total reflection everything is
-/// reflected that the films do not absorb.
+/// Reflectance and transmittance of a coating at a wavelength in nm for light from a medium of index `index` on one
+/// side into the medium of index `index_behind` on the other; `cos_incidence` is in the first medium. Beyond the
+/// critical angle all light that the films do not absorb is reflected.
 ///
 /// With Snell's n·sin θ in all films, phases δ = 2π·n·d·cos θ/λ and admittances η = n·cos θ (s) or n/cos θ (p), the films'
 /// matrices ((cos δ, i·sin δ/η), (i·η·sin δ, cos δ)) in their order turn (1, η′) of the last medium into (B, C); then
@@ -105,9 +105,9 @@ pub fn split(
 }
 
 impl LensAt<'_> {
-    /// What becomes of the energy of a ray at a surface that it meets: that of the surface's coating, of
-    /// [`DEFAULT_COATING`] where none is known, of bare glass at cemented surfaces. A surface between air and air, as a
-    /// stop is, lets everything through.
+    /// Reflectance and transmittance at a surface that a ray meets: those of its coating, of [`DEFAULT_COATING`] where
+    /// none is known, of bare glass at cemented surfaces. A surface between air and air, such as a stop, transmits all
+    /// light.
     pub fn split_at(&self, hit: &Hit) -> Split {
         let is_glass = |surface: usize| self.lens.surfaces()[surface].glass.is_some();
         let is_glass_before = hit.surface > 0 && is_glass(hit.surface - 1);
@@ -117,7 +117,7 @@ impl LensAt<'_> {
         split(layers, from, hit.index, hit.index_behind, hit.cos_incidence, self.wavelength_nm)
     }
 
-    /// The layers on a surface.
+    /// Layers on a surface.
     fn layers(&self, surface: usize) -> &[Layer] {
         let surfaces = self.lens.surfaces();
         let is_glass_before = surface > 0 && surfaces[surface - 1].glass.is_some();
@@ -134,8 +134,8 @@ impl LensAt<'_> {
     }
 }
 
-/// The part of unpolarised light that a surface lets through, by the cosine of its angle in the thinner of its two media.
-/// It is the same from both sides.
+/// Transmittance of a surface for unpolarised light, by the cosine of the angle in the thinner of its two media. It is
+/// the same from both sides.
 pub(crate) fn transmittance_of(at: &LensAt<'_>, surface: usize, cosine: f64) -> f64 {
     let (before, behind) = (at.index_before(surface), at.index_before(surface + 1));
     let from_air =

@@ -1,11 +1,10 @@
-//! Points of the entrance pupil, drawn for points of the scene so that most rays to them pass: the way in, for paths from
-//! lights.
+//! Sampling of the entrance pupil from points of the scene so that most rays pass, for light paths into the lens.
 //!
-//! Light that a point y of the scene sends to the area dA of a plane at the distance r arrives with the étendue
-//! cos θ_y·cos θ·dA/r², which the lens keeps. The plane goes through a point of the axis, the paraxial entrance pupil, across
-//! the line from there to y: so the polygon of all that passes changes little with the angle θ between that line and the
-//! axis, and with the distance. The table holds polygons by the angle and by the reciprocal of the distance, between which
-//! they are interpolated.
+//! Light that a point y of the scene sends to the area dA of a plane at the distance r arrives with the étendue cos
+//! θ_y·cos θ·dA/r², which the lens keeps. The plane contains a point of the axis, the paraxial entrance pupil, across
+//! the line from there to y: so the polygon around the passing light changes little with the angle θ between that line
+//! and the axis, and with the distance. The table holds polygons by the angle and by the reciprocal of the distance,
+//! between which they are interpolated.
 
 use glam::{DVec2, DVec3};
 
@@ -15,49 +14,50 @@ use crate::pupil_table::PupilTable;
 use crate::support_polygon::SupportPolygon;
 use crate::trace::{Apertures, LensAt, Ray};
 
-/// Polygons by angle, closer to each other the farther off the axis, where they change most; and by reciprocal distance,
-/// closer to each other the farther away, where most scenes are.
+/// Number of polygons by angle, closer to each other the farther off the axis, where they change most; and by
+/// reciprocal distance, closer to each other the farther away, where most scenes are.
 const ANGLES: usize = 33;
 const CLOSENESSES: usize = 6;
-/// A closeness that is none: so far away that the rest of the way to infinity makes no difference.
+/// Reciprocal distance that counts as 0: so far away that the rest of the way to infinity makes no difference.
 const FAR: f64 = 1e-9;
-/// Places on the line away from the axis at which light that passes is looked for.
+/// Number of places on the line away from the axis at which passing light is searched for.
 const PLACES: u32 = 64;
-/// Rays from the picture that tell from how far off the axis light comes: heights, and directions for each.
+/// Number of image heights, and of directions for each, of rays from the image that find the greatest angle to the
+/// axis.
 const HEIGHTS: u32 = 33;
 const DIRECTIONS: u32 = 32;
-/// How much farther than found the angles of the table reach.
+/// Margin of the table's angles over the found ones.
 const BEYOND: f64 = 1.02;
-/// How much farther out than the polygon before the next one is looked for, and how much wider than found polygons are.
+/// Radius of the search for a polygon relative to the one before, and margin of polygons over the found ones.
 const WIDER: f64 = 3.0;
 const MARGIN: f64 = 0.02;
 
-/// What points of the scene see of the pupil.
+/// Pupil as seen from points of the scene.
 #[derive(Clone, Debug)]
 pub struct EntranceTable {
-    /// The point of the axis that all counts from, mm from the first vertex.
+    /// Point of reference on the axis, mm from the first vertex.
     reference_mm: f64,
-    /// The least distance from there that the table holds.
+    /// Least distance of the table from the point of reference, mm.
     nearest_mm: f64,
-    /// The greatest angle from which light comes to the picture, by closeness.
+    /// Greatest angle to the axis from which light reaches the image, by closeness.
     widest_rad: [f64; CLOSENESSES],
-    /// By closeness and angle; `None` where no light passes.
+    /// Polygons by closeness and angle; `None` where no light passes.
     polygons: Vec<Option<SupportPolygon>>,
 }
 
-/// A point that was drawn.
+/// A sampled point of the entrance pupil.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entrance {
-    /// mm, z = 0 at the first vertex. The ray to it goes on into the lens.
+    /// Point, mm, z = 0 at the first vertex. The ray to it goes on into the lens.
     pub point: DVec3,
-    /// Unit normal of the plane that it was drawn on.
+    /// Unit normal of the plane that the point was drawn on.
     pub normal: DVec3,
-    /// Area of the polygon that it was drawn from, mm².
+    /// Area of the polygon that the point was drawn from, mm².
     pub area_mm2: f64,
 }
 
-/// Where a point of the scene is, and the plane across its line to the point of reference.
-struct Sight {
+/// Position of a scene point, and the plane across its line to the point of reference.
+struct ScenePoint {
     angle_rad: f64,
     distance_mm: f64,
     /// Unit vectors towards the point, and in the plane: across the axis, and away from it.
@@ -66,7 +66,7 @@ struct Sight {
     away: DVec3,
 }
 
-impl Sight {
+impl ScenePoint {
     fn new(reference_mm: f64, point: DVec3) -> Self {
         let from_reference = point - DVec3::new(0.0, 0.0, reference_mm);
         let (distance_mm, off) = (from_reference.length(), from_reference.truncate().length());
@@ -81,15 +81,16 @@ impl Sight {
         }
     }
 
-    /// The point in space of a place in the plane.
+    /// Point in space of a place in the plane.
     fn in_space(&self, reference_mm: f64, place: DVec2) -> DVec3 {
         self.across * place.x + self.away * place.y + DVec3::new(0.0, 0.0, reference_mm)
     }
 }
 
 impl EntranceTable {
-    /// The table of a lens for all light that comes to image heights up to one in mm, at wavelengths in nm, of which the
-    /// middle one decides where the centres are; `pupil` is that of the same. A stop with blades counts as round.
+    /// Table of a lens for all light that reaches image heights up to one in mm, at wavelengths in nm, of which the
+    /// middle one determines the centres; `pupil` is the pupil table of the same lens. A stop with blades counts as
+    /// round.
     pub fn new(lens: &Lens, pupil: &PupilTable, highest_mm: f64, wavelengths_nm: &[f64]) -> Self {
         let lens = lens.with_round_stop();
         let at: Vec<LensAt<'_>> = wavelengths_nm.iter().map(|nm| lens.at(*nm)).collect();
@@ -136,31 +137,31 @@ impl EntranceTable {
         Self { reference_mm, nearest_mm, widest_rad, polygons }
     }
 
-    /// The distance in mm of a point of the scene from where its light meets the first surface, below which it may be
-    /// nearer to the lens than the table knows.
+    /// Distance, mm, between a scene point and the point where its light meets the first surface, below which the scene
+    /// point may be nearer to the lens than the table's least distance.
     pub fn least_distance_mm(&self) -> f64 {
         2.0 * self.nearest_mm
     }
 
-    /// Draws a point of the pupil for a point of the scene, mm, z = 0 at the first vertex; `None` where no light of it
-    /// comes to the picture.
+    /// Draws a point of the pupil for a point of the scene, mm, z = 0 at the first vertex; `None` where none of its
+    /// light reaches the image.
     pub fn sample(&self, point: DVec3, u: [f64; 2]) -> Option<Entrance> {
-        let sight = Sight::new(self.reference_mm, point);
+        let sight = ScenePoint::new(self.reference_mm, point);
         let (place, area_mm2) = self.polygon(&sight)?.sample(u)?;
         Some(Entrance { point: sight.in_space(self.reference_mm, place), normal: sight.towards, area_mm2 })
     }
 
-    /// Whether the table may draw the point in which a ray from a point of the scene, unit direction, meets the plane.
+    /// Whether the table may draw the point at which a ray from a scene point, unit direction, meets the plane.
     pub fn contains(&self, point: DVec3, direction: DVec3) -> bool {
-        let sight = Sight::new(self.reference_mm, point);
+        let sight = ScenePoint::new(self.reference_mm, point);
         let Some(polygon) = self.polygon(&sight) else { return false };
         let to_plane = sight.distance_mm / -direction.dot(sight.towards);
         let place = point + direction * to_plane - DVec3::new(0.0, 0.0, self.reference_mm);
         to_plane > 0.0 && polygon.contains(DVec2::new(place.dot(sight.across), place.dot(sight.away)))
     }
 
-    /// The polygon for a point.
-    fn polygon(&self, sight: &Sight) -> Option<SupportPolygon> {
+    /// Polygon for a scene point.
+    fn polygon(&self, sight: &ScenePoint) -> Option<SupportPolygon> {
         if sight.distance_mm < self.nearest_mm {
             return None;
         }
@@ -185,7 +186,7 @@ impl EntranceTable {
     }
 }
 
-/// What polygons are found by.
+/// Inputs for computing the polygons.
 struct Build<'a> {
     at: &'a [LensAt<'a>],
     reference_mm: f64,
@@ -195,7 +196,7 @@ struct Build<'a> {
 }
 
 impl Build<'_> {
-    /// The polygon at an angle and a closeness in steps of the table, near another one; `None` where no light passes.
+    /// Polygon at an angle and a closeness in steps of the table, near another polygon; `None` where no light passes.
     fn polygon(&self, angle: f64, closeness: f64, near: Option<SupportPolygon>) -> Option<SupportPolygon> {
         let (low, high) = (closeness.floor() as usize, closeness.ceil() as usize);
         let widest_rad = 0.5 * (self.widest_rad[low] + self.widest_rad[high]);
@@ -204,7 +205,7 @@ impl Build<'_> {
         let reference = DVec3::new(0.0, 0.0, self.reference_mm);
         let (sin, cos) = angle.sin_cos();
         let point = reference + DVec3::new(0.0, sin, -cos) * (self.nearest_mm / closeness);
-        let sight = Sight::new(self.reference_mm, point);
+        let sight = ScenePoint::new(self.reference_mm, point);
         let passes = |wavelength: usize, place: DVec2| {
             let target = sight.in_space(self.reference_mm, place);
             let ray = Ray { origin: target, direction: (target - point).normalize() };
@@ -223,18 +224,18 @@ impl Build<'_> {
     }
 }
 
-/// The part of the greatest angle that a part of the polygons reaches up to.
+/// Fraction of the greatest angle at a fraction `x` of the polygons.
 fn part_of(x: f64) -> f64 {
     x * (1.5 - 0.5 * x)
 }
 
-/// The least distance over that of so many steps of the table.
+/// Least distance over the distance at a step of the table.
 fn closeness_at(step: f64) -> f64 {
     (step / (CLOSENESSES - 1) as f64).powi(2).max(FAR)
 }
 
-/// The greatest angle to the axis under which a point of the scene is seen from the point of reference if light of it comes
-/// to the picture, by closeness.
+/// Greatest angle to the axis, by closeness, at which the point of reference sees scene points whose light reaches the
+/// image.
 fn widest(
     at: &[LensAt<'_>],
     pupil: &PupilTable,
@@ -266,7 +267,7 @@ fn widest(
 }
 
 impl Lens {
-    /// The greatest distance of the first surface from a point of the axis, mm.
+    /// Greatest distance of the first surface from a point of the axis, mm.
     fn front_reach_mm(&self, reference_mm: f64) -> f64 {
         let front = &self.surfaces()[0];
         let semi = front.semi_aperture_mm;
@@ -277,8 +278,8 @@ impl Lens {
             .fold(0.0, f64::max)
     }
 
-    /// Where light from a point of the scene, mm, on its way in a unit direction meets the first surface; `None` where it
-    /// does not.
+    /// Point at which light from a scene point, mm, in a unit direction meets the first surface; `None` where it
+    /// misses.
     pub fn front_point(&self, point: DVec3, direction: DVec3) -> Option<DVec3> {
         let met = self.surfaces()[0].profile.meet(point, direction, Travel::ToSensor)?;
         (met.distance > 0.0).then_some(met.point)

@@ -1,5 +1,5 @@
-//! What the surfaces of a lens do to light of each wavelength, tabulated for rays in lanes: the ratio of the indices, and
-//! what the films let through as a polynomial in the cosine of the angle of incidence.
+//! Refraction and transmittance of a lens's surfaces at each wavelength, tabulated for rays in lanes: the ratio of the
+//! indices, and the transmittance of the films as a polynomial in the cosine of the angle of incidence.
 //!
 //! Transmittance is a smooth function of the cosine in the thinner medium, and the same from both sides. Interpolated at
 //! the five zeros of a Chebyshev polynomial between normal incidence and the steepest ray of a surface it is right to some
@@ -14,18 +14,18 @@ use crate::coating::transmittance_of;
 use crate::lens::Lens;
 use crate::profile::Travel;
 
-/// Coefficients of a polynomial, and numbers of a surface with them.
+/// Number of coefficients of a polynomial, and of all terms of a surface.
 const COEFFICIENTS: usize = 5;
 pub(crate) const TERMS: usize = 1 + COEFFICIENTS;
-/// Smallest cosines between which a polynomial may reach down.
+/// Range of the smallest cosine of a polynomial.
 const STEEPEST: [f64; 2] = [0.02, 0.9];
 
 /// A surface at a wavelength.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Film {
-    /// Index before the surface over that behind it, of light to the sensor, and the reciprocal.
+    /// Index before the surface over the index behind it, for light to the sensor, and the reciprocal.
     ratios: [f32; 2],
-    /// Of the transmittance, by powers of the scaled cosine.
+    /// Coefficients of the transmittance, by powers of the scaled cosine.
     coefficients: [f32; COEFFICIENTS],
 }
 
@@ -45,14 +45,14 @@ impl Film {
 /// All surfaces of a lens at each whole nanometre from 300 to 1100.
 #[derive(Clone, Debug)]
 pub(crate) struct Films {
-    /// By wavelength, then by surface.
+    /// Films by wavelength, then by surface.
     films: Vec<Film>,
-    /// By surface, the middle of the cosines and half their range.
+    /// Middle of the cosines and half their range, by surface.
     ranges: Vec<[f32; 2]>,
 }
 
 impl Films {
-    /// Those of a lens, for rays that meet each surface at cosines from `steepest` to 1 in the thinner medium.
+    /// Films of a lens, for rays that meet each surface at cosines from `steepest` to 1 in the thinner medium.
     pub(crate) fn new(lens: &Lens, steepest: &[f64]) -> Self {
         let [least, most] = STEEPEST;
         let range = |steepest: &f64| {
@@ -72,21 +72,21 @@ impl Films {
         Self { films, ranges: ranges.iter().map(|range| range.map(|x| x as f32)).collect() }
     }
 
-    /// The surfaces at a number of nanometres above the first.
+    /// Films of all surfaces, `nm` nanometres above the first wavelength.
     #[inline(always)]
     pub(crate) fn at(&self, nm: usize) -> &[Film] {
         let count = self.ranges.len();
         &self.films[nm * count..(nm + 1) * count]
     }
 
-    /// The middle of the cosines of a surface and half their range.
+    /// Middle of the cosines of a surface, and half their range.
     #[inline(always)]
     pub(crate) fn range(&self, surface: usize) -> [f32; 2] {
         self.ranges[surface]
     }
 }
 
-/// Coefficients by powers of x of the polynomial that is a function at the five zeros of T₅.
+/// Coefficients, by powers of x, of the polynomial that equals a function at the five zeros of T₅.
 fn interpolated(f: impl Fn(f64) -> f64) -> [f32; COEFFICIENTS] {
     let count = COEFFICIENTS as f64;
     let angle = |i: usize| PI * (i as f64 + 0.5) / count;

@@ -1,4 +1,4 @@
-//! Focus: the gap at which a distance is sharpest.
+//! Focus: the gaps at which an object distance is sharpest.
 
 use glam::{DVec2, DVec3};
 
@@ -10,17 +10,17 @@ use crate::positions::GapCurves;
 use crate::profile::Travel;
 use crate::trace::{Apertures, Ray, Step};
 
-/// Rays from the axis to the rim by which sharpness is judged, of equal shares of the pupil's area.
+/// Number of rays from the axis to the rim that measure sharpness, of equal shares of the pupil's area.
 const RAYS: u32 = 256;
-/// Steps of the search for the focus, the part of it that two of them may be apart at last, and the first of them as a
-/// part of the focal length, or of the curves.
+/// Largest number of steps of the search for the focus; the final distance of two steps and the length of the first,
+/// relative to the focal length or to the parameter range of the curves.
 const MOST_STEPS: usize = 60;
 const PRECISION: f64 = 1e-11;
 const FIRST_STEP: f64 = 1e-3;
-/// How far beyond its ends the positions of a focus may be left, as a part of what lies between.
+/// Margin of the positions of focus beyond both ends, relative to the range between them.
 const BEYOND_INFINITY: f64 = 0.02;
 
-/// What moves when a lens is focused.
+/// Moving part of a lens when it is focused.
 #[derive(Clone, Copy, Debug)]
 pub enum FocusBy<'a> {
     /// The whole lens, before the sensor: the last gap grows.
@@ -31,21 +31,21 @@ pub enum FocusBy<'a> {
     Positions(&'a GapCurves),
 }
 
-/// What is to be sharp on the axis.
+/// Distance of the object on the axis that is in focus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Distance {
     /// Parallel light.
     Infinity,
-    /// From the first vertex, mm, which moves with the lens.
+    /// Distance from the first vertex, mm, which moves with the lens.
     FromFirstVertex(f64),
-    /// From the entrance pupil, mm, which moves with the lens.
+    /// Distance from the entrance pupil, mm, which moves with the lens.
     FromEntrancePupil(f64),
-    /// From the sensor, mm, as lens barrels count.
+    /// Distance from the sensor, mm, as engraved on lens barrels.
     FromSensor(f64),
 }
 
 impl Distance {
-    /// From the first vertex, mm.
+    /// Distance from the first vertex, mm.
     fn before(self, lens: &Lens) -> f64 {
         match self {
             Self::Infinity => f64::INFINITY,
@@ -57,7 +57,7 @@ impl Distance {
 }
 
 impl Lens {
-    /// The lens with its focus at a parameter: the gap in mm that changes, or that of the curves.
+    /// Lens with its focus at a parameter: the gap in mm that changes, or the parameter of the curves.
     fn with_focus(&self, by: FocusBy<'_>, parameter: f64) -> Self {
         match by {
             FocusBy::WholeLens => self.with_gaps(&[(self.surfaces().len() - 1, parameter)]),
@@ -66,7 +66,7 @@ impl Lens {
         }
     }
 
-    /// The lens focused to first order at a wavelength: the paraxial image of what is at the distance lies on the sensor.
+    /// Lens focused to first order at a wavelength: the paraxial image of the object lies on the sensor.
     pub fn focused_paraxially(&self, by: FocusBy<'_>, distance: Distance, wavelength_nm: f64) -> Result<Self, Invalid> {
         self.focused(by, distance, |lens, before| {
             let image = lens.at(wavelength_nm).image(before);
@@ -74,9 +74,9 @@ impl Lens {
         })
     }
 
-    /// The lens focused as a photographer does: with the least root mean square of the spot of a point on the axis at
-    /// that distance, over wavelengths in nm with their weights, at the stop as it is. The paraxial image of a fast lens
-    /// lies elsewhere: spherical aberration and colour count here.
+    /// Lens focused as a photographer does: with the least root mean square of the spot of a point on the axis at a
+    /// distance, over wavelengths in nm with their weights, at the current stop. The paraxial focus of a fast lens lies
+    /// elsewhere, because of spherical aberration and chromatic aberration.
     pub fn focused_by_spot(
         &self,
         by: FocusBy<'_>,
@@ -86,8 +86,8 @@ impl Lens {
         self.focused(by, distance, |lens, before| lens.sharpest_behind_sensor_mm(before, spectrum))
     }
 
-    /// How far behind the sensor the spot of a point on the axis is smallest, mm, over wavelengths in nm with their
-    /// weights. `None` where no light of it passes.
+    /// Distance behind the sensor at which the spot of a point on the axis is smallest, mm, over wavelengths in nm with
+    /// their weights. `None` where no light of it passes.
     ///
     /// A ray that lands at the height y with the slope s is at y + s·δ behind the sensor by δ: the sum of squares is
     /// least at δ = −Σ w·y·s/Σ w·s². Rays of one direction from the axis stand for all, as much as the blades of the stop leave
@@ -127,7 +127,7 @@ impl Lens {
         (squares > 0.0).then(|| -products / squares)
     }
 
-    /// The focus at which `behind`, how far behind the sensor the image lies, is 0, by the secant method.
+    /// Lens with the focus at which `behind`, the distance of the image behind the sensor, is 0, by the secant method.
     fn focused(
         &self,
         by: FocusBy<'_>,

@@ -1,10 +1,10 @@
-//! How wide surfaces must be for the whole beam.
+//! Semi-apertures that the whole beam needs.
 
 use crate::lens::Lens;
 use crate::prescription::Prescription;
 
-/// The semi-aperture of a surface, mm, that lets the beam of the claimed f-number through on the axis and at the edge of
-/// the claimed field, to first order at the d line: |y| + |ȳ| of marginal and chief ray. `None` where the prescription
+/// Semi-aperture of a surface, mm, that passes the beam of the claimed f-number on the axis and at the edge of the
+/// claimed field, to first order at the d line: |y| + |ȳ| of marginal and chief ray. `None` where the prescription
 /// claims neither or cannot be traced.
 pub(crate) fn semi_aperture_mm(prescription: &Prescription, surface: usize) -> Option<f64> {
     let mut whole = prescription.clone();

@@ -1,4 +1,4 @@
-//! How much light a lens lets onto its sensor: the region of directions that pass.
+//! Illumination of the sensor by a lens: the region of directions that pass.
 //!
 //! The irradiance at a sensor point is E = ∫ L·cos θ dω = ∬ L dp dq over the region S of direction cosines (p, q) that
 //! pass every aperture: no cos⁴ and no Jacobian ([Kolb95](photosite_core::references#kolb95),
@@ -11,8 +11,8 @@ use crate::region::Region;
 use crate::trace::{Apertures, LensAt, Ray};
 
 impl LensAt<'_> {
-    /// The ray from a sensor point, mm from the axis, with the direction cosines (p, q) out into the scene; (p, q) are of
-    /// length 1 at most.
+    /// Ray from a sensor point, mm from the axis, with the direction cosines (p, q) out into the scene; the length of
+    /// (p, q) is at most 1.
     pub fn ray_from_sensor(&self, point: DVec2, cosines: DVec2) -> Ray {
         let z = -(1.0 - cosines.length_squared()).max(0.0).sqrt();
         Ray { origin: point.extend(self.lens.sensor_z_mm()), direction: DVec3::new(cosines.x, cosines.y, z) }
@@ -23,8 +23,8 @@ impl LensAt<'_> {
         cosines.length_squared() < 1.0 && self.trace_out(self.ray_from_sensor(point, cosines), Apertures::Clip).is_ok()
     }
 
-    /// The region S of direction cosines in which rays from the sensor point (0, h) pass, as its boundary in `directions`
-    /// directions; its area is in sr. `None` where no ray passes.
+    /// Region S of direction cosines in which rays from the sensor point (0, h) pass, given by its boundary in
+    /// `directions` directions; its area is in sr. `None` where no ray passes.
     pub fn pupil_region(&self, image_height_mm: f64, directions: usize) -> Option<Region> {
         let point = DVec2::new(0.0, image_height_mm);
         let (about, reach) = self.rear_opening(image_height_mm);
@@ -40,7 +40,7 @@ impl LensAt<'_> {
         Region::find(depth, seed, about, reach, directions)
     }
 
-    /// A circle of direction cosines, centre and radius, that holds all rays from the sensor point (0, h) to the last
+    /// Circle of direction cosines, centre and radius, that contains all rays from the sensor point (0, h) to the last
     /// surface.
     pub(crate) fn rear_opening(&self, image_height_mm: f64) -> (DVec2, f64) {
         let last = self.lens.surfaces().last().expect("a lens has surfaces");

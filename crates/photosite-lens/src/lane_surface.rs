@@ -1,4 +1,4 @@
-//! Rays in lanes at one surface: where they meet it, what it cuts off, and how it turns them.
+//! Rays in lanes at one surface: intersection, clipping by its aperture, and refraction.
 
 use glam::Vec2;
 use photosite_simd::{LaneMask, Real, Vector, WideLanes};
@@ -7,31 +7,31 @@ use crate::films::TERMS;
 use crate::lens::Lens;
 use crate::profile::{Profile, Travel};
 
-/// Newton's method has reached an asphere where a step is shorter than this, mm: single precision has no shorter ones far
+/// Step of Newton's method, mm, below which an asphere counts as reached: single precision has no shorter steps far
 /// from the axis.
 const SHORTEST_STEP_MM: f32 = 1e-5;
-/// Steps after which a ray that has not reached it counts as one that misses.
+/// Largest number of steps, after which a ray counts as one that misses.
 const MOST_STEPS: u32 = 20;
 
-/// A surface, with z along the way of the ray.
+/// A surface for rays in lanes, with z along the way of the ray.
 #[derive(Clone, Debug)]
 pub(crate) struct LaneSurface {
-    /// Its number in the lens.
+    /// Number of the surface in the lens.
     pub(crate) number: usize,
     curvature: f32,
-    /// 1 + k.
+    /// Sum 1 + k of the conic.
     conic1: f32,
     asphere: Option<LaneAsphere>,
     semi_aperture2: f32,
-    /// To the next one.
+    /// Distance to the next surface, mm.
     pub(crate) gap_mm: f32,
     /// Whether there is glass on either side.
     pub(crate) is_of_glass: bool,
-    /// Normals and distance of the edges of a stop with blades.
+    /// Normals of the edges of a stop with blades, and the edges' distance from the axis, mm.
     blades: Option<(Vec<Vec2>, f32)>,
 }
 
-/// Σ a_m·r^m as r²·Σ aᵢ·uⁱ, with u = r² where all orders are even, else u = r.
+/// Aspheric terms Σ a_m·r^m as r²·Σ aᵢ·uⁱ, with u = r² where all orders are even, else u = r.
 #[derive(Clone, Debug)]
 struct LaneAsphere {
     is_even: bool,
@@ -39,26 +39,26 @@ struct LaneAsphere {
     slope: Vec<f32>,
 }
 
-/// Rays, z along their way from the vertex of the surface that they come to.
+/// Rays in lanes, z along their way from the vertex of the surface that they come to.
 pub(crate) struct Rays<W> {
     pub(crate) point: Vector<W>,
     pub(crate) direction: Vector<W>,
-    /// 0 of those that were blocked.
+    /// Fraction of the light that has passed; 0 for blocked rays.
     pub(crate) passed: W,
 }
 
-/// Rays at a surface.
+/// Intersection of rays with a surface.
 pub(crate) struct Met<W: Real> {
-    /// Unit normal, along the ray.
+    /// Unit normal, on the side of the ray's direction.
     normal: Vector<W>,
     /// Cosine of the angle of incidence.
     cosine: W,
-    /// Where there is such a point.
+    /// Mask of rays that meet the surface.
     is_met: W::Mask,
 }
 
 impl LaneSurface {
-    /// A surface of a lens, for rays of one way.
+    /// Surface of a lens, for rays of one way.
     pub(crate) fn new(lens: &Lens, number: usize, travel: Travel) -> Self {
         let surface = &lens.surfaces()[number];
         let sign = travel.sign();
@@ -86,7 +86,7 @@ impl LaneSurface {
 }
 
 impl<W: WideLanes> Rays<W> {
-    /// Along the rays from where z counts from `origin` to the plane z = `plane`.
+    /// Advances the rays from z = 0 at `origin` to the plane z = `plane`.
     #[inline(always)]
     pub(crate) fn go_to(&mut self, origin: f32, plane: f32) {
         let z = self.point.z + self.passed.broadcast(origin);
@@ -96,13 +96,13 @@ impl<W: WideLanes> Rays<W> {
         self.point = Vector::new(x, y, plane);
     }
 
-    /// Whether any ray goes on.
+    /// Whether any ray is not blocked.
     #[inline(always)]
     pub(crate) fn any(&self) -> bool {
         self.passed.broadcast(0.0).lt(self.passed).bits() != 0
     }
 
-    /// Goes to where the rays meet a surface.
+    /// Advances the rays to a surface.
     #[inline(always)]
     pub(crate) fn meet(&mut self, surface: &LaneSurface) -> Met<W> {
         let Self { point, direction, passed } = self;
@@ -142,7 +142,7 @@ impl<W: WideLanes> Rays<W> {
         Met { normal, cosine, is_met: is_met & zero.lt(cosine) }
     }
 
-    /// Newton's method on F = z − z(r) along the ray.
+    /// Advances the rays to an asphere by Newton's method on F = z − z(r).
     #[inline(always)]
     fn meet_asphere(&mut self, (c, k1): (W, W), asphere: &LaneAsphere, start: W) -> Met<W> {
         let Self { point, direction, passed } = self;
@@ -187,9 +187,9 @@ impl<W: WideLanes> Rays<W> {
         self.passed = W::select(passes, self.passed, x.broadcast(0.0));
     }
 
-    /// Turns the rays by a film's terms, which are the ratio µ of the indices and the coefficients of its transmittance:
-    /// D′ = µ·D + (√(1 − µ²·(1 − cos²i)) − µ·cos i)·N ([Welford86](photosite_core::references#welford86) §4.3). Totally
-    /// reflected ones are blocked.
+    /// Refracts the rays by a film's terms, which are the ratio µ of the indices and the coefficients of its
+    /// transmittance: D′ = µ·D + (√(1 − µ²·(1 − cos²i)) − µ·cos i)·N ([Welford86](photosite_core::references#welford86)
+    /// §4.3). Totally reflected rays are blocked.
     #[inline(always)]
     pub(crate) fn refract(&mut self, met: &Met<W>, terms: &[W; TERMS], [middle, half_range]: [f32; 2]) {
         let Met { normal, cosine, .. } = *met;
@@ -210,7 +210,7 @@ impl<W: WideLanes> Rays<W> {
 }
 
 impl LaneAsphere {
-    /// The sum over r², of `coefficients` at r².
+    /// Sum over r², of `coefficients` at r².
     #[inline(always)]
     fn over_r2<W: Real>(&self, coefficients: &[f32], r2: W) -> W {
         let u = if self.is_even { r2 } else { r2.sqrt() };

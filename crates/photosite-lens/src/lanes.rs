@@ -1,8 +1,8 @@
-//! Many rays side by side in single precision: what a picture takes by the million.
+//! Tracing of many rays side by side in single precision, as images take them by the million.
 //!
 //! The formulas are those of [`trace`](crate::trace) and [`profile`](crate::profile), for as many rays at a time as a
 //! register has room for, each at a wavelength of its own. Points count from the vertex of the surface that a ray comes to,
-//! so that little is lost: less than 1e-4 mm in the picture.
+//! so that little is lost: less than 1e-4 mm in the image.
 
 use glam::{DVec2, Vec3};
 use photosite_core::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM};
@@ -15,52 +15,53 @@ use crate::profile::Travel;
 use crate::pupil_table::PupilTable;
 use crate::trace::{Apertures, Step};
 
-/// Image heights, points about the pupil and wavelengths, nm, of the rays that tell how steeply surfaces are met.
+/// Numbers of image heights and of points about the pupil, and wavelengths, nm, of the rays that find how steeply
+/// surfaces are met.
 const HEIGHTS: u32 = 17;
 const DIRECTIONS: u32 = 32;
 const WAVELENGTHS_NM: [f64; 3] = [400.0, 550.0, 900.0];
-/// How much steeper rays may be than those, as a cosine.
+/// Margin of rays steeper than those, as a cosine.
 const STEEPER: f64 = 0.03;
 
 /// A lens whose surfaces, indices and films are tabulated for rays in lanes.
 #[derive(Clone, Debug)]
 pub struct LaneLens {
-    /// As light meets them that comes from the scene, and that comes from the sensor.
+    /// Surfaces as met by light from the scene, and by light from the sensor.
     to_sensor: Vec<LaneSurface>,
     to_scene: Vec<LaneSurface>,
     films: Films,
-    /// From the last vertex to the sensor, mm.
+    /// Distance from the last vertex to the sensor, mm.
     last_gap_mm: f32,
 }
 
 /// A ray before a lens, or behind it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LaneRay {
-    /// mm: before the lens from the first vertex, behind it from the middle of the sensor.
+    /// Point, mm: before the lens from the first vertex, behind it from the middle of the sensor.
     pub point: Vec3,
-    /// Unit vector.
+    /// Unit direction.
     pub direction: Vec3,
-    /// 300 to 1100 nm, of which the nearest whole one counts.
+    /// Wavelength, 300 to 1100 nm, rounded to whole nanometres.
     pub wavelength_nm: f32,
-    /// Which part of its light the surfaces have let through; 0 of a ray that was blocked.
+    /// Fraction of the light that the surfaces transmit; 0 for a blocked ray.
     pub passed: f32,
 }
 
 impl LaneRay {
-    /// A ray from a sensor point, mm from the axis, with the direction cosines p and q.
+    /// Ray from a sensor point, mm from the axis, with the direction cosines p and q.
     pub fn from_sensor(point: DVec2, cosines: DVec2, wavelength_nm: f32) -> Self {
         let z = -(1.0 - cosines.length_squared()).max(0.0).sqrt();
         let direction = cosines.extend(z).as_vec3();
         Self { point: point.as_vec2().extend(0.0), direction, wavelength_nm, passed: 1.0 }
     }
 
-    /// The same ray at another wavelength.
+    /// Ray of the same line at another wavelength.
     #[must_use]
     pub fn at_wavelength(&self, wavelength_nm: f32) -> Self {
         Self { wavelength_nm, ..*self }
     }
 
-    /// The same line run the other way, at another wavelength, with all its light.
+    /// Reversed ray at another wavelength, with all its light.
     #[must_use]
     pub fn back(&self, wavelength_nm: f32) -> Self {
         Self { direction: -self.direction, wavelength_nm, passed: 1.0, ..*self }
@@ -68,7 +69,7 @@ impl LaneRay {
 }
 
 impl LaneLens {
-    /// Tabulates a lens for the rays of a pupil, of image heights up to one in mm.
+    /// Lens tabulated for the rays of a pupil, of image heights up to one in mm.
     pub fn new(lens: &Lens, pupil: &PupilTable, highest_mm: f64) -> Self {
         let count = lens.surfaces().len();
         Self {
@@ -79,18 +80,18 @@ impl LaneLens {
         }
     }
 
-    /// Leads rays from the sensor out into the scene, to points on the first surface.
+    /// Traces rays from the sensor out into the scene, to points on the first surface.
     pub fn trace_out(&self, rays: &mut [LaneRay]) {
         dispatch_wide(Trace { lens: self, travel: Travel::ToScene, rays });
     }
 
-    /// Leads rays from the scene in, to where they meet the plane of the sensor.
+    /// Traces rays from the scene in, to the plane of the sensor.
     pub fn trace_in(&self, rays: &mut [LaneRay]) {
         dispatch_wide(Trace { lens: self, travel: Travel::ToSensor, rays });
     }
 }
 
-/// The smallest cosine, in the thinner medium, at which rays of a pupil meet each surface.
+/// Smallest cosine, in the thinner medium, at which rays of a pupil meet each surface.
 fn steepest(lens: &Lens, pupil: &PupilTable, highest_mm: f64) -> Vec<f64> {
     let count = lens.surfaces().len();
     let mut steepest = vec![1.0_f64; count];
@@ -111,7 +112,7 @@ fn steepest(lens: &Lens, pupil: &PupilTable, highest_mm: f64) -> Vec<f64> {
     steepest
 }
 
-/// Rays through a lens, one way.
+/// Operation that traces rays through a lens, one way.
 struct Trace<'a> {
     lens: &'a LaneLens,
     travel: Travel,
@@ -170,7 +171,7 @@ impl WithSimd for Trace<'_> {
     }
 }
 
-/// A group of rays into lanes, z along their way.
+/// Loads a group of rays into lanes, with z along their way.
 #[inline(always)]
 fn load<S: Simd>(simd: S, group: &[LaneRay], travel: Travel) -> Rays<S::Wide> {
     let sign = travel.sign() as f32;
@@ -189,7 +190,7 @@ fn load<S: Simd>(simd: S, group: &[LaneRay], travel: Travel) -> Rays<S::Wide> {
     }
 }
 
-/// And back.
+/// Stores lanes into a group of rays.
 #[inline(always)]
 fn store<W: WideLanes>(group: &mut [LaneRay], lanes: &Rays<W>, travel: Travel) {
     let sign = travel.sign() as f32;

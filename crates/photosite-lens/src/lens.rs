@@ -7,7 +7,7 @@ use photosite_core::spectrum::Dispersion;
 use crate::prescription::{Blades, Coating, Position, Prescription};
 use crate::profile::Profile;
 
-/// A lens in one position of zoom and focus, with its stop opened to some radius. Lengths are mm.
+/// A lens in one position of zoom and focus, at one opening of its stop. Lengths are mm.
 #[derive(Clone, Debug)]
 pub struct Lens {
     surfaces: Vec<LensSurface>,
@@ -19,31 +19,31 @@ pub struct Lens {
 /// A surface of a [`Lens`].
 #[derive(Clone, Debug)]
 pub struct LensSurface {
-    /// Its shape.
+    /// Shape of the surface.
     pub profile: Profile,
-    /// Its vertex.
+    /// Position of the vertex on the axis.
     pub z_mm: f64,
-    /// Along the axis to the next surface, or from the last to the sensor.
+    /// Distance along the axis to the next surface, or from the last to the sensor.
     pub(crate) gap_mm: f64,
-    /// The radius in which light passes.
+    /// Radius within which light passes.
     pub semi_aperture_mm: f64,
-    /// What fills the gap behind it; `None` is air.
+    /// Glass of the gap behind the surface; `None` is air.
     pub glass: Option<Dispersion>,
-    /// Its coating.
+    /// Coating of the surface.
     pub coating: Coating,
 }
 
 impl LensSurface {
-    /// Index of the gap behind it.
+    /// Index of the gap behind the surface.
     pub(crate) fn index_behind(&self, wavelength_nm: f64) -> f64 {
         self.glass.as_ref().map_or(1.0, |glass| glass.index(wavelength_nm))
     }
 }
 
-/// A regular polygon in the unit circle.
+/// Opening of a stop with blades: a regular polygon in the unit circle.
 #[derive(Clone, Debug)]
 struct BladesOf {
-    /// Unit normals of its edges.
+    /// Unit normals of the edges.
     normals: Vec<DVec2>,
     /// Distance of the edges from the axis.
     apothem: f64,
@@ -76,7 +76,7 @@ impl Lens {
         lens
     }
 
-    /// Puts surfaces and sensor where the gaps leave them.
+    /// Places surfaces and sensor by the gaps.
     fn place(&mut self) {
         self.sensor_z_mm = self.surfaces.iter_mut().fold(0.0, |z, surface| {
             surface.z_mm = z;
@@ -84,46 +84,47 @@ impl Lens {
         });
     }
 
-    /// The surfaces, the first one nearest to the scene.
+    /// Surfaces, from the scene to the sensor.
     pub fn surfaces(&self) -> &[LensSurface] {
         &self.surfaces
     }
 
-    /// The number of the surface that is the stop.
+    /// Number of the stop surface.
     pub fn stop(&self) -> usize {
         self.stop
     }
 
-    /// The radius of the stop, mm.
+    /// Radius of the stop, mm.
     pub fn stop_radius_mm(&self) -> f64 {
         self.surfaces[self.stop].semi_aperture_mm
     }
 
-    /// Unit normals of the edges of a stop with blades, and how far the edges are from the axis, mm; `None` of a round one.
+    /// Unit normals of the edges of a stop with blades, and the edges' distance from the axis, mm; `None` of a round
+    /// one.
     pub(crate) fn stop_edges(&self) -> Option<(&[DVec2], f64)> {
         let BladesOf { normals, apothem } = self.blades.as_ref()?;
         Some((normals, self.stop_radius_mm() * apothem))
     }
 
-    /// The part of a circle about the axis, of a radius in mm, that lies within the blades of the stop: each of n edges at the
-    /// distance a cuts off acos(a/r)/π. 1 of a round stop.
+    /// Fraction of a circle about the axis, of a radius in mm, that lies within the blades of the stop: each of n edges
+    /// at the distance a cuts off acos(a/r)/π. The fraction is 1 for a round stop.
     pub(crate) fn part_within_blades(&self, radius_mm: f64) -> f64 {
         let Some((normals, edge_mm)) = self.stop_edges() else { return 1.0 };
         let cut_off = (edge_mm / radius_mm).min(1.0).acos() / std::f64::consts::PI;
         (1.0 - normals.len() as f64 * cut_off).max(0.0)
     }
 
-    /// Where the sensor is, mm.
+    /// Position of the sensor on the axis, mm.
     pub fn sensor_z_mm(&self) -> f64 {
         self.sensor_z_mm
     }
 
-    /// The distance along the axis from a surface to the next, or from the last to the sensor, mm.
+    /// Distance along the axis from a surface to the next, or from the last to the sensor, mm.
     pub fn gap_mm(&self, surface: usize) -> f64 {
         self.surfaces[surface].gap_mm
     }
 
-    /// The lens with the stop opened to this radius, mm.
+    /// Lens with the stop opened to a radius, mm.
     #[must_use]
     pub fn with_stop_radius(&self, radius_mm: f64) -> Self {
         let mut lens = self.clone();
@@ -131,13 +132,13 @@ impl Lens {
         lens
     }
 
-    /// The lens with a round stop, whatever its blades.
+    /// Lens with a round stop in place of blades.
     #[must_use]
     pub fn with_round_stop(&self) -> Self {
         Self { blades: None, ..self.clone() }
     }
 
-    /// The lens with the blades of its stop turned by an angle in rad.
+    /// Lens with the blades of its stop turned by an angle in rad.
     #[must_use]
     pub(crate) fn with_turned_stop(&self, angle_rad: f64) -> Self {
         let turn = DVec2::from_angle(angle_rad);
@@ -147,7 +148,7 @@ impl Lens {
         lens
     }
 
-    /// The lens with other gaps: pairs of the surface before the gap and its thickness, mm.
+    /// Lens with other gaps: pairs of the surface before the gap and its thickness, mm.
     #[must_use]
     pub fn with_gaps(&self, gaps: &[(usize, f64)]) -> Self {
         let mut lens = self.clone();
@@ -156,14 +157,14 @@ impl Lens {
         lens
     }
 
-    /// The lens in a position of its prescription.
+    /// Lens in a position of its prescription.
     #[must_use]
     pub fn in_position(&self, position: &Position) -> Self {
         let lens = self.with_gaps(&position.gaps);
         position.stop_semi_aperture_mm.map_or(lens.clone(), |radius_mm| lens.with_stop_radius(radius_mm))
     }
 
-    /// How far a point is within the opening of a surface, mm from the axis, as a part of its radius; below 0 outside.
+    /// Distance of a point, mm from the axis, inside the opening of a surface, relative to its radius; below 0 outside.
     pub(crate) fn margin(&self, surface: usize, point: DVec2) -> f64 {
         let radius = self.surfaces[surface].semi_aperture_mm;
         let within = 1.0 - point.length() / radius;

@@ -1,8 +1,9 @@
-//! Lenses as optical engineers write them down: a [`Prescription`] of surfaces and glasses.
+//! Lenses as optical engineers specify them: a [`Prescription`] of surfaces and glasses, traced ray by ray.
 //!
 //! Lengths are mm, the unit of prescriptions. The axis is z, z = 0 is the vertex of the first surface that light from
-//! the scene meets, and +z points to the sensor. Wavelengths are nm in the medium that catalogues measure in, air, whose
-//! index counts as 1. [`files`] reads prescriptions of seven programs' formats from bytes; no file of a disk is touched.
+//! the scene meets, and +z points to the sensor. Wavelengths are nm in air, the medium of glass catalogues, whose index
+//! counts as 1. [`files`] reads prescriptions of seven programs' formats from bytes; this crate touches no file on
+//! disk.
 
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! Outlines of pupils: a boundary about a centre, and the polygon that contains it, from which points are drawn.
+//! Outlines of pupils: a boundary about a centre, and a containing polygon from which points are drawn.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -6,41 +6,41 @@ use glam::DVec2;
 
 use crate::region::{PRECISION, depth_of, outermost};
 
-/// Corners of a polygon.
+/// Number of corners of a polygon.
 pub(crate) const CORNERS: usize = 64;
-/// Directions for each corner in which the boundary is looked for.
+/// Number of directions per corner in which the boundary is searched for.
 const FINER: usize = 2;
-/// How much wider than found the polygons are. Between the directions and the heights of a table a smooth boundary
-/// bulges by less; 1 % let 8e-4 of the light of some lenses leak out.
+/// Margin of polygons over the found boundary, as a factor. Between the directions and the heights of a table a smooth
+/// boundary bulges by less; 1 % let 8e-4 of the light of some lenses leak out.
 pub(crate) const MARGIN: f64 = 1.02;
 
 /// A boundary about a centre on the y axis.
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
     pub(crate) centre: f64,
-    /// To its corners, the first along x, then towards y.
+    /// Distances from the centre to the corners, the first along x, then towards y.
     pub(crate) radii: Vec<f64>,
 }
 
-/// Triangles about a centre.
+/// A polygon as triangles about a centre.
 #[derive(Clone, Debug)]
 pub(crate) struct Polygon {
     centre: DVec2,
-    /// From the centre.
+    /// Corners relative to the centre.
     corners: Vec<DVec2>,
-    /// Areas of the triangles up to and with each.
+    /// Cumulative areas of the triangles.
     areas: Vec<f64>,
-    /// For each of as many equal parts of the whole area, the triangle in which it starts.
+    /// Guide table: for each of as many equal parts of the whole area, the triangle in which it starts.
     starts: Vec<u8>,
     area: f64,
 }
 
 impl Outline {
-    /// Directions in which boundaries are looked for, the first along x, then towards y.
+    /// Number of directions in which boundaries are searched for, the first along x, then towards y.
     pub(crate) const DIRECTIONS: usize = FINER * CORNERS;
 
-    /// The boundary, its own mirror image, about a centre on the y axis of all that passes at any of some wavelengths, within a circle, its middle
-    /// and radius. `passes` says of a wavelength's number and a point whether it does.
+    /// Boundary about a centre on the y axis of all points that pass at any of some wavelengths, within a circle, its
+    /// middle and radius; it is its own mirror image. `passes` takes the number of a wavelength and a point.
     pub(crate) fn of(
         passes: impl Fn(usize, DVec2) -> bool,
         wavelengths: usize,
@@ -69,7 +69,7 @@ impl Outline {
         Self { centre, radii: enclosing(&whole) }
     }
 
-    /// Angle in rad and distance from the centre of its boundary in one of the directions.
+    /// Angle, rad, and distance from the centre of the boundary in one of the directions.
     pub(crate) fn boundary(&self, number: usize) -> (f64, f64) {
         let angle = TAU * number as f64 / Self::DIRECTIONS as f64;
         let sector = number / FINER;
@@ -81,14 +81,14 @@ impl Outline {
         (angle, reach(edge, DVec2::from_angle(angle)))
     }
 
-    /// What of it lies within another boundary, given in all directions, that is to be so much wider.
+    /// Outline clipped to another boundary, which is given in all directions and widened by the factor `wider`.
     pub(crate) fn within(&self, boundary: &[f64], wider: f64) -> Self {
         let enclosed = enclosing(boundary);
         let radii = self.radii.iter().zip(&enclosed).map(|(own, other)| own.min(other * wider)).collect();
         Self { centre: self.centre, radii }
     }
 
-    /// Between two of them.
+    /// Interpolation between two outlines.
     pub(crate) fn between(low: &Self, high: &Self, t: f64) -> Self {
         let lerp = |a: f64, b: f64| a + t * (b - a);
         Self {
@@ -97,7 +97,7 @@ impl Outline {
         }
     }
 
-    /// What contains all of some with the same centre.
+    /// Union of outlines with the same centre.
     pub(crate) fn union(all: &[Self]) -> Option<Self> {
         let (first, others) = all.split_first()?;
         let mut union = first.clone();
@@ -107,7 +107,7 @@ impl Outline {
         Some(union)
     }
 
-    /// Widens some until what lies in the middle between them contains what was found there.
+    /// Widens outlines until the interpolation halfway between them contains the outline found there.
     pub(crate) fn widen_to(around: &mut [&mut Self], middle: &Self) {
         let mut between = Self { centre: 0.0, radii: vec![0.0; CORNERS] };
         let part = 1.0 / around.len() as f64;
@@ -130,12 +130,12 @@ impl Outline {
     }
 }
 
-/// Direction of a corner from the centre.
+/// Unit direction of a corner from the centre.
 pub(crate) fn direction(corner: usize) -> DVec2 {
     DVec2::from_angle(TAU * corner as f64 / CORNERS as f64)
 }
 
-/// Corners of a polygon that holds a boundary found in `FINER` directions for each.
+/// Distances to the corners of a polygon that contains a boundary found in `FINER` directions for each corner.
 fn enclosing(fine: &[f64]) -> Vec<f64> {
     let mut radii: Vec<f64> = fine.iter().step_by(FINER).copied().collect();
     for (i, radius) in fine.iter().enumerate() {
@@ -152,7 +152,7 @@ fn enclosing(fine: &[f64]) -> Vec<f64> {
     radii.iter().map(|radius| radius * MARGIN).collect()
 }
 
-/// How far it is to an edge from the origin in the direction of a point.
+/// Distance from the origin to an edge in the direction of a point.
 fn reach((a, b): (DVec2, DVec2), point: DVec2) -> f64 {
     let direction = point.normalize_or_zero();
     let along = b - a;
@@ -173,7 +173,7 @@ impl Polygon {
         }
     }
 
-    /// What contains two outlines; `None` where they are empty.
+    /// Polygon that contains two outlines; `None` where they are empty.
     pub(crate) fn new(low: &Outline, high: &Outline) -> Option<Self> {
         let half = 0.5 * (high.centre - low.centre);
         let wider = |(a, b): (&f64, &f64)| a.max(*b) + half.abs();
@@ -201,7 +201,7 @@ impl Polygon {
         (self.corners[sector], self.corners[(sector + 1) % CORNERS])
     }
 
-    /// The triangle in whose angle a point from the centre lies.
+    /// Triangle whose angle contains a point relative to the centre.
     fn sector(&self, point: DVec2) -> usize {
         let turn = point.to_angle().rem_euclid(TAU) / TAU;
         ((turn * CORNERS as f64) as usize).min(CORNERS - 1)
@@ -216,7 +216,7 @@ impl Polygon {
         !self.areas.is_empty() && point.length() <= self.reach(self.sector(point), point)
     }
 
-    /// A point of it, uniform over its area: a triangle by its area, then a point of the triangle.
+    /// Samples a point uniformly over the area: a triangle by its area, then a point of the triangle.
     pub(crate) fn sample(&self, [u, v]: [f64; 2]) -> DVec2 {
         let target = u * self.area;
         let mut sector = usize::from(self.starts[((u * CORNERS as f64) as usize).min(CORNERS - 1)]);

@@ -1,37 +1,36 @@
-//! First order: focal length, pupils, images, by paraxial rays at one wavelength.
+//! First-order optics: focal length, pupils and images, by paraxial rays at one wavelength.
 
 use crate::trace::LensAt;
 
-/// The figures of a lens to first order, object at infinity, at one wavelength. Lengths are mm.
+/// First-order figures of a lens, object at infinity, at one wavelength. Lengths are mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstOrder {
     /// Effective focal length.
     pub efl_mm: f64,
-    /// Back focal length: from the last vertex to the focus.
+    /// Back focal length: distance from the last vertex to the focus.
     pub bfl_mm: f64,
-    /// The entrance pupil from the first vertex; infinite for a lens that is telecentric in object space.
+    /// Position of the entrance pupil from the first vertex; infinite for a lens that is telecentric in object space.
     pub entrance_pupil_mm: f64,
-    /// The exit pupil from the last vertex; infinite for a lens that is telecentric in image space.
+    /// Position of the exit pupil from the last vertex; infinite for a lens that is telecentric in image space.
     pub exit_pupil_mm: f64,
     /// Diameter of the entrance pupil.
     pub entrance_pupil_diameter_mm: f64,
     /// Diameter of the exit pupil.
     pub exit_pupil_diameter_mm: f64,
-    /// EFL over the diameter of the entrance pupil.
+    /// f-number: EFL over the diameter of the entrance pupil.
     pub f_number: f64,
 }
 
-/// The image of a point of the axis to first order.
+/// First-order image of a point on the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Image {
-    /// From the last vertex, mm.
+    /// Distance from the last vertex, mm.
     pub distance_mm: f64,
     /// Transverse magnification, below 0 for an inverted image.
     pub magnification: f64,
 }
 
-/// A matrix of Gaussian optics: it turns height y and slope u of a paraxial ray, in mm and rad, before some surfaces into
-/// those behind them.
+/// Ray transfer matrix: height y and slope u of a paraxial ray, mm and rad, before some surfaces → those behind them.
 #[derive(Clone, Copy, Debug)]
 struct Matrix {
     a: f64,
@@ -43,12 +42,12 @@ struct Matrix {
 impl Matrix {
     const IDENTITY: Self = Self { a: 1.0, b: 0.0, c: 0.0, d: 1.0 };
 
-    /// This, then over a distance: y′ = y + u·t.
+    /// Product with the transfer over a distance: y′ = y + u·t.
     fn then_over(self, t: f64) -> Self {
         Self { a: self.a + t * self.c, b: self.b + t * self.d, ..self }
     }
 
-    /// This, then refraction: u′ = (n·u − y·c·(n′ − n))/n′.
+    /// Product with refraction at a surface: u′ = (n·u − y·c·(n′ − n))/n′.
     fn then_refracted(self, curvature: f64, n: f64, behind: f64) -> Self {
         let (ratio, power) = (n / behind, curvature * (behind - n) / behind);
         Self { c: ratio * self.c - power * self.a, d: ratio * self.d - power * self.b, ..self }
@@ -56,7 +55,7 @@ impl Matrix {
 }
 
 impl LensAt<'_> {
-    /// Refraction at the surfaces of a range and the gaps between them, without the one behind the last.
+    /// Matrix of a range of surfaces and the gaps between them, without the gap behind the last.
     fn matrix(&self, surfaces: std::ops::Range<usize>) -> Matrix {
         surfaces.clone().fold(Matrix::IDENTITY, |matrix, i| {
             let over = if i == surfaces.start { matrix } else { matrix.then_over(self.lens.gap_mm(i - 1)) };
@@ -65,14 +64,14 @@ impl LensAt<'_> {
         })
     }
 
-    /// From before the first surface to before the stop.
+    /// Matrix from before the first surface to before the stop.
     fn to_stop(&self) -> Matrix {
         let stop = self.lens.stop();
         let before = self.matrix(0..stop);
         if stop == 0 { before } else { before.then_over(self.lens.gap_mm(stop - 1)) }
     }
 
-    /// The lens to first order, object at infinity. The pupils are the images of the stop through what is before and
+    /// First-order figures, object at infinity. The pupils are the images of the stop through the surfaces before and
     /// behind it ([Welford86](photosite_core::references#welford86) §3.5).
     pub fn first_order(&self) -> FirstOrder {
         let surfaces = self.lens.surfaces().len();
@@ -95,7 +94,7 @@ impl LensAt<'_> {
         }
     }
 
-    /// The image of a point on the axis at `object_distance_mm` before the first vertex, which may be infinite.
+    /// Image of a point on the axis at `object_distance_mm` before the first vertex, which may be infinite.
     pub fn image(&self, object_distance_mm: f64) -> Image {
         let matrix = self.matrix(0..self.lens.surfaces().len());
         if object_distance_mm.is_infinite() {
@@ -106,16 +105,16 @@ impl LensAt<'_> {
         Image { distance_mm: -y / u, magnification: 1.0 / u }
     }
 
-    /// How far before the first vertex a point of the axis is whose image is `image_distance_mm` behind the last one, mm;
-    /// infinite for the focus, below 0 for a point behind the vertex.
+    /// Distance before the first vertex, mm, of the point on the axis whose image is `image_distance_mm` behind the
+    /// last one; infinite for the focus, below 0 for a point behind the vertex.
     pub fn object_distance_mm(&self, image_distance_mm: f64) -> f64 {
         let Matrix { a, b, .. } = self.matrix(0..self.lens.surfaces().len()).then_over(image_distance_mm);
         // The ray of slope 1 from the point, at the height s at the vertex, comes to the axis: a·s + b = 0.
         if a == 0.0 { f64::INFINITY } else { -b / a }
     }
 
-    /// The radius of the stop, mm, at which the f-number is N where the lens is focused at infinity as it stands:
-    /// EFL/(2·N·|m|), m the magnification from the stop to the entrance pupil.
+    /// The radius of the stop, mm, for the f-number N, with the lens focused at infinity as it is set: EFL/(2·N·|m|),
+    /// where m is the magnification from the stop to the entrance pupil.
     pub fn stop_radius_of_f_number(&self, f_number: f64) -> f64 {
         let first_order = self.first_order();
         self.lens.stop_radius_mm() * first_order.f_number / f_number

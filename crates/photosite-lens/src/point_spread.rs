@@ -1,57 +1,57 @@
-//! The picture of a point: diffraction of its wave front at the edge of the pupil.
+//! Point spread functions: diffraction of the wave front of a point at the edge of the pupil.
 //!
-//! With the path differences W over the direction cosines (p, q) at the sensor that pass every aperture, the region S, it is
-//! |∬_S exp(2πi·(W(p, q) − p·x − q·y)/λ) dp dq|² at the place (x, y) from where the chief ray lands
-//! ([Born99](photosite_core::references#born99) §8.3 and §9.5; the coordinates are those of
+//! With the path differences W over the region S of direction cosines (p, q) at the sensor that pass every aperture,
+//! the point spread function is |∬_S exp(2πi·(W(p, q) − p·x − q·y)/λ) dp dq|² at the place (x, y) relative to the chief
+//! ray's landing point ([Born99](photosite_core::references#born99) §8.3 and §9.5; the coordinates are those of
 //! [`illumination`](crate::illumination), so that they hold off the axis and at large apertures, too, but for the
 //! polarisation of light).
 
 use std::f64::consts::TAU;
 
 use glam::DVec2;
-use rustfft::FftPlanner;
-use rustfft::num_complex::{Complex32, Complex64};
+use photosite_fft::{Complex32, Complex64, forward_f32};
 
 use crate::chief::ChiefRay;
 use crate::lens::Lens;
 use crate::trace::{Apertures, LensAt};
 use crate::wavefront::{Rays, Wavefront};
 
-/// The grid of the pupil is zero-padded to this many times its size, so that no frequency is folded onto another.
+/// Factor of zero-padding of the pupil's grid, so that no frequency is folded onto another.
 const PADDING: usize = 2;
-/// Points along a side of the grid on which W is traced, before it is interpolated; how far beyond the pupil the grid
-/// reaches, as a part of its width; and directions in which the edge of the pupil
-/// is looked for, at first and then.
+/// Number of points along a side of the grid on which W is traced, before it is interpolated; margin of the grid beyond
+/// the pupil, relative to its width; and numbers of directions in which the edge of the pupil is searched for, first
+/// and then.
 const TRACED: usize = 48;
 const BEYOND: f64 = 0.05;
 const FIRST_DIRECTIONS: usize = 32;
 const DIRECTIONS: usize = 128;
-/// Points along a side of the finer grid: at least, and at most.
+/// Smallest and largest number of points along a side of the finer grid.
 const FEWEST: usize = 128;
 const MOST: usize = 1024;
-/// Samples along a side of a picture: of the usual one, and of the largest.
+/// Number of samples along a side of a point spread function: the usual and the largest.
 const SIZE: usize = 512;
 const LARGEST: usize = 1024;
-/// How much farther from the middle than rays land the picture reaches at least.
+/// Smallest half-width of a point spread function, relative to the farthest ray's distance from the middle.
 const WIDER: f64 = 1.25;
 
-/// The picture of a point.
+/// The point spread function of an object point.
 #[derive(Clone, Debug)]
 pub struct PointSpread {
-    /// Samples along a side.
+    /// Number of samples along a side.
     pub size: usize,
-    /// Distance of the samples on the sensor, mm.
+    /// Spacing of the samples on the sensor, mm.
     pub spacing_mm: f64,
-    /// Energy in each sample, of 1 in all.
+    /// Energy in each sample; the sum is 1.
     pub energy: Vec<f32>,
-    /// Where sample (size/2, size/2) lies, from where the chief ray lands, mm: where the plane that fits W best leads light.
+    /// Position of the sample (size/2, size/2) relative to the chief ray's landing point, mm: the place to which the
+    /// best-fit plane of W leads light.
     pub middle_mm: DVec2,
-    /// How far from there rays land at most, mm.
+    /// Largest distance of landing rays from that place, mm.
     pub farthest_mm: f64,
 }
 
 impl Wavefront {
-    /// The picture of the point, |FT of exp(2πi·W/λ)|², about where the best plane of W leads.
+    /// Point spread function |FT of exp(2πi·W/λ)|², centred where the best-fit plane of W leads.
     pub fn point_spread(&self) -> PointSpread {
         let wavelength_mm = self.wavelength_nm * 1e-6;
         let of_path = |(path, covered): (Option<f64>, &f64)| {
@@ -65,19 +65,19 @@ impl Wavefront {
 }
 
 impl LensAt<'_> {
-    /// The picture of a point that lies on a chief ray, as far from that ray's point on the first surface, mm: see
-    /// [`wavefront_of`](Self::wavefront_of). `None` where no light of it passes.
+    /// Point spread function of a point on a chief ray, at a distance from that ray's point on the first surface, mm:
+    /// see [`wavefront_of`](Self::wavefront_of). `None` where no light of the point passes.
     ///
-    /// W is traced on a grid of 48² points and interpolated by cubics on a grid that is fine enough for how far light lands
-    /// from the middle, of 128² to 1024² points, which the edge of the pupil cuts in the middle of cells, too. Light that
-    /// would land farther away than half the size of the picture is folded back into it: at a round pupil
-    /// 2/(π²·n) of all, with n the distance in units of λ·N, 0.3 % of the smallest.
+    /// W is traced on a grid of 48² points and interpolated by cubics on a grid that is fine enough for the farthest
+    /// landing light, of 128² to 1024² points, which the edge of the pupil cuts in the middle of cells, too. Light that
+    /// would land farther away than half the size of the grid is folded back into it: at a round pupil 2/(π²·n) of all
+    /// light, with n the distance in units of λ·N, or 0.3 % on the smallest grid.
     pub fn point_spread(&self, chief: ChiefRay, distance_mm: f64) -> Option<PointSpread> {
         self.point_spreads(chief, distance_mm, std::slice::from_ref(self.lens)).pop()?
     }
 
-    /// The pictures of such a point through lenses that differ from this one in the blades of their stops, whose edges alone
-    /// make the difference: W is traced once.
+    /// Point spread functions of a point on a chief ray through lenses that differ from this one only in the blades of
+    /// their stops: W is traced once.
     pub(crate) fn point_spreads(&self, chief: ChiefRay, distance_mm: f64, lenses: &[Lens]) -> Vec<Option<PointSpread>> {
         let round = self.lens.with_round_stop();
         let at = LensAt { lens: &round, ..self.clone() };
@@ -99,7 +99,7 @@ impl LensAt<'_> {
 }
 
 impl Rays<'_> {
-    /// The picture of the point, of path differences that are traced on a coarse grid.
+    /// Point spread function of path differences that are traced on a coarse grid.
     fn point_spread(&self, traced: &Wavefront) -> Option<PointSpread> {
         // What passes of all that comes from the point
         let region = self.region(DIRECTIONS)?;
@@ -145,11 +145,11 @@ impl Rays<'_> {
 }
 
 impl PointSpread {
-    /// |FT|² of a field over a square of the pupil, zero-padded to `size`², whose picture is `width_mm` wide. Of a field that is
-    /// its own mirror image along each row, so is the picture: half of it is worked out.
+    /// |FT|² of a field over a square of the pupil, zero-padded to `size`², which gives `width_mm` on the sensor. A
+    /// field that is its own mirror image along each row has a result that is, too: half of it is computed.
     fn of_field(field: &[Complex32], size: usize, width_mm: f64, is_mirrored: bool) -> Self {
         let given = (field.len() as f64).sqrt() as usize;
-        let fft = FftPlanner::new().plan_fft_forward(size);
+        let fft = forward_f32(size);
         // Rows of nothing stay so.
         let mut rows = vec![Complex32::default(); given * size];
         for (row, of_row) in rows.chunks_mut(size).zip(field.chunks(given)) {
@@ -172,13 +172,14 @@ impl PointSpread {
         Self { size, spacing_mm: width_mm / size as f64, energy, middle_mm: DVec2::ZERO, farthest_mm: 0.0 }
     }
 
-    /// How far from the middle it reaches, mm: light that would land farther away is folded back into it.
+    /// Half-width of the point spread function from its middle, mm: light that would land farther away is folded back
+    /// into it.
     pub fn reach_mm(&self) -> f64 {
         0.5 * self.size as f64 * self.spacing_mm
     }
 
-    /// The modulation transfer at a frequency ν in cycles per mm along `axis`, a unit vector: |Σ E·exp(−2πi·ν·x)|/Σ E, where
-    /// single precision leaves Σ E a little beside 1.
+    /// Modulation transfer function at a frequency ν in cycles per mm along `axis`, a unit vector: |Σ
+    /// E·exp(−2πi·ν·x)|/Σ E, where single precision leaves Σ E a little beside 1.
     pub fn mtf(&self, axis: DVec2, frequency_per_mm: f64) -> f64 {
         // The phase is that of the column times that of the row.
         let phases = |along: f64| -> Vec<Complex64> {
@@ -195,9 +196,9 @@ impl PointSpread {
     }
 }
 
-/// Whether a lens is its own mirror image across the plane of its field, the blades of its stop included.
+/// Whether a lens is its own mirror image across the plane of its field, including the blades of its stop.
 fn is_mirrored(lens: &Lens) -> bool {
-    /// Rounding of the normals of blades, as they are turned.
+    /// Tolerance for rounding of the blades' normals, as they are turned.
     const ROUNDING: f64 = 1e-9;
     lens.stop_edges().is_none_or(|(normals, _)| {
         let has_mirrored =
@@ -206,14 +207,15 @@ fn is_mirrored(lens: &Lens) -> bool {
     })
 }
 
-/// The field of a cell, by how much of it is covered and its path in waves.
+/// Field of a cell, from its covered fraction and its path in waves.
 fn phasor(covered: f64, waves: f64) -> Complex32 {
     Complex32::from_polar(covered as f32, (TAU * (waves - waves.round())) as f32)
 }
 
-/// Visits rows and columns so that what is read by rows and written by columns, or the other way, stays near.
+/// Visits rows and columns block by block, so that values read by rows and written by columns, or the other way, stay
+/// in the cache.
 fn by_blocks(rows: usize, columns: usize, mut visit: impl FnMut(usize, usize)) {
-    /// So many of each fit into the fastest memory.
+    /// Side of a block that fits into the fastest cache.
     const BLOCK: usize = 16;
     for block in (0..columns).step_by(BLOCK) {
         for row in 0..rows {

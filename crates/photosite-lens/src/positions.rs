@@ -1,4 +1,4 @@
-//! How gaps change with zoom and focus: curves through the positions of a prescription.
+//! Zoom and focus: curves of the gaps through the positions of a prescription.
 
 use photosite_core::Invalid;
 use photosite_core::math::monotone_cubic::MonotoneCubic;
@@ -7,32 +7,32 @@ use photosite_core::spectrum::dispersion::lines;
 use crate::lens::Lens;
 use crate::prescription::Position;
 
-/// Positions of a zoom are told apart by focal lengths that differ by more than this part.
+/// Relative difference of focal lengths above which positions of a zoom are distinct.
 const DISTINCT: f64 = 1e-6;
-/// How far beyond its ends a zoom may be set, as a part of the focal length: engravings are rounded.
+/// Margin of a zoom beyond its ends, relative to the focal length: engravings are rounded.
 const BEYOND_ENDS: f64 = 0.01;
-/// Steps of the searches for a focal length and for the compensating gap, and when they end.
+/// Largest number of steps of the searches for a focal length and for the compensating gap, and their final precisions.
 const MOST_STEPS: usize = 60;
 const FOCAL_LENGTH_PRECISION: f64 = 1e-9;
 const COMPENSATION_MM: f64 = 1e-9;
-/// The step by which the effect of a gap on the image is found, mm.
+/// Step for the derivative of the image position by a gap, mm.
 const STEP_MM: f64 = 1e-4;
 
-/// How far the focal length that a position of focus names may be from that of its setting of the zoom: engravings are
-/// rounded.
+/// Largest relative difference between the focal length named by a position of focus and that of its zoom setting:
+/// engravings are rounded.
 const SAME_SETTING: f64 = 0.02;
 
-/// A setting of a zoom: its position at infinity, and those at nearer distances.
+/// A zoom setting: its position at infinity, and those at nearer distances.
 #[derive(Debug)]
 pub(crate) struct ZoomSetting<'a> {
-    /// Logarithm of its focal length in mm.
+    /// Logarithm of the focal length in mm.
     logarithm: f64,
     infinity: &'a Position,
     near: Vec<&'a Position>,
 }
 
 impl<'a> ZoomSetting<'a> {
-    /// The settings of a zoom by rising focal length; at most one where a lens is none.
+    /// Zoom settings by rising focal length; at most one where the lens is no zoom.
     ///
     /// # Errors
     ///
@@ -83,7 +83,7 @@ impl<'a> ZoomSetting<'a> {
         }
     }
 
-    /// The curves of its focus; `None` where two positions are of one distance.
+    /// Focus curves of the setting; `None` where two positions share a distance.
     fn curves(&self, lens: &Lens) -> Option<GapCurves> {
         let near = self.near.iter().map(|position| (position.object_distance_mm.map_or(0.0, f64::recip), *position));
         GapCurves::new(lens, &std::iter::once((0.0, self.infinity)).chain(near).collect::<Vec<_>>())
@@ -93,17 +93,17 @@ impl<'a> ZoomSetting<'a> {
 /// Gaps and the stop's radius as functions of one parameter.
 #[derive(Clone, Debug)]
 pub struct GapCurves {
-    /// Of each gap that changes: its surface and its thickness, mm.
+    /// Thickness curve of each gap that changes, mm, with the surface before the gap.
     gaps: Vec<(usize, MonotoneCubic)>,
-    /// Radius of the stop, mm, where it changes.
+    /// Curve of the stop's radius, mm, where it changes.
     stop: Option<MonotoneCubic>,
-    /// Parameters of the positions, rising.
+    /// Parameters of the positions, in rising order.
     parameters: Vec<f64>,
 }
 
 impl GapCurves {
-    /// The curves of a lens through positions, each with its parameter; `None` where two parameters are the same or
-    /// there are none.
+    /// Curves of a lens through positions, each with its parameter; `None` where two parameters are the same or there
+    /// are none.
     fn new(lens: &Lens, positions: &[(f64, &Position)]) -> Option<Self> {
         let mut positions = positions.to_vec();
         positions.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -123,15 +123,15 @@ impl GapCurves {
         })
     }
 
-    /// The lens at a parameter.
+    /// Lens at a parameter.
     pub(crate) fn set(&self, lens: &Lens, parameter: f64) -> Lens {
         let gaps: Vec<_> = self.gaps.iter().map(|(surface, curve)| (*surface, curve.eval(parameter))).collect();
         let lens = lens.with_gaps(&gaps);
         self.stop.as_ref().map_or_else(|| lens.clone(), |stop| lens.with_stop_radius(stop.eval(parameter)))
     }
 
-    /// The focus of a lens by the positions of its prescription that say how far what is sharp is: curves over
-    /// 1/distance from the first vertex. Of a zoom, at the focal length that the lens has. `None` where fewer than two do.
+    /// Focus curves of a lens through the positions of its prescription that have an object distance, over 1/distance
+    /// from the first vertex; for a zoom, at the lens's focal length. `None` where fewer than two have one.
     pub fn of_focus(lens: &Lens, positions: &[Position]) -> Option<Self> {
         if positions.iter().all(|position| position.object_distance_mm.is_none()) {
             return None;
@@ -146,9 +146,9 @@ impl GapCurves {
         }
     }
 
-    /// The focus of a zoom at the focal length of a lens: of each gap what the focus adds to it, from infinity to the nearest
-    /// distance, goes from setting to setting along monotone cubics in the logarithm of the focal length, and so does that
-    /// distance.
+    /// Focus curves of a zoom at the focal length of a lens. The change of each gap by focus, from infinity to the
+    /// nearest distance, is interpolated between zoom settings by monotone cubics in the logarithm of the focal length,
+    /// and so is the nearest distance.
     fn between(lens: &Lens, settings: &[ZoomSetting<'_>]) -> Option<Self> {
         let logarithm = lens.at(lines::D).first_order().efl_mm.ln();
         let curves = settings.iter().map(|setting| setting.curves(lens)).collect::<Option<Vec<_>>>()?;
@@ -184,18 +184,18 @@ impl GapCurves {
         Some(Self { gaps, stop: None, parameters })
     }
 
-    /// The greatest parameter: of a focus, that of the nearest distance.
+    /// Greatest parameter; for a focus, that of the nearest distance.
     pub(crate) fn end(&self) -> f64 {
         self.parameters.last().copied().unwrap_or(0.0)
     }
 }
 
 impl Lens {
-    /// The lens zoomed to a focal length in mm, by the positions of its prescription.
+    /// Lens zoomed to a focal length in mm, by the positions of its prescription.
     ///
     /// Gaps follow monotone cubics in the logarithm of the positions' focal lengths. Then the gap that moves the image
-    /// most is changed until the paraxial image at the d line is as far from the sensor as the positions about have it, so
-    /// that the focus stays.
+    /// most is changed until the paraxial image at the d line has the distance from the sensor of the neighbouring
+    /// positions, so that the focus stays.
     pub fn zoomed(&self, positions: &[Position], focal_length_mm: f64) -> Result<Self, Invalid> {
         let efl = |lens: &Self| lens.at(lines::D).first_order().efl_mm;
         // Focused nearer, a lens has another focal length, which is none of the zoom's.
@@ -241,7 +241,7 @@ impl Lens {
         Err(Invalid::new(key, format!("the lens finds no setting for {focal_length_mm} mm between its positions")))
     }
 
-    /// The lens with that gap changed which moves its image most, until `defocus` is what is intended.
+    /// Lens with the gap that moves the image most changed until `defocus` equals `intended`.
     fn compensated(self, curves: &GapCurves, intended: f64, defocus: impl Fn(&Self) -> f64) -> Self {
         let effect = |surface: usize| {
             let moved = self.with_gaps(&[(surface, self.gap_mm(surface) + STEP_MM)]);

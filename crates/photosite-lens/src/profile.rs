@@ -1,25 +1,25 @@
-//! The shape of a surface: its sag, its normal, and where a ray meets it.
+//! Surface profiles: sag, normal, and intersection with a ray.
 
 use glam::DVec3;
 
 use crate::prescription::Surface;
 
-/// Newton's method has reached the surface where a step is shorter than this, mm.
+/// Step of Newton's method, mm, below which the surface counts as reached.
 const SHORTEST_STEP_MM: f64 = 1e-12;
-/// Steps after which a ray that has not reached the surface counts as one that misses it.
+/// Largest number of steps, after which a ray counts as one that misses the surface.
 const MOST_STEPS: usize = 20;
 
-/// Which way a ray runs through the lens.
+/// Way of a ray through the lens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Travel {
-    /// In, from the scene to the sensor: towards +z, but for rays from more than 90° off the axis.
+    /// Way in, from the scene to the sensor: towards +z, except for rays from more than 90° off the axis.
     ToSensor,
-    /// Out, from the sensor to the scene.
+    /// Way out, from the sensor to the scene.
     ToScene,
 }
 
 impl Travel {
-    /// The sign of the z component of the direction of a ray that runs so along the axis.
+    /// Sign of the z component of the direction of a ray that runs this way along the axis.
     pub fn sign(self) -> f64 {
         match self {
             Self::ToSensor => 1.0,
@@ -27,7 +27,7 @@ impl Travel {
         }
     }
 
-    /// The other way.
+    /// Opposite way.
     #[must_use]
     pub fn reversed(self) -> Self {
         match self {
@@ -37,7 +37,7 @@ impl Travel {
     }
 }
 
-/// The shape of a surface of revolution about z with its vertex at the origin: the sag at the distance r from the axis,
+/// Profile of a surface of revolution about z with its vertex at the origin: the sag at the distance r from the axis,
 /// mm, is
 ///
 /// z(r) = c·r²/(1 + √(1 − (1 + k)·c²·r²)) + Σ a_m·r^m
@@ -50,13 +50,13 @@ pub struct Profile {
     polynomial: Polynomial,
 }
 
-/// Σ a_m·r^m as r²·Σ aᵢ·uⁱ, with u = r² where all orders are even, else u = r.
+/// Aspheric terms Σ a_m·r^m as r²·Σ aᵢ·uⁱ, with u = r² where all orders are even, else u = r.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Polynomial {
     is_even: bool,
-    /// a_m, from order 2 on.
+    /// Coefficients a_m, from order 2 on.
     sag: Vec<f64>,
-    /// m·a_m.
+    /// Products m·a_m.
     slope: Vec<f64>,
 }
 
@@ -78,26 +78,26 @@ impl Polynomial {
         self.sag.is_empty()
     }
 
-    /// The sum over r², of `coefficients` at r².
+    /// Sum over r², of `coefficients` at r².
     fn over_r2(&self, coefficients: &[f64], r2: f64) -> f64 {
         let u = if self.is_even { r2 } else { r2.sqrt() };
         coefficients.iter().rev().fold(0.0, |sum, a| sum * u + a)
     }
 }
 
-/// Where a ray meets a surface.
+/// Intersection of a ray with a surface.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Meeting {
-    /// Along the ray from its origin, mm.
+    /// Distance along the ray from its origin, mm.
     pub(crate) distance: f64,
-    /// The point, from the vertex.
+    /// Point relative to the vertex, mm.
     pub(crate) point: DVec3,
     /// Unit normal, which points to +z at the vertex.
     pub(crate) normal: DVec3,
 }
 
 impl Profile {
-    /// The shape of a surface of a prescription, whose values are checked.
+    /// Profile of a surface of a prescription, whose values are checked.
     pub(crate) fn new(surface: &Surface) -> Self {
         Self {
             curvature: surface.radius_mm.map_or(0.0, f64::recip),
@@ -106,18 +106,18 @@ impl Profile {
         }
     }
 
-    /// c, mm⁻¹.
+    /// Curvature c, mm⁻¹.
     pub(crate) fn curvature(&self) -> f64 {
         self.curvature
     }
 
-    /// k.
+    /// Conic constant k.
     pub(crate) fn conic(&self) -> f64 {
         self.conic
     }
 
-    /// Σ a_m·r^m as r²·Σ aᵢ·uⁱ: whether u = r² rather than r, the coefficients, and those of its slope over r, m·a_m.
-    /// `None` of a conic.
+    /// Aspheric terms Σ a_m·r^m as r²·Σ aᵢ·uⁱ: whether u = r² rather than r, the coefficients, and those of the slope
+    /// over r, m·a_m. `None` of a conic.
     pub(crate) fn polynomial(&self) -> Option<(bool, &[f64], &[f64])> {
         let Polynomial { is_even, sag, slope } = &self.polynomial;
         (!self.polynomial.is_zero()).then_some((*is_even, sag, slope))
@@ -128,25 +128,26 @@ impl Profile {
         self.curvature + self.polynomial.slope.first().copied().unwrap_or(0.0)
     }
 
-    /// z(r) at r², mm; `None` where the conic ends before r.
+    /// Sag z(r) at r², mm; `None` where the conic ends before r.
     pub fn sag(&self, r2: f64) -> Option<f64> {
         let root = self.root(r2)?;
         Some(self.curvature * r2 / (1.0 + root) + r2 * self.polynomial.over_r2(&self.polynomial.sag, r2))
     }
 
-    /// z′(r)/r at r², mm⁻¹: infinite at the rim of a hemisphere, `None` where the conic ends before r.
+    /// Slope over radius, z′(r)/r, at r², mm⁻¹: infinite at the rim of a hemisphere, `None` where the conic ends before
+    /// r.
     pub fn slope_over_r(&self, r2: f64) -> Option<f64> {
         Some(self.curvature / self.root(r2)? + self.polynomial.over_r2(&self.polynomial.slope, r2))
     }
 
-    /// √(1 − (1 + k)·c²·r²).
+    /// Root √(1 − (1 + k)·c²·r²); `None` where the conic ends before r.
     fn root(&self, r2: f64) -> Option<f64> {
         let radicand = 1.0 - (1.0 + self.conic) * self.curvature * self.curvature * r2;
         (radicand >= 0.0).then(|| radicand.sqrt())
     }
 
-    /// Where a ray meets the surface, coming from the side that its way says; `origin` is from the vertex. `None` where
-    /// it misses.
+    /// Intersection of a ray with the surface, from the side given by its way; `origin` is relative to the vertex.
+    /// `None` where it misses.
     pub(crate) fn meet(&self, origin: DVec3, direction: DVec3, travel: Travel) -> Option<Meeting> {
         // From the point nearest to the vertex, so that a far origin costs no digits.
         let to_nearest = -origin.dot(direction);
@@ -164,7 +165,7 @@ impl Profile {
         is_met.then_some(Meeting { distance: to_nearest + distance, point, normal })
     }
 
-    /// The unit normal (−x·s, −y·s, 1), s = z′(r)/r, or at the rim of a hemisphere its limit.
+    /// Unit normal of (−x·s, −y·s, 1), s = z′(r)/r, or its limit at the rim of a hemisphere.
     fn normal(&self, point: DVec3) -> Option<DVec3> {
         let r2 = point.x * point.x + point.y * point.y;
         if self.polynomial.is_zero() {
@@ -177,9 +178,9 @@ impl Profile {
         Some(DVec3::new(-s * point.x, -s * point.y, 1.0).normalize())
     }
 
-    /// Distance to the conic c·(x² + y² + (1 + k)·z²) = 2·z: of its two points that at which normal·ray has the sign of
-    /// the way. This is not always the nearer one, nor the one nearer to the vertex's plane, and it is right for rays
-    /// beyond 90° from the axis.
+    /// Distance to the conic c·(x² + y² + (1 + k)·z²) = 2·z, to the one of two points at which normal·ray has the sign
+    /// of the way. This is not always the nearer one, nor the one nearer to the vertex's plane, and it is right for
+    /// rays beyond 90° from the axis.
     fn meet_conic(&self, from: DVec3, direction: DVec3, travel: Travel) -> Option<f64> {
         let (c, k1) = (self.curvature, 1.0 + self.conic);
         let a = c * (1.0 + self.conic * direction.z * direction.z);
@@ -195,7 +196,7 @@ impl Profile {
         distance.is_finite().then_some(distance)
     }
 
-    /// Newton's method on F = z − z(r) along the ray.
+    /// Intersection with an asphere by Newton's method on F = z − z(r) along the ray.
     fn meet_asphere(&self, start: f64, from: DVec3, direction: DVec3) -> Option<f64> {
         let mut distance = start;
         for _ in 0..MOST_STEPS {

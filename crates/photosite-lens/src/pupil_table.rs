@@ -1,9 +1,9 @@
-//! Directions from sensor points into the lens, drawn so that most of them pass.
+//! Sampling of directions from sensor points into the lens so that most of them pass.
 //!
-//! In direction cosines (p, q) the weight of a uniformly drawn direction is the area of the region that it is drawn from,
-//! and nothing else (see [`illumination`](crate::illumination)). The table holds a polygon for each of many image heights
-//! that contains the region S of all directions that pass, for all wavelengths, and little more; of a stop with blades, for
-//! each of many azimuths, too.
+//! In direction cosines (p, q) the weight of a uniformly drawn direction is the area of the region that it is drawn
+//! from, and nothing else (see [`illumination`](crate::illumination)). The table holds a polygon for each of many image
+//! heights that contains the region S of all directions that pass, for all wavelengths, and little more; for a stop
+//! with blades, also for each of many azimuths.
 
 use std::f64::consts::TAU;
 
@@ -14,42 +14,42 @@ use crate::outline::{Outline, Polygon};
 use crate::stop_map::StopMap;
 use crate::trace::LensAt;
 
-/// Image heights, from the axis to the corner, at which S is looked for.
+/// Number of image heights, from the axis to the corner, at which S is determined.
 const ROWS: usize = 65;
-/// Directions in which a region is looked for at first.
+/// Number of directions of the first, coarse boundary of a region.
 const FIRST_DIRECTIONS: usize = 16;
-/// Bins of the image height, each with a polygon.
+/// Number of bins of the image height, each with a polygon.
 const BINS: usize = 512;
-/// The same of a stop with blades; and bins of the azimuth, over a whole turn.
+/// Number of bins of the image height, and of the azimuth over a whole turn, for a stop with blades.
 const BINS_OF_BLADES: usize = 256;
 const AZIMUTHS: u32 = 128;
-/// Halvings of the last stretch between a height that light reaches and one that it does not.
+/// Number of bisections between an image height that light reaches and one that it does not.
 const HALVINGS: u32 = 6;
 
-/// What the sensor sees of the pupil, by image height.
+/// Pupil as seen by the sensor, by image height.
 #[derive(Clone, Debug)]
 pub struct PupilTable {
-    /// By height and azimuth.
+    /// Polygons by height and azimuth.
     bins: Vec<Polygon>,
     bins_per_mm: f64,
-    /// Blades of the stop, 0 of a round one, and azimuths from one of them to the next.
+    /// Number of blades of the stop, 0 for a round one, and number of azimuths from one blade to the next.
     blades: u32,
     azimuths: usize,
     lit_mm: f64,
 }
 
-/// A direction that was drawn.
+/// A sampled direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Direction {
-    /// Direction cosines p, q; the ray goes out, towards −z.
+    /// Direction cosines p, q; the ray goes out into the scene, towards −z.
     pub cosines: DVec2,
-    /// Area of the region that it was drawn from, sr: the weight of what it brings, if it passes.
+    /// Area of the region that the direction was drawn from, sr: the weight of a ray that passes.
     pub area: f64,
 }
 
 impl PupilTable {
-    /// The table of a lens for image heights up to one in mm and wavelengths in nm, of which the middle one decides where
-    /// the centres are.
+    /// Table of a lens for image heights up to one in mm and wavelengths in nm, of which the middle one determines the
+    /// centres.
     pub fn new(with_blades: &Lens, highest_mm: f64, wavelengths_nm: &[f64]) -> Self {
         let lens = with_blades.with_round_stop();
         let height = |row: f64| highest_mm * row / (ROWS - 1) as f64;
@@ -91,7 +91,7 @@ impl PupilTable {
         Self { bins, bins_per_mm: count as f64 / highest_mm, blades, azimuths, lit_mm }
     }
 
-    /// The largest image height that light reaches, mm, to a thousandth of the table's; that of the table where light
+    /// Largest image height that light reaches, mm, to a thousandth of the table's largest; the latter where light
     /// reaches all of it.
     pub fn lit_mm(&self) -> f64 {
         self.lit_mm
@@ -104,12 +104,12 @@ impl PupilTable {
         (area > 0.0).then(|| Direction { cosines: rotation(point).rotate(polygon.sample(u)), area })
     }
 
-    /// Area of the region that directions are drawn from at a sensor point, sr; 0 where no light reaches.
+    /// Area of the region that directions are drawn from at a sensor point, sr; 0 where no light reaches it.
     pub fn area(&self, point: DVec2) -> f64 {
         self.polygon(point).area()
     }
 
-    /// Whether a direction is one that may be drawn at a sensor point.
+    /// Whether a direction may be drawn at a sensor point.
     pub fn contains(&self, point: DVec2, cosines: DVec2) -> bool {
         let DVec2 { x, y } = rotation(point);
         self.polygon(point).contains(DVec2::new(x, -y).rotate(cosines))
@@ -121,7 +121,7 @@ impl PupilTable {
         &self.bins[height * self.azimuths + self.azimuth(point)]
     }
 
-    /// The bin of the azimuth of a point, from the y axis.
+    /// Bin of the azimuth of a point, from the y axis.
     fn azimuth(&self, point: DVec2) -> usize {
         if self.blades == 0 {
             return 0;
@@ -132,7 +132,7 @@ impl PupilTable {
     }
 }
 
-/// The outlines that the blades of a stop leave of those of a round one, by azimuth: from one blade to the next.
+/// Outlines of a round stop cut by the blades, by azimuth from one blade to the next.
 fn cut_by_blades(
     lens: &Lens,
     rows: &[Option<Outline>],
@@ -157,7 +157,7 @@ fn cut_by_blades(
     of_azimuths
 }
 
-/// The radius of the image circle: between the last row that light reaches and the next one, by halving.
+/// Radius of the image circle, mm: by bisection between the last row that light reaches and the next one.
 fn image_circle(lens: &Lens, rows: &[Option<Outline>], height: impl Fn(f64) -> f64, wavelengths_nm: &[f64]) -> f64 {
     let Some(last) = rows.iter().rposition(Option::is_some) else { return 0.0 };
     if last + 1 == rows.len() {
@@ -172,13 +172,13 @@ fn image_circle(lens: &Lens, rows: &[Option<Outline>], height: impl Fn(f64) -> f
     height(lit)
 }
 
-/// What turns the y axis to a point, as a complex number.
+/// Rotation, as a complex number, that turns the y axis to a point.
 pub(crate) fn rotation(point: DVec2) -> DVec2 {
     let height = point.length();
     if height > 0.0 { DVec2::new(point.y, -point.x) / height } else { DVec2::X }
 }
 
-/// The directions that pass at an image height, at any of the wavelengths; `None` where none does.
+/// Outline of the directions that pass at an image height, at any of the wavelengths; `None` where none does.
 fn outline(lens: &Lens, height_mm: f64, wavelengths_nm: &[f64]) -> Option<Outline> {
     let at: Vec<LensAt<'_>> = wavelengths_nm.iter().map(|nm| lens.at(*nm)).collect();
     let region = at[at.len() / 2].pupil_region(height_mm, FIRST_DIRECTIONS)?;

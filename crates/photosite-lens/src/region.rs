@@ -1,48 +1,49 @@
-//! Regions of a plane in which some test holds: the part of a pupil that passes every aperture.
+//! Regions of a plane in which a test holds, such as the part of a pupil that passes every aperture.
 
 use std::f64::consts::TAU;
 
 use glam::DVec2;
 
-/// Places along a radius, from outside in, at which the outermost point that passes is looked for.
+/// Number of places along a radius, from outside in, at which the outermost passing point is searched for.
 const PLACES: u32 = 24;
-/// The boundary is found to this part of its distance from the centre.
+/// Precision of the boundary, relative to its distance from the centre.
 pub(crate) const PRECISION: f64 = 1e-6;
-/// How far from the boundary of the direction before the next one is looked for at first, and farther where it is not
-/// there.
+/// Half-widths of the first search about the boundary of the direction before, relative to its distance from the
+/// centre, widened where the boundary is not there.
 const BRACKETS: [f64; 3] = [0.02, 0.08, 0.32];
-/// Steps of the search for a boundary after which its interval is halved.
+/// Number of steps of the search for a boundary after which its interval is bisected.
 const MOST_SECANTS: usize = 12;
-/// Directions of a first look at a region, and how much farther than that the boundary is looked for then.
+/// Number of directions of a first look at a region, and margin of the later search over its result.
 const FIRST_DIRECTIONS: usize = 16;
 const BEYOND: f64 = 1.5;
-/// Half the abscissas and half the weights of the quadrature of Gauss and Legendre with eight points: distances from the middle
-/// of an interval of the length 1, and what counts of it there, on either side.
+/// Half of the Gauss–Legendre quadrature with eight points: distances from the middle of an interval of length 1, and
+/// weights, on either side.
 const GAUSS: [(f64, f64); 4] = [
     (0.091_717_321_247_824_9, 0.181_341_891_689_181),
     (0.262_766_204_958_164_5, 0.156_853_322_938_943_64),
     (0.398_333_238_706_813_4, 0.111_190_517_226_687_24),
     (0.480_144_928_248_768_15, 0.050_614_268_145_188_13),
 ];
-/// Cells along a side of the grids in which a first point that passes is looked for, from coarse to fine.
+/// Numbers of cells along a side of the grids in which a first passing point is searched for, from coarse to fine.
 const GRIDS: [u32; 4] = [16, 48, 144, 432];
 
 /// A region given by its boundary about a centre.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// The centre, which belongs to it.
+    /// Centre, a point of the region.
     pub centre: DVec2,
-    /// Half of its width and height, about: its units along x and y, in which it is about round, so that directions which
-    /// are even there come as often to the ends of a thin region as to its sides.
+    /// Units along x and y, about half the region's width and height. In these it is about round, so that evenly spaced
+    /// directions meet the ends of a thin region as often as its sides.
     scale: DVec2,
-    /// Distance of the boundary from the centre in these units in as many directions, the first along x, then towards y.
+    /// Distances of the boundary from the centre in these units, in evenly spaced directions, the first along x, then
+    /// towards y.
     radii: Vec<f64>,
 }
 
 impl Region {
-    /// The region in which `depth` is 0 or more, as its boundary in `directions` directions about its middle. It lies within
-    /// `reach` of `about`; `seed` is a point that may belong to it. `None` where no point is found that does. The more evenly
-    /// `depth` falls through the boundary, the sooner that is found; it may be infinite.
+    /// Finds the region in which `depth` is 0 or more, as its boundary in `directions` directions about its middle. It
+    /// lies within `reach` of `about`; `seed` is a point that may belong to it. `None` where no point of it is found.
+    /// The more evenly `depth` falls through the boundary, the fewer steps the search takes; it may be infinite.
     ///
     /// Where the boundary is crossed more than once along a radius, the outermost crossing counts.
     pub fn find(
@@ -68,7 +69,7 @@ impl Region {
         Some(look(better(&second), &second, directions))
     }
 
-    /// The boundary about a point that belongs to the region, in some units within a circle in these, its middle from there.
+    /// Boundary about a point of the region, in given units, within a circle, whose middle is relative to the point.
     fn about(
         depth: &impl Fn(DVec2) -> f64,
         centre: DVec2,
@@ -86,8 +87,8 @@ impl Region {
         Self { centre, scale, radii: (0..directions).map(outermost).collect() }
     }
 
-    /// The region about a centre with a boundary through points that follow each other around it, as cubics of the angle
-    /// through four of them; `None` where they do not go around it.
+    /// Region about a centre with a boundary through consecutive points around it, as cubics of the angle through four
+    /// of them; `None` where they do not go around it.
     pub(crate) fn of_boundary(centre: DVec2, points: &[DVec2], directions: usize) -> Option<Self> {
         let [low, high] = bounds(points.iter().copied());
         let scale = 0.5 * (high - low);
@@ -123,8 +124,8 @@ impl Region {
         0.5 * squares * TAU / self.radii.len() as f64 * self.scale.element_product()
     }
 
-    /// Points over it, with weights that add up to its area, sr or mm²: in each direction of its boundary, outwards, those of
-    /// Gauss and Legendre, which are exact for polynomials of the order 15 along the radius.
+    /// Quadrature points of the region, with weights that add up to its area, sr or mm²: in each direction of its
+    /// boundary, the Gauss–Legendre points, which are exact for polynomials of order 15 along the radius.
     pub fn points(&self) -> impl Iterator<Item = (DVec2, f64)> {
         let sector = TAU / self.radii.len() as f64 * self.scale.element_product();
         (0..self.radii.len()).flat_map(move |i| {
@@ -138,17 +139,17 @@ impl Region {
         })
     }
 
-    /// How far its boundary is from the centre at most.
+    /// Largest distance of the boundary from the centre.
     pub(crate) fn farthest(&self) -> f64 {
         (0..self.radii.len()).map(|i| self.boundary(i).distance(self.centre)).fold(0.0, f64::max)
     }
 
-    /// A point of its boundary.
+    /// Point of the boundary in direction `i`.
     pub fn boundary(&self, i: usize) -> DVec2 {
         self.centre + self.scale * DVec2::from_angle(angle(i, self.radii.len())) * self.radii[i]
     }
 
-    /// How far inside the boundary a point is along the radius, below 0 outside; between the directions the boundary is a
+    /// Depth of a point inside the boundary along the radius, below 0 outside; between the directions the boundary is a
     /// cubic of the angle through four of them.
     pub(crate) fn depth(&self, point: DVec2) -> f64 {
         let from_centre = (point - self.centre) / self.scale;
@@ -164,8 +165,9 @@ impl Region {
         (boundary - radius) * unit
     }
 
-    /// How much of a square of this side about a point lies within the boundary, from 0 to 1, and the middle of that part,
-    /// as if the boundary were a straight edge along the square: what the corners get wrong evens out along the boundary.
+    /// Fraction of a square of this side about a point that lies within the boundary, from 0 to 1, and the middle of
+    /// that part, as if the boundary were a straight edge along the square: the errors at corners cancel along the
+    /// boundary.
     pub(crate) fn cells(&self, side: f64) -> impl Fn(DVec2) -> (f64, DVec2) {
         // Most squares lie wholly on one side of all of the boundary, whose cubics reach beyond the radii they go through by an
         // eighth of the difference at most.
@@ -191,7 +193,7 @@ impl Region {
         bounds((0..self.radii.len()).map(|i| self.boundary(i)))
     }
 
-    /// The mean of its area: centre + ⅓·∫ρ³·(cos φ, sin φ) dφ over the area.
+    /// Centroid of the area: centre + ⅓·∫ρ³·(cos φ, sin φ) dφ over the area.
     fn centroid(&self) -> DVec2 {
         let directions = self.radii.len();
         let moment: DVec2 =
@@ -210,7 +212,7 @@ fn bounds(points: impl Iterator<Item = DVec2>) -> [DVec2; 2] {
 }
 
 /// Distance of the boundary from the centre along an angle in rad: the outermost place within a circle, its middle and
-/// radius, at which `depth` is not below 0, to some part of it; near a guess, where it is there.
+/// radius, at which `depth` is not below 0, to a relative precision; near a guess, where the boundary is there.
 pub(crate) fn outermost(
     depth: &impl Fn(DVec2) -> f64,
     centre: DVec2,
@@ -220,10 +222,10 @@ pub(crate) fn outermost(
     precision: f64,
 ) -> f64 {
     let direction = DVec2::from_angle(angle);
-    let at = |radius: f64| Place { radius, depth: depth(centre + direction * radius) };
+    let at = |radius: f64| RadialDepth { radius, depth: depth(centre + direction * radius) };
     let guessed = guess.filter(|guess| *guess > 0.0).and_then(|guess| {
         BRACKETS.into_iter().find_map(|part| {
-            let low = Some(at(guess * (1.0 - part))).filter(Place::is_inside)?;
+            let low = Some(at(guess * (1.0 - part))).filter(RadialDepth::is_inside)?;
             let high = Some(at(guess * (1.0 + part))).filter(|high| !high.is_inside())?;
             Some([low, high])
         })
@@ -234,7 +236,7 @@ pub(crate) fn outermost(
         let along = offset.dot(direction);
         let end = (along * along + reach * reach - offset.length_squared()).max(0.0).sqrt() - along;
         let place = |place: u32| end * f64::from(place) / f64::from(PLACES);
-        let mut high = Place { radius: place(PLACES + 1), depth: f64::NEG_INFINITY };
+        let mut high = RadialDepth { radius: place(PLACES + 1), depth: f64::NEG_INFINITY };
         for i in (1..=PLACES).rev() {
             let low = at(place(i));
             if low.is_inside() {
@@ -247,22 +249,22 @@ pub(crate) fn outermost(
     edge(at, ends, precision)
 }
 
-/// A place along a radius, and how far it is inside, in any measure; below 0 outside.
+/// A place along a radius, and its depth inside, in any measure; below 0 outside.
 #[derive(Clone, Copy)]
-struct Place {
+struct RadialDepth {
     radius: f64,
     depth: f64,
 }
 
-impl Place {
+impl RadialDepth {
     fn is_inside(&self) -> bool {
         self.depth >= 0.0
     }
 }
 
-/// The radius at which depths fall through 0 between a place inside and one outside, from inside, to some part of it: by
-/// the regula falsi of the Illinois method, or by halves where depths are infinite.
-fn edge(at: impl Fn(f64) -> Place, [mut low, mut high]: [Place; 2], precision: f64) -> f64 {
+/// Radius at which depths fall through 0 between a place inside and one outside, from inside, to a relative precision:
+/// by the Illinois method, or by bisection where depths are infinite.
+fn edge(at: impl Fn(f64) -> RadialDepth, [mut low, mut high]: [RadialDepth; 2], precision: f64) -> f64 {
     for step in 0.. {
         let width = high.radius - low.radius;
         let least = 0.5 * precision * high.radius;
@@ -284,17 +286,17 @@ fn edge(at: impl Fn(f64) -> Place, [mut low, mut high]: [Place; 2], precision: f
     low.radius
 }
 
-/// An infinite depth, inside or outside, where only that is known.
+/// Infinite depth, for a test that only tells inside from outside.
 pub(crate) fn depth_of(is_inside: bool) -> f64 {
     if is_inside { f64::INFINITY } else { f64::NEG_INFINITY }
 }
 
-/// The direction of number i of some, rad.
+/// Angle of direction `i` of `directions`, rad.
 fn angle(i: usize, directions: usize) -> f64 {
     TAU * i as f64 / directions as f64
 }
 
-/// A point that passes, by ever finer grids over the square about the circle.
+/// First passing point, by ever finer grids over the square about the circle.
 fn first_inside(passes: &impl Fn(DVec2) -> bool, about: DVec2, reach: f64) -> Option<DVec2> {
     GRIDS.iter().find_map(|&cells| {
         let at = |i: u32| reach * (2.0 * (f64::from(i) + 0.5) / f64::from(cells) - 1.0);
@@ -309,7 +311,7 @@ fn first_inside(passes: &impl Fn(DVec2) -> bool, about: DVec2, reach: f64) -> Op
 mod tests {
     use super::*;
 
-    /// What two circles have in common, to a hundredth of their width: |S| where two rims leave little.
+    /// Intersection of two circles, to a hundredth of their width: |S| where two rims leave little.
     #[test]
     fn a_thin_crescent_has_its_area() {
         let radius = 1.0;

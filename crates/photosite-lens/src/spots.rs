@@ -1,4 +1,4 @@
-//! Where the rays of a point land.
+//! Spot diagrams: landing points of the rays of an object point.
 
 use glam::{DVec2, DVec3};
 
@@ -7,22 +7,22 @@ use crate::profile::Travel;
 use crate::region::Region;
 use crate::trace::{Apertures, LensAt, Ray};
 
-/// Directions in which the edge of a beam is looked for.
+/// Number of directions in which the edge of a beam is searched for.
 const DIRECTIONS: usize = 64;
 
-/// Landing points of rays.
+/// Statistics of landing points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// Their mean, mm.
+    /// Mean of the landing points, mm.
     pub centroid_mm: DVec2,
-    /// Root of the mean square of their distance from it, mm.
+    /// Root mean square distance from the centroid, mm.
     pub rms_mm: f64,
-    /// How many there are.
+    /// Number of rays.
     pub rays: usize,
 }
 
 impl Spot {
-    /// The spot of some landing points with their weights; `None` of none.
+    /// Spot of landing points with their weights; `None` of no points.
     pub fn of(points: &[(DVec2, f64)]) -> Option<Self> {
         let total: f64 = points.iter().map(|(_, weight)| weight).sum();
         if points.is_empty() {
@@ -35,19 +35,20 @@ impl Spot {
     }
 }
 
-/// A point of the scene, seen along a line that goes into the lens.
+/// A point of the scene on a line into the lens.
 #[derive(Clone, Copy, Debug)]
 pub struct ObjectPoint {
-    /// A point of the line.
+    /// Point of the line, mm.
     pub origin: DVec3,
-    /// Direction of the line, (0, sin θ, cos θ).
+    /// Direction of the line into the lens, (0, sin θ, cos θ).
     pub direction: DVec3,
-    /// From there back along the line, mm; infinite for parallel light, below 0 for light that comes together behind it.
+    /// Distance of the object from there back along the line, mm; infinite for parallel light, below 0 for light that
+    /// converges behind the point.
     pub distance_mm: f64,
 }
 
 impl ObjectPoint {
-    /// The point on a chief ray, so far from that ray's point on the first surface.
+    /// Object point on a chief ray, at a distance from that ray's point on the first surface, mm.
     pub fn on(chief: &ChiefRay, distance_mm: f64) -> Self {
         let Ray { origin, direction } = chief.before;
         Self { origin, direction, distance_mm }
@@ -58,7 +59,7 @@ impl ObjectPoint {
         [DVec3::X, DVec3::new(0.0, self.direction.z, -self.direction.y)]
     }
 
-    /// Its ray through a point of the plane across the line, mm.
+    /// Ray of the object point through a point of the plane across the line, mm.
     pub fn ray(&self, point: DVec2) -> Ray {
         let [x, y] = self.across();
         let offset = x * point.x + y * point.y;
@@ -66,44 +67,44 @@ impl ObjectPoint {
         Ray { origin: self.origin + offset, direction: towards.normalize() }
     }
 
-    /// Where a place is seen from it in that plane, mm.
+    /// Projection of a place onto that plane as seen from the object point, mm.
     fn place(&self, place: DVec3) -> DVec2 {
         let from = place - self.origin;
         let [x, y] = self.across().map(|axis| from.dot(axis));
         DVec2::new(x, y) / (1.0 + from.dot(self.direction) / self.distance_mm)
     }
 
-    /// How much of its light an area of that plane gets at a point, over that in the middle.
+    /// Flux of the object point per area of that plane, relative to the middle.
     fn flux(&self, point: DVec2) -> f64 {
         (1.0 + (point / self.distance_mm).length_squared()).powf(-1.5)
     }
 }
 
-/// The light of a point that passes a lens.
+/// Beam of an object point that passes a lens.
 #[derive(Clone, Debug)]
 pub struct Beam {
-    /// The point.
+    /// Object point.
     pub object: ObjectPoint,
-    /// What of the plane across its line passes every aperture, mm.
+    /// Region of the plane across the object's line that passes every aperture, mm.
     pub region: Region,
 }
 
 impl Beam {
-    /// The ray of a point of the plane.
+    /// Ray through a point of the plane.
     pub fn ray(&self, point: DVec2) -> Ray {
         self.object.ray(point)
     }
 }
 
 impl LensAt<'_> {
-    /// Where a ray from the scene lands, mm; `None` where it ends inside the lens.
+    /// Landing point of a ray from the scene, mm; `None` where it ends inside the lens.
     pub fn landing(&self, ray: Ray, apertures: Apertures) -> Option<DVec2> {
         let behind = self.trace_in(ray, apertures).ok()?;
         let point = behind.at_z(self.lens.sensor_z_mm()).truncate();
         point.is_finite().then_some(point)
     }
 
-    /// The beam of an object at infinity at an angle in rad from the axis; `None` where none of it passes.
+    /// Beam of an object at infinity at an angle in rad from the axis; `None` where none of it passes.
     pub fn beam(&self, field_rad: f64) -> Option<Beam> {
         // Before all of the lens, so that rays from the side start before it, too.
         let origin = self.chief_ray(field_rad).map_or(DVec3::ZERO, |chief| chief.before.origin);
@@ -111,7 +112,7 @@ impl LensAt<'_> {
         self.beam_of(ObjectPoint { origin, direction, distance_mm: f64::INFINITY }, DIRECTIONS)
     }
 
-    /// The beam of a point, with its edge in so many directions; `None` where none of it passes.
+    /// Beam of an object point, with its edge in this number of directions; `None` where none of it passes.
     pub fn beam_of(&self, object: ObjectPoint, directions: usize) -> Option<Beam> {
         let first = &self.lens.surfaces()[0];
         // All rays that pass meet the first surface, which lies within this of its vertex.
@@ -124,7 +125,7 @@ impl LensAt<'_> {
         Some(Beam { object, region })
     }
 
-    /// Landing points of the light of a point, mm, and how much of it lands there: over all that passes every aperture, by
+    /// Landing points of the light of a point, mm, with weights: over all light that passes every aperture, by
     /// quadrature. Empty where nothing passes.
     pub fn spot(&self, object: ObjectPoint, directions: usize) -> Vec<(DVec2, f64)> {
         let Some(beam) = self.beam_of(object, directions) else { return Vec::new() };
@@ -133,8 +134,8 @@ impl LensAt<'_> {
         beam.region.points().filter_map(landing).collect()
     }
 
-    /// Landing points of a point of the scene, to be drawn: of those rays of a square grid of `across`² over its beam that
-    /// pass every aperture. Empty where none does.
+    /// Landing points for a spot diagram, mm: those rays of a square grid of `across`² over the beam that pass every
+    /// aperture. Empty where none does.
     pub fn spot_diagram(&self, object: ObjectPoint, across: u32) -> Vec<DVec2> {
         let Some(beam) = self.beam_of(object, DIRECTIONS) else { return Vec::new() };
         let [low, high] = beam.region.bounds();
@@ -144,8 +145,8 @@ impl LensAt<'_> {
     }
 }
 
-/// The modulation that spots alone leave: |Σ w·exp(−2πi·ν·x)|/Σ w for the frequency ν, cycles per mm, along `axis`, a unit
-/// vector.
+/// Geometric modulation transfer function: |Σ w·exp(−2πi·ν·x)|/Σ w for the frequency ν, cycles per mm, along `axis`, a
+/// unit vector.
 pub fn geometric_mtf(points: &[(DVec2, f64)], axis: DVec2, frequency_per_mm: f64) -> f64 {
     let phase = |point: DVec2| DVec2::from_angle(std::f64::consts::TAU * frequency_per_mm * point.dot(axis));
     let sum: DVec2 = points.iter().map(|(point, weight)| phase(*point) * *weight).sum();

@@ -1,9 +1,10 @@
-//! Offsets drawn from the picture of a point.
+//! Sampling of offsets from point spread functions.
 //!
-//! Its samples lie too far apart to be even squares of light as they are: a square of the side s multiplies the modulation
-//! by sinc(ν·s), 0.97 at half the limit of diffraction where four samples are as wide as λ·N. The samples are therefore
-//! sharpened by −∇²/24 first, which undoes that to below 0.3 %; what falls below zero then, near dark rings, is left out.
-//! Farther out squares are larger: of twice the side beyond 64 of them from the middle, of four times beyond 128 and so on.
+//! The samples of a point spread function lie too far apart to serve as uniform squares of light: a square of the side
+//! s multiplies the modulation by sinc(ν·s), 0.97 at half the limit of diffraction where four samples are as wide as
+//! λ·N. The samples are therefore sharpened by −∇²/24 first, which undoes that to below 0.3 %; what falls below zero
+//! then, near dark rings, is left out. Farther out squares are larger: of twice the side beyond 64 of them from the
+//! middle, of four times beyond 128 and so on.
 
 use std::borrow::Cow;
 
@@ -11,36 +12,37 @@ use glam::DVec2;
 
 use crate::point_spread::PointSpread;
 
-/// Cells along a side of each level.
+/// Number of cells along a side of each level.
 const SIDE: usize = 128;
-/// Levels of the largest picture, and some more.
+/// Largest number of levels: those of the largest point spread function, and some more.
 const MOST_LEVELS: usize = 8;
-/// Those of a level that a finer one covers.
+/// Cells of a level that a finer one covers.
 const INNER: std::ops::Range<usize> = SIDE / 4..SIDE - SIDE / 4;
 
-/// All light of a row.
+/// Cumulative light of a whole row.
 const WHOLE: u16 = u16::MAX;
 
-/// A picture of a point as cells of even light, row by row.
+/// A point spread function as cells of uniform light, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpreadTable {
-    /// Light up to and with each cell of a row, of [`WHOLE`] in the row, of levels from the finest on.
+    /// Cumulative light of the cells in each row, up to [`WHOLE`], of levels from the finest on.
     cells: Vec<u16>,
-    /// Light up to and with each row, of 1 in all.
+    /// Cumulative light of the rows, up to 1.
     rows: Vec<f64>,
     /// Side of the finest cells, mm.
     cell_mm: f64,
-    /// The middle of the levels, mm from where the chief ray lands.
+    /// Middle of the levels, mm from the chief ray's landing point.
     middle_mm: DVec2,
-    /// How far from the middle rays land at most, and how far the picture reaches, mm: what lands farther away is folded back.
+    /// Largest distance of landing rays from the middle, and half-width of the point spread function, mm: light that
+    /// lands farther away is folded back.
     pub(crate) farthest_and_reach_mm: [f64; 2],
 }
 
 impl SpreadTable {
-    /// The table of a picture whose size is 128 times a power of two.
+    /// Table of a point spread function whose size is 128 times a power of two.
     pub fn new(spread: &PointSpread) -> Self {
         let (mut energy, mut size) = (Cow::Borrowed(&spread.energy), spread.size);
-        assert!(size.is_multiple_of(SIDE) && (size / SIDE).is_power_of_two(), "a picture of {size} samples");
+        assert!(size.is_multiple_of(SIDE) && (size / SIDE).is_power_of_two(), "an image of {size} samples");
         let (mut cells, mut rows) = (Vec::new(), Vec::new());
         let mut sum = 0.0;
         loop {
@@ -78,7 +80,7 @@ impl SpreadTable {
         }
     }
 
-    /// Its numbers as bytes, after each other.
+    /// Bytes of the table.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
         let Self { cells, rows, cell_mm, middle_mm, farthest_and_reach_mm: [farthest, reach] } = self;
         let head = [rows.len() as f64, *cell_mm, middle_mm.x, middle_mm.y, *farthest, *reach];
@@ -86,7 +88,7 @@ impl SpreadTable {
         doubles.chain(cells.iter().flat_map(|number| number.to_le_bytes())).collect()
     }
 
-    /// The table at the start of some bytes, which are taken off; `None` where there is none.
+    /// Table at the start of some bytes, which are consumed; `None` where there is none.
     pub(crate) fn from_bytes(bytes: &mut &[u8]) -> Option<Self> {
         let mut double = || {
             let (number, rest) = bytes.split_first_chunk()?;
@@ -111,7 +113,7 @@ impl SpreadTable {
         Some(Self { cells, rows, cell_mm, middle_mm, farthest_and_reach_mm })
     }
 
-    /// An offset of light from where the chief ray lands, mm, by numbers in [0, 1).
+    /// Samples an offset of light from the chief ray's landing point, mm, by numbers in [0, 1).
     pub fn sample(&self, [u, v]: [f64; 2]) -> DVec2 {
         let row = self.rows.partition_point(|up_to| *up_to <= v).min(self.rows.len() - 1);
         let before = if row == 0 { 0.0 } else { self.rows[row - 1] };
@@ -127,17 +129,17 @@ impl SpreadTable {
     }
 }
 
-/// The part of an interval below a number in it.
+/// Fraction of an interval below a number in it.
 fn rest(u: f64, from: f64, to: f64) -> f64 {
     if to > from { ((u - from) / (to - from)).clamp(0.0, 1.0) } else { 0.5 }
 }
 
-/// How much of −∇² sharpens the cells of a level: 1/24 for its squares, and what halving the levels before took.
+/// Factor of −∇² that sharpens the cells of a level: 1/24 for its squares, and the loss by halving the levels before.
 fn sharpening(level: usize) -> f64 {
     (2.0 - 0.25_f64.powi(level as i32)) / 24.0
 }
 
-/// A cell of which a square of even light has the modulation of the picture.
+/// Cell value for which a square of uniform light has the modulation of the point spread function.
 fn sharpened(energy: &[f32], size: usize, part: f64, [row, column]: [usize; 2]) -> f64 {
     let at = |row: usize, column: usize| f64::from(energy[row % size * size + column % size]);
     let (below, left) = (row + size - 1, column + size - 1);
@@ -145,7 +147,7 @@ fn sharpened(energy: &[f32], size: usize, part: f64, [row, column]: [usize; 2]) 
     (at(row, column) - part * (around - 4.0 * at(row, column))).max(0.0)
 }
 
-/// Sums of two by two.
+/// Sums of two by two cells.
 fn halved(energy: &[f32], size: usize) -> Vec<f32> {
     let half = size / 2;
     let sum = |i: usize| {

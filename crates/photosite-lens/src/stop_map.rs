@@ -1,8 +1,8 @@
-//! What the blades of a stop cut off the pupil as a sensor point sees it.
+//! Clipping of the pupil by the blades of a stop, as seen from a sensor point.
 //!
-//! A round stop is symmetrical about every line of sight; one with blades is not, and what is seen of it depends on the
-//! azimuth of the sensor point. The rays of the round outline are therefore led to the stop once, at some radii in each of 128
-//! directions, and cut there by the polygon as it lies to each azimuth.
+//! A round stop is symmetrical about every line of sight; one with blades is not, and its visible part depends on the
+//! azimuth of the sensor point. The rays of the round outline are therefore traced to the stop once, at some radii in
+//! each of 128 directions, and cut there by the polygon as it lies to each azimuth.
 
 use std::f64::consts::TAU;
 
@@ -13,18 +13,18 @@ use crate::outline::{MARGIN, Outline};
 use crate::profile::Travel;
 use crate::trace::{Apertures, LensAt, Step};
 
-/// Radii at which rays are led to the stop.
+/// Number of radii at which rays are traced to the stop.
 const RADII: usize = 8;
 
-/// Where the rays of a sensor point (0, h) meet the stop, mm from the axis.
+/// Points at which the rays of a sensor point (0, h) meet the stop, mm from the axis.
 pub(crate) struct StopMap {
-    /// By wavelength and direction, as far as there are such rays: from the centre outwards.
+    /// Points by wavelength and direction, as far as there are such rays: from the centre outwards.
     places: Vec<Vec<DVec2>>,
     outline: Outline,
 }
 
 impl StopMap {
-    /// Leads the rays of the outline of a round stop, seen at an image height in mm, to the stop.
+    /// Traces the rays of the outline of a round stop, seen at an image height in mm, to the stop.
     pub(crate) fn new(at: &[LensAt<'_>], height_mm: f64, outline: &Outline) -> Self {
         let point = DVec2::new(0.0, height_mm);
         let along = |at: &LensAt<'_>, direction: usize| {
@@ -37,8 +37,8 @@ impl StopMap {
         Self { places, outline: outline.clone() }
     }
 
-    /// The outline of what passes the blades of a lens at any wavelength, of a sensor point that has been turned by an angle
-    /// in rad from the y axis.
+    /// Outline of the rays that pass the blades of a lens at any wavelength, for a sensor point that is turned by an
+    /// angle in rad from the y axis.
     pub(crate) fn cut(&self, lens: &Lens, turned_rad: f64) -> Outline {
         let Some((normals, apothem)) = lens.stop_edges() else { return self.outline.clone() };
         let back = DVec2::from_angle(-turned_rad);
@@ -67,8 +67,8 @@ impl StopMap {
 }
 
 impl LensAt<'_> {
-    /// Where the ray from a sensor point with some direction cosines meets the stop, whatever apertures it passes, mm from
-    /// the axis.
+    /// Point at which the ray from a sensor point with some direction cosines meets the stop, mm from the axis,
+    /// regardless of apertures.
     fn stop_place(&self, point: DVec2, cosines: DVec2) -> Option<DVec2> {
         if cosines.length_squared() >= 1.0 {
             return None;

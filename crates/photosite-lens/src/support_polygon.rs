@@ -1,8 +1,8 @@
-//! Convex polygons whose sides face fixed directions, each given by how far it reaches in them.
+//! Convex polygons whose sides face fixed directions, each given by its support function.
 //!
-//! The polygon that holds a region most tightly reaches as far as the region does: h(n) = max x·n over its points x, the
-//! region's support function. Polygons may be mixed by mixing these numbers: what lies between two places of a region that
-//! moves, grows or turns into another is the mixture of both, corner by corner.
+//! The polygon that holds a region most tightly reaches as far as the region does: h(n) = max x·n over its points x,
+//! the region's support function. Polygons are interpolated by interpolating these values: between two states of a
+//! region that moves, grows or deforms lies the mixture of both, corner by corner.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -10,31 +10,31 @@ use glam::DVec2;
 
 use crate::region::{depth_of, outermost};
 
-/// Sides of a polygon. Around a circle one of 16 has 1.3 % more area.
+/// Number of sides of a polygon. Around a circle, 16 sides have 1.3 % more area.
 pub(crate) const SIDES: usize = 16;
-/// Directions from the centre in which the boundary of one half of a region is looked for, and steps of the search for the
-/// farthest point between them.
+/// Number of directions from the centre in which the boundary of one half of a region is searched for, and number of
+/// steps of the search for the farthest point between them.
 const DIRECTIONS: usize = 32;
 const STEPS: u32 = 4;
-/// The boundary is found to this part of its distance from the centre.
+/// Precision of the boundary, relative to its distance from the centre.
 const PRECISION: f64 = 1e-4;
 
-/// A polygon.
+/// A convex polygon.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SupportPolygon {
-    /// h(n) of the directions n(0), n(1) …, the first along x, then towards y.
+    /// Support function h(n) in the directions n(0), n(1) …, the first along x, then towards y.
     pub(crate) reach: [f64; SIDES],
 }
 
-/// n(i).
+/// Outward normal n(i) of a side.
 fn normal(side: usize) -> DVec2 {
     DVec2::from_angle(TAU * side as f64 / SIDES as f64)
 }
 
 impl SupportPolygon {
-    /// The polygon around all points that pass at any of some wavelengths. They are their own mirror image in the y axis,
-    /// lie about a `centre` on it, and within a circle, its middle and radius. `passes` says of a wavelength's number and a
-    /// point whether it does.
+    /// Polygon around all points that pass at any of some wavelengths. They are their own mirror image in the y axis,
+    /// lie about a `centre` on it, and within a circle, its middle and radius. `passes` takes the number of a
+    /// wavelength and a point.
     pub(crate) fn around(
         passes: impl Fn(usize, DVec2) -> bool,
         wavelengths: usize,
@@ -83,47 +83,47 @@ impl SupportPolygon {
         Self { reach }
     }
 
-    /// The same with all sides moved: along y, and outwards.
+    /// Polygon with all sides moved: along y, and outwards.
     #[must_use]
     pub(crate) fn moved(&self, along_y: f64, outwards: f64) -> Self {
         Self { reach: std::array::from_fn(|side| self.reach[side] + along_y * normal(side).y + outwards) }
     }
 
-    /// Mixes polygons by weights that add up to 1.
+    /// Mixture of polygons by weights that add up to 1.
     pub(crate) fn mixed(all: &[(&Self, f64)]) -> Self {
         Self {
             reach: std::array::from_fn(|side| all.iter().map(|(polygon, weight)| weight * polygon.reach[side]).sum()),
         }
     }
 
-    /// The middle of what it reaches up and down.
+    /// Middle of the extent along y.
     pub(crate) fn centre(&self) -> f64 {
         0.5 * (self.reach[SIDES / 4] - self.reach[3 * SIDES / 4])
     }
 
-    /// Half of what it reaches from side to side, or up and down.
+    /// Half of the larger extent, along x or y.
     pub(crate) fn radius(&self) -> f64 {
         self.reach[0].max(0.5 * (self.reach[SIDES / 4] + self.reach[3 * SIDES / 4]))
     }
 
-    /// How far another one reaches beyond it.
+    /// Largest distance by which another polygon reaches beyond this one.
     pub(crate) fn lacks(&self, other: &Self) -> f64 {
         (0..SIDES).map(|side| other.reach[side] - self.reach[side]).fold(0.0, f64::max)
     }
 
-    /// The corner between a side and the next one.
+    /// Corner between a side and the next one.
     fn corner(&self, side: usize) -> DVec2 {
         let (sin, cos) = (TAU / SIDES as f64).sin_cos();
         let (here, next) = (self.reach[side], self.reach[(side + 1) % SIDES]);
         normal(side) * here + normal(side).perp() * ((next - here * cos) / sin)
     }
 
-    /// Whether a point lies in it.
+    /// Whether a point lies in the polygon.
     pub(crate) fn contains(&self, point: DVec2) -> bool {
         (0..SIDES).all(|side| point.dot(normal(side)) <= self.reach[side])
     }
 
-    /// A point of it, uniform over its area, and that area; `None` where it has none.
+    /// Samples a point uniformly over the area, and returns the area with it; `None` where it is 0.
     pub(crate) fn sample(&self, [u, v]: [f64; 2]) -> Option<(DVec2, f64)> {
         // Triangles from the first corner
         let corners: [DVec2; SIDES] = std::array::from_fn(|side| self.corner(side));
@@ -145,7 +145,7 @@ impl SupportPolygon {
 mod tests {
     use super::*;
 
-    /// A cat's eye of two circles, with corners left and right.
+    /// Lens-shaped intersection of two circles, with corners left and right.
     fn passes(_: usize, point: DVec2) -> bool {
         [-0.5, 0.5].iter().all(|y| (point - DVec2::new(0.0, 2.0 + y)).length() <= 1.0)
     }

@@ -1,4 +1,4 @@
-//! Exact rays through a lens at one wavelength.
+//! Exact ray tracing through a lens at one wavelength.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -8,54 +8,54 @@ use glam::DVec3;
 use crate::lens::Lens;
 use crate::profile::Travel;
 
-/// A ray, mm, z = 0 at the first vertex and +z towards the sensor.
+/// A ray, in mm, with z = 0 at the first vertex and +z towards the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// A point on it.
+    /// Point on the ray.
     pub origin: DVec3,
-    /// Unit vector.
+    /// Unit direction.
     pub direction: DVec3,
 }
 
 impl Ray {
-    /// The point at which it crosses the plane of `z`.
+    /// Point at which the ray crosses the plane of `z`.
     pub fn at_z(&self, z: f64) -> DVec3 {
         let distance = (z - self.origin.z) / self.direction.z;
         let DVec3 { x, y, .. } = self.origin + self.direction * distance;
         DVec3::new(x, y, z)
     }
 
-    /// The same line run the other way.
+    /// Reversed ray.
     #[must_use]
     pub fn reversed(&self) -> Self {
         Self { origin: self.origin, direction: -self.direction }
     }
 }
 
-/// Whether the semi-apertures and the stop cut rays off.
+/// Treatment of semi-apertures and the stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Apertures {
-    /// As in the lens.
+    /// Apertures of the lens cut rays off.
     Clip,
-    /// Not: for chief rays, which stand for a bundle even where they are cut off themselves.
+    /// Apertures are ignored: for chief rays, which represent a bundle even where they are cut off themselves.
     Ignore,
 }
 
-/// What a surface does to a ray.
+/// Event of a ray at a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// It goes on, refracted.
+    /// Refraction.
     Refract,
-    /// It turns back.
+    /// Reflection.
     Reflect,
 }
 
-/// One surface of a sequence that a ray is led through.
+/// A step in a sequence of surfaces that a ray is traced through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Step {
-    /// The surface, counted from 0.
+    /// Surface, counted from 0.
     pub surface: usize,
-    /// What happens there.
+    /// Event at the surface.
     pub event: Event,
 }
 
@@ -66,53 +66,53 @@ impl Step {
     }
 }
 
-/// A ray at a surface.
+/// Intersection of a ray with a surface, and the ray's directions before and after it.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
-    /// The surface, counted from 0.
+    /// Surface, counted from 0.
     pub surface: usize,
-    /// The way of the ray before it.
+    /// Way of the ray before the surface.
     pub travel: Travel,
-    /// Where, mm.
+    /// Point of intersection, mm.
     pub point: DVec3,
-    /// Unit direction before.
+    /// Unit direction before the surface.
     pub direction: DVec3,
-    /// Unit direction after.
+    /// Unit direction after the surface.
     pub turned: DVec3,
-    /// Unit normal of the surface, along the ray.
+    /// Unit normal of the surface, on the side of the ray's direction.
     pub normal: DVec3,
     /// Cosine of the angle of incidence.
     pub cos_incidence: f64,
-    /// From the point before, mm, in the medium of index `index`.
+    /// Distance from the point before, mm, in the medium of index `index`.
     pub distance: f64,
     /// Index before the surface.
     pub index: f64,
-    /// Index behind the surface, also where the ray turns back.
+    /// Index behind the surface, also for a ray that is reflected.
     pub index_behind: f64,
 }
 
-/// Where and why a ray ends inside a lens.
+/// End of a ray inside a lens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Stopped {
-    /// The surface, counted from 0.
+    /// Surface, counted from 0.
     pub surface: usize,
-    /// Why.
+    /// Reason of the end.
     pub reason: Reason,
 }
 
-/// Why a ray ends.
+/// Reason for the end of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// It does not meet the surface.
+    /// No intersection with the surface.
     Missed,
-    /// It is outside the semi-aperture, or on a blade.
+    /// Intersection outside the semi-aperture, or on a blade.
     Blocked,
-    /// It is totally reflected.
+    /// Total reflection.
     TotalReflection,
 }
 
 impl fmt::Display for Reason {
-    /// A verb, to be followed by the surface.
+    /// Verb phrase that precedes the surface.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Missed => "misses",
@@ -122,19 +122,19 @@ impl fmt::Display for Reason {
     }
 }
 
-/// A lens at one wavelength: its indices are worked out once for many rays.
+/// A lens at one wavelength: its indices are computed once for many rays.
 #[derive(Clone, Debug)]
 pub struct LensAt<'a> {
-    /// The lens.
+    /// Lens.
     pub lens: &'a Lens,
-    /// The wavelength, nm.
+    /// Wavelength, nm.
     pub wavelength_nm: f64,
     /// Index before each surface, and behind the last.
     pub(crate) index: Cow<'a, [f64]>,
 }
 
 impl Lens {
-    /// The lens at a wavelength in nm.
+    /// Lens at a wavelength in nm.
     pub fn at(&self, wavelength_nm: f64) -> LensAt<'_> {
         let behind = self.surfaces().iter().map(|surface| surface.index_behind(wavelength_nm));
         LensAt { lens: self, wavelength_nm, index: std::iter::once(1.0).chain(behind).collect() }
@@ -142,25 +142,25 @@ impl Lens {
 }
 
 impl LensAt<'_> {
-    /// Index before a surface, counted from 0; of their number, behind the last.
+    /// Index before a surface, counted from 0; for the number of surfaces, the index behind the last.
     pub fn index_before(&self, surface: usize) -> f64 {
         self.index[surface]
     }
 
-    /// The ray that leaves the last surface towards the sensor when `ray` comes from the scene.
+    /// Traces a ray from the scene: the ray that leaves the last surface towards the sensor.
     pub fn trace_in(&self, ray: Ray, apertures: Apertures) -> Result<Ray, Stopped> {
         let steps = (0..self.lens.surfaces().len()).map(Step::refract);
         self.trace(ray, Travel::ToSensor, steps, apertures, |_| {})
     }
 
-    /// The ray that leaves the first surface towards the scene when `ray` comes from the sensor.
+    /// Traces a ray from the sensor: the ray that leaves the first surface towards the scene.
     pub fn trace_out(&self, ray: Ray, apertures: Apertures) -> Result<Ray, Stopped> {
         let steps = (0..self.lens.surfaces().len()).rev().map(Step::refract);
         self.trace(ray, Travel::ToScene, steps, apertures, |_| {})
     }
 
-    /// How far within all apertures a ray goes through the lens, as the least part of a radius; below 0 where one cuts it off,
-    /// and −∞ where it ends otherwise.
+    /// Least margin of a ray within all apertures, relative to their radii; below 0 where one cuts it off, and −∞ where
+    /// it ends otherwise.
     pub(crate) fn margin(&self, ray: Ray, travel: Travel) -> f64 {
         let mut least = f64::INFINITY;
         let visit = |hit: &Hit| least = least.min(self.lens.margin(hit.surface, hit.point.truncate()));
@@ -170,8 +170,8 @@ impl LensAt<'_> {
         if traced.is_ok() || least < 0.0 { least } else { f64::NEG_INFINITY }
     }
 
-    /// Leads a ray through a sequence of surfaces and shows each meeting to `visit`. `travel` is its way at first, which
-    /// reflections turn. The surfaces of the sequence must follow each other as a ray meets them.
+    /// Traces a ray through a sequence of surfaces and calls `visit` for each intersection. `travel` is its way at
+    /// first, which reflections turn. The surfaces of the sequence must follow each other as a ray meets them.
     ///
     /// Refraction is D′ = µ·D + (√(1 − µ²·(1 − cos²i)) − µ·cos i)·N with µ = n/n′ and the normal N along the ray
     /// ([Welford86](photosite_core::references#welford86) §4.3); reflection is D′ = D − 2·cos i·N.

@@ -1,16 +1,16 @@
-//! Pictures of points over the field and the spectrum, for rays of a lens without aberrations whose points they spread.
+//! Point spread functions over field and spectrum, as offsets for rays of an ideal lens without aberrations.
 //!
-//! Aberrations and diffraction blur together, in the plane of focus: neither adds to the other, as a wave front spreads as a
-//! whole. So light that would come from a point of that plane to its place on the sensor by the chief ray comes to offsets
-//! from there, drawn from the picture of the point ([`point_spread`](crate::point_spread)). What lies before or behind the
-//! plane is blurred by where its rays go through the plane, geometrically.
+//! Aberrations and diffraction blur together, in the plane of focus: neither adds to the other, as a wave front spreads
+//! as a whole. So light that would come from a point of that plane to its place on the sensor by the chief ray comes to
+//! offsets from there, drawn from the point spread function ([`point_spread`](crate::point_spread)). Objects before or
+//! behind the plane are blurred geometrically, since their rays cross the plane at different points.
 //!
-//! Nodes of image height, wavelength and, of a stop with blades, azimuth are worked out when they are first asked for, some
-//! 8 ms and 0.1 MB each. An offset is drawn from one of the nodes around, the nearer the likelier; chief rays are
-//! interpolated between wavelengths. What is mixed so has another modulation than the picture half-way between two nodes: at
-//! 10 to 80/mm, over five camera lenses of f/2 to f/5.6 focused at 2 m, by 0.001 in the median and at most 0.02 (once 0.04)
-//! between heights; in light of one wavelength between wavelengths by 0.002 in the median and at most 0.07, of a double Gauss
-//! at f/2. Of light of many, the next nodes take what one lacks.
+//! Nodes of image height, wavelength and, of a stop with blades, azimuth are computed when first needed, some 8 ms and
+//! 0.1 MB each. An offset is drawn from one of the nodes around, the nearer the likelier; chief rays are interpolated
+//! between wavelengths. The mixture has another modulation than the point spread function half-way between two nodes:
+//! at 10 to 80/mm, over five camera lenses of f/2 to f/5.6 focused at 2 m, by 0.001 in the median and at most 0.02
+//! (once 0.04) between heights; in light of one wavelength between wavelengths by 0.002 in the median and at most 0.07,
+//! of a double Gauss at f/2. In light of many wavelengths, errors of neighbouring nodes cancel.
 
 use std::f64::consts::TAU;
 use std::fmt::Debug;
@@ -24,37 +24,39 @@ use crate::lens::Lens;
 use crate::pupil_table::rotation;
 use crate::spread_table::SpreadTable;
 
-/// Image heights, from the axis to the corner; and their least distance as a part of the focal length. On the axis pictures
-/// do not turn with the place. Were the next height as near as light lands, they would turn in the middle of one: then
-/// wavelengths that share a path and its numbers did not land as often everywhere.
+/// Number of image heights, from the axis to the corner; and their least distance relative to the focal length. On the
+/// axis point spread functions do not turn with the place. Were the next height closer than the reach of light, they
+/// would turn in the middle of one: then wavelengths that share a path and its numbers would not land equally often
+/// everywhere.
 const HEIGHTS: usize = 25;
 const LEAST_STEP: f64 = 0.005;
-/// Step of the wavelengths, which lie evenly over 1/λ², as indices and with them the focus change about: 7 nm at 430 nm, 19 nm
-/// at 600 nm, nm⁻².
+/// Step of the wavelengths, which are evenly spaced in 1/λ², because indices, and with them the focus, vary about so: 7
+/// nm at 430 nm, 19 nm at 600 nm, in nm⁻².
 const STEP: f64 = 1.75e-7;
-/// Azimuths from one blade of a stop to the next, the first of them across a blade. On either side of it, and of the corner half-way,
-/// pictures are mirror images of each other: so many are worked out.
+/// Number of azimuths from one blade of a stop to the next, the first of them across a blade. On either side of it, and
+/// of the corner half-way, point spread functions are mirror images: this number of them is computed.
 const AZIMUTHS: usize = 4;
 const TABLED: usize = AZIMUTHS / 2 + 1;
-/// Number of the way that tables are worked out, which is raised when their numbers change between releases.
+/// Version of the computation of the tables, to be raised when their numbers change between releases.
 const EDITION: u32 = 2;
-/// As far as a point that counts as infinitely far, mm.
+/// Distance that counts as infinite, mm.
 const FAR_MM: f64 = 1e9;
 
-/// What a lens is focused on.
+/// Surface in focus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FocusSurface {
-    /// Distance from the point of the axis that distances count from, mm; infinite for parallel light, below 0 where light
-    /// that comes together behind that point is in focus.
+    /// Distance from the reference point on the axis, mm; infinite for parallel light, below 0 where light that
+    /// converges behind that point is in focus.
     pub distance_mm: f64,
-    /// That point, mm from the first vertex: the paraxial entrance pupil.
+    /// Reference point, mm from the first vertex: the paraxial entrance pupil.
     pub reference_mm: f64,
-    /// Whether it is a plane across the axis; else it lies at the distance from where each line of sight crosses the axis.
+    /// Whether the surface is a plane across the axis; else it lies at the distance from the point where each line of
+    /// sight crosses the axis.
     pub is_flat: bool,
 }
 
 impl FocusSurface {
-    /// Where a line of sight meets it, mm; `None` at infinity.
+    /// Intersection with a line of sight, mm; `None` at infinity.
     fn point(&self, sighting: &Sighting) -> Option<DVec3> {
         let crossing = DVec3::new(0.0, 0.0, sighting.pupil_mm);
         let along = if self.is_flat {
@@ -65,8 +67,9 @@ impl FocusSurface {
         self.distance_mm.is_finite().then(|| crossing + sighting.direction * along)
     }
 
-    /// Where a ray out in the scene meets it, mm; a far point at infinity. Where the picture is not flat, as far from the
-    /// point that distances count from: how much the entrance pupil moves makes no difference, as the ray is thin there.
+    /// Intersection with a ray in the scene, mm; a far point at infinity. A surface that is not flat is met at the
+    /// distance from the reference point: how much the entrance pupil moves makes no difference, as the ray is thin
+    /// there.
     fn met(&self, origin: DVec3, direction: DVec3) -> DVec3 {
         let along = if self.distance_mm.is_infinite() {
             FAR_MM
@@ -79,37 +82,38 @@ impl FocusSurface {
     }
 }
 
-/// The pictures of points of a lens as it is focused.
+/// Point spread functions of a lens at its focus.
 #[derive(Debug)]
 pub struct WaveSpread {
     lens: Lens,
     focus: FocusSurface,
     highest_mm: f64,
-    /// From one height to the next, mm.
+    /// Step of the image height, mm.
     step_mm: f64,
-    /// 1/λ² of the first node, nm⁻².
+    /// First node of 1/λ², nm⁻².
     first: f64,
     blades: usize,
-    /// The first azimuth, rad from y.
+    /// First azimuth, rad from y.
     across_blade_rad: f64,
-    /// By wavelength.
+    /// Chief rays by wavelength.
     chiefs: Vec<OnceLock<Option<ChiefMap>>>,
-    /// Tables by wavelength and height, of each azimuth that is tabled, of one without blades; none where no light passes.
+    /// Tables by wavelength and height, one for each tabulated azimuth, and a single one without blades; none where no
+    /// light passes.
     spreads: Vec<OnceLock<Vec<SpreadTable>>>,
     shelf: Option<Arc<dyn Shelf>>,
 }
 
-/// Where pictures of points are kept beyond the run of a program.
+/// Storage of point spread functions beyond the run of a program.
 pub trait Shelf: Debug + Send + Sync {
-    /// What was kept under a number.
+    /// Bytes kept under a number.
     fn take(&self, number: usize) -> Option<Vec<u8>>;
-    /// Keeps bytes under a number, if it can.
+    /// Keeps bytes under a number, if possible.
     fn keep(&self, number: usize, bytes: &[u8]);
 }
 
 impl WaveSpread {
-    /// Of a lens focused on a surface, for image heights up to one in mm. A wavelength in nm is that of a node, so that
-    /// light of about that one has no other mixed in.
+    /// Point spread functions of a lens focused on a surface, for image heights up to one in mm. `node_nm` becomes a
+    /// node of wavelength, so that light near it is not mixed with that of another node.
     pub fn new(lens: &Lens, focus: FocusSurface, highest_mm: f64, node_nm: f64) -> Self {
         let normals = lens.stop_edges().map_or(&[][..], |(normals, _)| normals);
         let (blades, across_blade_rad) =
@@ -131,7 +135,7 @@ impl WaveSpread {
         }
     }
 
-    /// All that its pictures follow from, as text that no other has.
+    /// Key that determines the point spread functions: a text of all inputs, distinct for distinct inputs.
     pub fn key(&self) -> String {
         let Self { lens, focus, highest_mm, step_mm, first, blades, across_blade_rad, chiefs, spreads, shelf: _ } =
             self;
@@ -140,7 +144,7 @@ impl WaveSpread {
         format!("{EDITION} {} {lens:?} {focus:?} {grid:?}", env!("CARGO_PKG_VERSION"))
     }
 
-    /// Takes pictures from a shelf of this [`key`](Self::key), and keeps there what is worked out.
+    /// Takes tables from a shelf of this [`key`](Self::key), and keeps computed ones there.
     #[must_use]
     pub fn with_shelf(self, shelf: Arc<dyn Shelf>) -> Self {
         Self { shelf: Some(shelf), ..self }
@@ -150,7 +154,7 @@ impl WaveSpread {
         (self.first + STEP * wavelength as f64).powf(-0.5)
     }
 
-    /// The node of wavelength before one in nm, and how far that is on the way to the next.
+    /// Node of wavelength before one in nm, and the fraction of the way to the next.
     fn wavelength(&self, nm: f64) -> (usize, f64) {
         let place = ((nm.powi(-2) - self.first) / STEP).max(0.0);
         let node = (place as usize).min(self.chiefs.len() - 2);
@@ -162,8 +166,8 @@ impl WaveSpread {
         self.chiefs[wavelength].get_or_init(find).as_ref()
     }
 
-    /// The picture of points at a node. Of heights whose light does not pass, and of places without a chief ray, that of
-    /// the next height towards the axis.
+    /// Table at a node. Heights whose light does not pass, and places without a chief ray, have the table of the next
+    /// height towards the axis.
     fn spread(&self, wavelength: usize, azimuth: usize, height: usize) -> Option<&SpreadTable> {
         let number = wavelength * HEIGHTS + height;
         let tables = || {
@@ -180,7 +184,7 @@ impl WaveSpread {
         own.or_else(|| self.spread(wavelength, azimuth, height.checked_sub(1)?))
     }
 
-    /// The tables of a node from bytes that were kept.
+    /// Tables of a node from bytes that were kept.
     fn tables_of(&self, mut bytes: &[u8]) -> Option<Vec<SpreadTable>> {
         if bytes.is_empty() {
             return Some(Vec::new());
@@ -202,33 +206,33 @@ impl WaveSpread {
         spreads.iter().map(|spread| spread.as_ref().map(SpreadTable::new)).collect()
     }
 
-    /// The largest blur of the picture, as far as the tables see it: how far from the middle of a point's picture rays land,
-    /// and how far it reaches, mm. `None` where it reaches as far as rays land, at all of a few image heights at a wavelength
-    /// in nm.
+    /// Largest blur that exceeds its table: the farthest landing ray from the middle of a point spread function, and
+    /// the half-width of the latter, mm. `None` where no ray lands beyond it, at all of a few image heights at a
+    /// wavelength in nm.
     pub fn beyond_reach_mm(&self, nm: f64) -> Option<[f64; 2]> {
         let (wavelength, _) = self.wavelength(nm);
-        let pictures = (0..HEIGHTS).step_by(6).filter_map(|height| self.spread(wavelength, 0, height));
-        let beyond = pictures.map(|spread| spread.farthest_and_reach_mm).filter(|[far, reach]| far > reach);
+        let images = (0..HEIGHTS).step_by(6).filter_map(|height| self.spread(wavelength, 0, height));
+        let beyond = images.map(|spread| spread.farthest_and_reach_mm).filter(|[far, reach]| far > reach);
         beyond.max_by(|a, b| a[0].total_cmp(&b[0]))
     }
 
-    /// Azimuths that are tabled.
+    /// Number of tabulated azimuths.
     fn tabled(&self) -> usize {
         if self.blades == 0 { 1 } else { TABLED }
     }
 
-    /// Step from one azimuth of the tables to the next, rad.
+    /// Step of the tabulated azimuths, rad.
     fn azimuth_step_rad(&self) -> f64 {
         TAU / (self.blades.max(1) * AZIMUTHS) as f64
     }
 
-    /// How far an azimuth of the tables is from y, rad.
+    /// Angle of a tabulated azimuth from y, rad.
     fn azimuth_rad(&self, node: usize) -> f64 {
         self.across_blade_rad + self.azimuth_step_rad() * node as f64
     }
 
-    /// Where light of a wavelength in nm lands from where its chief ray does, mm, near a sensor point, mm from the axis: by
-    /// numbers in [0, 1). Zero where no light passes.
+    /// Samples the offset of light of a wavelength in nm from its chief ray's landing point, mm, near a sensor point,
+    /// mm from the axis, by numbers in [0, 1). Zero where no light passes.
     pub fn offset(&self, point: DVec2, nm: f64, [u, v]: [f64; 2]) -> DVec2 {
         let mut u = u;
         // The node before, or the one behind it as likely as it is near; what is left of the number is even again.
@@ -260,8 +264,8 @@ impl WaveSpread {
         })
     }
 
-    /// The direction from a point before the lens, mm, on a unit vector, to what of the surface in focus is seen at a sensor
-    /// point, mm from the axis, by the chief ray of a wavelength in nm. `None` beyond the chief rays.
+    /// Unit direction from a point before the lens, mm, to the point of the surface in focus that the chief ray of a
+    /// wavelength in nm links to a sensor point, mm from the axis. `None` beyond the chief rays.
     pub fn aim(&self, from: DVec3, sensor_mm: DVec2, nm: f64) -> Option<DVec3> {
         let (node, part) = self.wavelength(nm);
         let [low, high] = [self.chief(node)?.sighting(sensor_mm)?, self.chief(node + 1)?.sighting(sensor_mm)?];
@@ -277,8 +281,8 @@ impl WaveSpread {
         direction.try_normalize()
     }
 
-    /// The sensor point, mm from the axis, at which a chief ray of a wavelength in nm lands that goes by where a ray out in
-    /// the scene, mm and unit vector, meets what is in focus: the inverse of [`aim`](Self::aim).
+    /// Sensor point, mm from the axis, of the chief ray of a wavelength in nm through the point where a ray in the
+    /// scene, mm and unit vector, meets the surface in focus: the inverse of [`aim`](Self::aim).
     pub fn place(&self, origin: DVec3, direction: DVec3, nm: f64) -> Option<DVec2> {
         let point = self.focus.met(origin, direction);
         let (node, part) = self.wavelength(nm);

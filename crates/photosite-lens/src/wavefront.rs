@@ -1,5 +1,5 @@
-//! Optical path differences over the pupil of an object point, at infinity or nearer. What picture they make is the matter
-//! of [`point_spread`](crate::point_spread).
+//! Optical path differences over the pupil of an object point, at infinity or nearer.
+//! [`point_spread`](crate::point_spread) derives point spread functions from them.
 
 use std::cell::Cell;
 
@@ -11,48 +11,48 @@ use crate::region::Region;
 use crate::spots::ObjectPoint;
 use crate::trace::{Apertures, LensAt, Ray, Step};
 
-/// Directions in which the edge of the pupil is looked for.
+/// Number of directions in which the edge of the pupil is searched for.
 const DIRECTIONS: usize = 96;
-/// Newton's method for the sensor point has come to the object's direction where it is this near, rad: of W it leaves the
-/// square of that times a length of the lens, some 1e-12 mm.
+/// Deviation from the object's direction, rad, at which Newton's method for the sensor point ends: the error of W is
+/// its square times a length of the lens, some 1e-12 mm.
 const TOLERANCE: f64 = 1e-7;
-/// Most steps of it, what a step leaves of the distance at most before derivatives are taken anew, and how often a step
-/// that comes no nearer, or leads past the lens, is halved.
+/// Largest number of Newton steps; fraction of the distance that a step may leave before derivatives are computed anew;
+/// and number of times that a step is halved that comes no nearer, or leads past the lens.
 const MOST_STEPS: usize = 30;
 const SLOW: f64 = 0.2;
 const HALVINGS: i32 = 8;
-/// Steps from the chief ray's direction to one that is not reached at once.
+/// Number of strides from the chief ray's direction to one that is not reached at once.
 const STRIDES: u32 = 8;
-/// The step of its derivatives, mm.
+/// Step of the numerical derivatives, mm.
 const STEP_MM: f64 = 1e-4;
 
-/// The optical path differences of the light of one object point over the pupil, in image-side direction cosines.
+/// Optical path differences of the light of an object point over the pupil, in image-side direction cosines.
 #[derive(Clone, Debug)]
 pub struct Wavefront {
-    /// The wavelength, nm.
+    /// Wavelength, nm.
     pub wavelength_nm: f64,
-    /// Points along a side of the grid.
+    /// Number of points along a side of the grid.
     pub size: usize,
-    /// The first point.
+    /// Direction cosines of the first point.
     pub first: DVec2,
-    /// Distance of the points of the grid in direction cosines.
+    /// Spacing of the grid in direction cosines.
     pub spacing: f64,
-    /// W at the points of the grid, mm, row by row (p fastest, q up), and of cells that the edge of the pupil cuts in the
-    /// middle of what is inside; `None` where no light of the cell around the point passes.
+    /// W at the points of the grid, mm, row by row (p fastest, q up), or, for cells cut by the edge of the pupil, in
+    /// the middle of the part inside; `None` where no light of the cell around the point passes.
     pub path_mm: Vec<Option<f64>>,
-    /// How much of each cell lies in the pupil, from 0 to 1.
+    /// Fraction of each cell that lies in the pupil, from 0 to 1.
     pub covered: Vec<f64>,
-    /// The direction cosines that W belongs to.
+    /// Direction cosines that W belongs to.
     pub cosines: Vec<DVec2>,
-    /// Cells of the pupil whose ray was not found, as the sum of what is covered of them: 0 unless the lens folds its pupil.
+    /// Covered area, in cells, of cells whose ray was not found: 0 unless the lens folds its pupil.
     pub lost: f64,
-    /// Where their rays land, mm; not a number where there is none.
+    /// Landing points of the rays, mm; NaN where there is none.
     pub(crate) landing_mm: Vec<DVec2>,
-    /// W of the chief ray, which is taken off.
+    /// Path W of the chief ray, mm, which is subtracted.
     pub(crate) zero_mm: f64,
 }
 
-/// Finds the rays of one object point by their direction at the sensor.
+/// Search for the rays of one object point by their direction at the sensor.
 pub(crate) struct Rays<'a> {
     pub(crate) at: &'a LensAt<'a>,
     chief: ChiefRay,
@@ -64,17 +64,18 @@ impl<'a> Rays<'a> {
         Self { at, chief, object: ObjectPoint::on(&chief, distance_mm) }
     }
 
-    /// Where the chief ray lands, mm.
+    /// Landing point of the chief ray, mm.
     pub(crate) fn chief_landing(&self) -> DVec2 {
         DVec2::new(0.0, self.chief.image_height_mm)
     }
 
-    /// Direction cosines of the chief ray at the sensor, as one that goes out.
+    /// Direction cosines at the sensor of the chief ray run outwards.
     pub(crate) fn chief_cosines(&self) -> DVec2 {
         -self.chief.behind.direction.truncate()
     }
 
-    /// How far the ray from a sensor point with some direction cosines goes by the object, seen from the lens, rad.
+    /// Angle by which the ray from a sensor point with some direction cosines misses the object, seen from the lens,
+    /// rad.
     fn miss(&self, point: DVec2, cosines: DVec2) -> Option<DVec2> {
         let out = self.at.trace_out(self.at.ray_from_sensor(point, cosines), Apertures::Ignore).ok()?;
         let (direction, before) = (out.direction, self.chief.before);
@@ -87,8 +88,8 @@ impl<'a> Rays<'a> {
         Some(DVec2::new(x, y))
     }
 
-    /// The sensor point at which the object's light arrives with these direction cosines: from the first of some places
-    /// that leads there, or else from direction to direction, from the chief ray's on.
+    /// Sensor point at which the object's light arrives with these direction cosines: from the first of some places
+    /// that leads there, or else in strides from the chief ray's direction.
     fn landing(&self, starts: &[DVec2], cosines: DVec2, derivatives: &mut Option<DMat2>) -> Option<DVec2> {
         let found = starts.iter().find_map(|start| self.nearing(*start, cosines, derivatives));
         found.or_else(|| {
@@ -98,9 +99,9 @@ impl<'a> Rays<'a> {
         })
     }
 
-    /// That point by Newton's method with the derivatives of a ray nearby, which are taken anew where they serve badly. A
-    /// step that comes no nearer even so is halved: rays near the rim of fast lenses bend, and a whole step may lead to
-    /// where there are none.
+    /// Sensor point by Newton's method with the derivatives of a ray nearby, which are computed anew where convergence
+    /// is poor. A step that still comes no nearer is halved: rays near the rim of fast lenses bend, and a whole step
+    /// may lead to where there are none.
     fn nearing(&self, start: DVec2, cosines: DVec2, derivatives: &mut Option<DMat2>) -> Option<DVec2> {
         let mut point = start;
         let mut miss = self.miss(point, cosines)?;
@@ -139,9 +140,9 @@ impl<'a> Rays<'a> {
         None
     }
 
-    /// W = the optical path from a wave front of the object to the sensor less D·(landing − chief landing), D the
-    /// direction there, mm. The wave front goes through the chief ray's point on the first surface. A ray that goes by the
-    /// object by a little is off by the square of that, by Fermat's principle.
+    /// Path difference W: the optical path from a wave front of the object to the sensor less D·(landing − chief
+    /// landing), D the direction there, mm. The wave front goes through the chief ray's point on the first surface. A
+    /// ray that misses the object slightly has an error of second order, by Fermat's principle.
     pub(crate) fn path(&self, point: DVec2, cosines: DVec2, apertures: Apertures) -> Option<f64> {
         let ray = self.at.ray_from_sensor(point, cosines);
         let steps = (0..self.at.lens.surfaces().len()).rev().map(Step::refract);
@@ -164,8 +165,8 @@ impl<'a> Rays<'a> {
         Some(length + cosines.dot(point - self.chief_landing()))
     }
 
-    /// The directions in which light of the object passes every aperture, by the boundary in so many directions: that of the
-    /// beam before the lens, led through it.
+    /// Region of the directions at which light of the object passes every aperture, by the boundary in this number of
+    /// directions: the boundary of the beam before the lens, traced through it.
     pub(crate) fn region(&self, directions: usize) -> Option<Region> {
         let beam = self.at.beam_of(self.object, directions)?;
         let behind =
@@ -174,7 +175,7 @@ impl<'a> Rays<'a> {
         Region::of_boundary(behind(beam.region.centre)?, &edge, directions)
     }
 
-    /// Where light of a direction lands, wherever that may be.
+    /// Landing point of light of a direction, regardless of apertures.
     pub(crate) fn landing_from_chief(&self) -> impl Fn(DVec2) -> Option<DVec2> {
         let near = Cell::new(None);
         move |cosines: DVec2| {
@@ -185,9 +186,9 @@ impl<'a> Rays<'a> {
         }
     }
 
-    /// The path differences, to the chief ray's, on a grid of `size`² points between two corners, whatever apertures cut
-    /// off. `cells` says of cells of a given side how much of the one about some direction cosines lies in the pupil, and
-    /// where.
+    /// The path differences, to the chief ray's, on a grid of `size`² points between two corners, regardless of
+    /// apertures. `cells` gives, for cells of a side, the covered fraction of the cell about some direction cosines,
+    /// and the middle of that part.
     pub(crate) fn wavefront<Cell: Fn(DVec2) -> (f64, DVec2)>(
         &self,
         [low, high]: [DVec2; 2],
@@ -236,8 +237,8 @@ impl<'a> Rays<'a> {
 }
 
 impl LensAt<'_> {
-    /// The optical path differences of an object at infinity at an angle in rad from the axis, on a grid of `size`²
-    /// points over its pupil; `None` where no light of it passes.
+    /// Optical path differences of an object at infinity at an angle in rad from the axis, on a grid of `size`² points
+    /// over its pupil; `None` where no light of it passes.
     ///
     /// The pupil's coordinates are the direction cosines at the sensor, so that frequencies on the sensor have their true
     /// scale off the axis, too.
@@ -245,8 +246,8 @@ impl LensAt<'_> {
         self.wavefront_of(self.chief_ray(field_rad)?, f64::INFINITY, size)
     }
 
-    /// The same of an object on a chief ray, as far from that ray's point on the first surface, mm: infinite for parallel
-    /// light, below 0 for light that comes together behind that point.
+    /// Optical path differences of an object on a chief ray at a distance from that ray's point on the first surface,
+    /// mm: infinite for parallel light, below 0 for light that converges behind that point.
     pub fn wavefront_of(&self, chief: ChiefRay, distance_mm: f64, size: usize) -> Option<Wavefront> {
         let rays = Rays::new(self, chief, distance_mm);
         let region = rays.region(DIRECTIONS)?;
@@ -255,8 +256,8 @@ impl LensAt<'_> {
 }
 
 impl LensAt<'_> {
-    /// The path differences of an object on a chief ray, as far from that ray's point on the first surface, mm, by quadrature
-    /// over its pupil; `None` where no light of it passes.
+    /// Path differences of an object on a chief ray at a distance from that ray's point on the first surface, mm, by
+    /// quadrature over its pupil; `None` where no light of it passes.
     pub fn path_differences(&self, chief: ChiefRay, distance_mm: f64) -> Option<PathDifferences> {
         let rays = Rays::new(self, chief, distance_mm);
         let (mut known, mut lost, mut whole) = (Vec::new(), 0.0, 0.0);
@@ -280,15 +281,15 @@ impl LensAt<'_> {
 }
 
 impl Wavefront {
-    /// W less its best plane.
+    /// Path differences W minus their best-fit plane.
     pub(crate) fn levelled(&self) -> Vec<Option<f64>> {
         let Some(plane) = self.plane(|number| self.covered[number]) else { return self.path_mm.clone() };
         let level = |(i, path): (usize, &Option<f64>)| path.map(|path| path - plane.at(self.cosines[i]));
         self.path_mm.iter().enumerate().map(level).collect()
     }
 
-    /// Places near which a point's light lands: that to which two neighbours of its row lead, those of its neighbours, and
-    /// the chief ray's.
+    /// Guesses for a landing point: the extrapolation of two neighbours of its row, those of its neighbours, and the
+    /// chief ray's landing point.
     fn near(&self, number: usize, chief: DVec2) -> [DVec2; 4] {
         let known = |back: usize, is_inside: bool| {
             let place = if is_inside { number.checked_sub(back) } else { None };
@@ -301,13 +302,13 @@ impl Wavefront {
         [nearest, left.unwrap_or(nearest), below.unwrap_or(nearest), chief]
     }
 
-    /// W between the points of the grid, by Lagrange's cubics through four of them each way; `None` where one of the sixteen
-    /// is missing.
+    /// Path difference W between the points of the grid, by Lagrange's cubics through four of them each way; `None`
+    /// where one of the sixteen is missing.
     pub(crate) fn between(&self, cosines: DVec2) -> Option<f64> {
         self.row(cosines.y)?.at(cosines.x)
     }
 
-    /// W along a row between those of the grid; `None` beyond them.
+    /// Row of W interpolated between those of the grid; `None` beyond them.
     pub(crate) fn row(&self, y: f64) -> Option<Row> {
         let (from, up) = four((y - self.first.y) / self.spacing, self.size)?;
         let path = |row: usize, column: usize| self.path_mm[(from + row) * self.size + column].unwrap_or(f64::NAN);
@@ -315,8 +316,8 @@ impl Wavefront {
         Some(Row { first: self.first.x, spacing: self.spacing, path_mm: (0..self.size).map(at).collect() })
     }
 
-    /// How far from a place on the sensor, mm from where the chief ray lands, light lands at most: the steepest slope of W
-    /// against that of a plane, by the differences of neighbours that count.
+    /// Largest distance of landing light from a place on the sensor, mm from the chief ray's landing point: the
+    /// steepest slope of W against that of a plane, by the differences of neighbours that count.
     pub(crate) fn steepest_mm(&self, counts: impl Fn(DVec2) -> bool, tilt_mm: DVec2) -> f64 {
         let step = |i: usize, to: usize| Some((self.path_mm[to]? - self.path_mm[i]?) / self.spacing);
         let slope = |i: usize| {
@@ -326,7 +327,7 @@ impl Wavefront {
         (0..self.path_mm.len()).filter_map(slope).map(|slope| slope.distance(tilt_mm)).fold(0.0, f64::max)
     }
 
-    /// The plane that fits W best by the weights of the grid's points; `None` where all are 0.
+    /// Plane that fits W best by the weights of the grid's points; `None` where all are 0.
     pub(crate) fn plane(&self, weight: impl Fn(usize) -> f64) -> Option<Plane> {
         let of_point = |(i, path): (usize, &Option<f64>)| path.map(|path| (self.cosines[i], path, weight(i)));
         let known: Vec<_> = self.path_mm.iter().enumerate().filter_map(of_point).collect();
@@ -334,7 +335,7 @@ impl Wavefront {
     }
 }
 
-/// W along a row of direction cosines, mm; not a number where it is missing.
+/// Path differences W along a row of direction cosines, mm; NaN where missing.
 pub(crate) struct Row {
     first: f64,
     spacing: f64,
@@ -342,7 +343,7 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// W by the cubic through four points; `None` where one is missing.
+    /// Path difference W by the cubic through four points; `None` where one is missing.
     pub(crate) fn at(&self, x: f64) -> Option<f64> {
         let (from, across) = four((x - self.first) / self.spacing, self.path_mm.len())?;
         let path = self.path_mm[from..from + 4].iter().zip(across).map(|(path, weight)| weight * path).sum::<f64>();
@@ -350,12 +351,12 @@ impl Row {
     }
 }
 
-/// How the light of a point that passes a lens differs from a sphere about a point of the sensor.
+/// Deviation of the wave front of a point, behind the lens, from a sphere about a point of the sensor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PathDifferences {
-    /// Root mean square of W in waves, about the plane that fits it best: a tilt only moves the picture.
+    /// Root mean square of W in waves, about the best-fit plane: a tilt only moves the image.
     pub rms_waves: f64,
-    /// The part of the pupil whose rays were not found: 0 unless the lens folds its pupil.
+    /// Fraction of the pupil whose rays were not found: 0 unless the lens folds its pupil.
     pub lost: f64,
 }
 
@@ -363,12 +364,12 @@ pub struct PathDifferences {
 pub(crate) struct Plane {
     middle: DVec2,
     mean: f64,
-    /// Its slope: where the light that it alone would make lands, from the chief ray, mm.
+    /// Slope of the plane: the landing point of its light from the chief ray's, mm.
     pub(crate) tilt_mm: DVec2,
 }
 
 impl Plane {
-    /// The plane that fits W at places of the pupil best, by their weights; `None` where all are 0.
+    /// Plane that fits W best at places of the pupil, by their weights; `None` where all are 0.
     fn fit(known: &[(DVec2, f64, f64)]) -> Option<Self> {
         let total = known.iter().map(|(_, _, weight)| weight).sum::<f64>();
         if total <= 0.0 {
@@ -392,7 +393,7 @@ impl Plane {
     }
 }
 
-/// The first of the four points around a place among so many, and their weights; `None` where there are no four.
+/// First of the four points around a place among `count`, and their weights; `None` where there are no four.
 fn four(place: f64, count: usize) -> Option<(usize, [f64; 4])> {
     let from = place.floor() - 1.0;
     (from >= 0.0 && from + 4.0 <= count as f64).then(|| (from as usize, cubic_weights(place - from)))

@@ -12,15 +12,15 @@ use crate::shape::Shape;
 /// A box that is open above, with walls and a floor outside of its inner size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bin {
-    /// Its inner width, height and depth, m.
+    /// Inner width, height and depth, m.
     pub size: DVec3,
-    /// The middle of its floor, inside, m.
+    /// Middle of the floor, inside, m.
     pub position: DVec3,
-    /// How thick walls and floor are, m.
+    /// Thickness of walls and floor, m.
     pub wall: f64,
 }
 
-/// Triangles of a cuboid, outwards; bits of the numbers of its corners are x, y, z.
+/// Triangles of a cuboid, facing outwards; the bits of a corner's number are x, y, z.
 const CUBOID: [[u32; 3]; 12] = [
     [0, 4, 6],
     [0, 6, 2],
@@ -36,20 +36,20 @@ const CUBOID: [[u32; 3]; 12] = [
     [4, 7, 6],
 ];
 
-/// The corners of a cuboid in the order of their numbers.
+/// Corners of a cuboid in the order of their numbers.
 fn corners(low: DVec3, high: DVec3) -> Vec<DVec3> {
     let corner =
         |i: u32| DVec3::from_array([0, 1, 2].map(|axis| if i >> axis & 1 == 0 { low[axis] } else { high[axis] }));
     (0..8).map(corner).collect()
 }
 
-/// A cuboid's corners and triangles.
+/// Corners and triangles of a cuboid.
 pub fn cuboid(low: DVec3, high: DVec3) -> (Vec<DVec3>, Vec<[u32; 3]>) {
     (corners(low, high), CUBOID.to_vec())
 }
 
 impl Bin {
-    /// What objects hit: floor and walls, each a cuboid.
+    /// Colliders of the bin: floor and walls, each a cuboid.
     pub fn fixed(&self) -> Result<Vec<Fixed>, Invalid> {
         self.check()?;
         let (low, high) = self.inner();
@@ -69,7 +69,7 @@ impl Bin {
         std::iter::once(floor).chain(walls).map(fixed).collect()
     }
 
-    /// What is seen: one closed mesh.
+    /// Visible mesh, closed.
     pub fn mesh(&self) -> (Vec<DVec3>, Vec<[u32; 3]>) {
         let (low, high) = self.inner();
         let out = DVec3::new(self.wall, 0.0, self.wall);
@@ -85,13 +85,13 @@ impl Bin {
         (positions, triangles)
     }
 
-    /// The space inside, with what is above it: where objects must come to rest.
+    /// Region inside the bin and above it, in which objects must come to rest.
     pub fn inside(&self) -> Region {
         let (low, high) = self.inner();
         Region { min: low, max: DVec3::new(high.x, f64::INFINITY, high.z) }
     }
 
-    /// The space inside, where objects start.
+    /// Region inside the bin, in which objects start.
     pub fn region(&self) -> Region {
         let (min, max) = self.inner();
         Region { min, max }

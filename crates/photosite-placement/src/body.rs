@@ -1,4 +1,4 @@
-//! Objects at their size, and the exact test of whether two of them meet.
+//! Objects at their scale, and the exact test of whether two of them meet.
 
 use std::sync::Arc;
 
@@ -12,17 +12,17 @@ use crate::pose::{Pose, point, vector};
 use crate::resting::solid_angle;
 use crate::shape::Shape;
 
-/// An object at its size.
+/// An object at its scale.
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
     pub(crate) shape: Arc<Shape>,
     pub(crate) scale: f64,
     pub(crate) density: f64,
-    /// The mesh at this size.
+    /// Mesh at this scale.
     pub(crate) mesh: Arc<TriMesh>,
     /// Centre of mass, m.
     pub(crate) centre: DVec3,
-    /// Of the sphere about it, m.
+    /// Radius of the bounding sphere about the centre of mass, m.
     pub(crate) radius: f64,
 }
 
@@ -36,17 +36,17 @@ impl Body {
         Self { shape: shape.clone(), scale, density, mesh, centre, radius }
     }
 
-    /// The box around it, along the axes of the world.
+    /// Bounding box along the axes of the world.
     pub(crate) fn bounds(&self, pose: &Pose) -> Aabb {
         self.mesh.aabb(&pose.to_parry())
     }
 
-    /// Its lowest point, m.
+    /// Lowest coordinate along the vertical, m.
     pub(crate) fn lowest(&self, pose: &Pose) -> f64 {
         self.heights(pose).fold(f64::INFINITY, f64::min)
     }
 
-    /// Its highest point, m.
+    /// Highest coordinate along the vertical, m.
     pub(crate) fn highest(&self, pose: &Pose) -> f64 {
         self.heights(pose).fold(f64::NEG_INFINITY, f64::max)
     }
@@ -62,8 +62,8 @@ impl Body {
         Pose { rotation, position: centre - rotation * self.centre }
     }
 
-    /// Whether a point of its own frame is inside, by the winding number (Jacobson, Kavan, Sorkine-Hornung, "Robust
-    /// inside-outside segmentation using generalized winding numbers", 2013).
+    /// Whether a point in the object's own frame is inside, by the winding number (Jacobson, Kavan, Sorkine-Hornung,
+    /// "Robust inside-outside segmentation using generalized winding numbers", 2013).
     fn encloses(&self, p: DVec3) -> bool {
         if !self.shape.is_closed || !self.mesh.local_aabb().contains_local_point(vector(p)) {
             return false;
@@ -74,8 +74,8 @@ impl Body {
     }
 }
 
-/// How far two objects are from each other, m, exactly by their triangles: 0 where they meet or one is inside the other,
-/// infinity where it is more than `margin`.
+/// Distance of two objects, m, exactly by their triangles: 0 where they meet or one is inside the other, infinity where
+/// the distance is more than `margin`.
 pub(crate) fn distance((a, pose_a): (&Body, &Pose), (b, pose_b): (&Body, &Pose), margin: f64) -> f64 {
     if !a.bounds(pose_a).loosened(margin).intersects(&b.bounds(pose_b)) {
         return f64::INFINITY;

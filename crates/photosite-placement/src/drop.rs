@@ -1,4 +1,4 @@
-//! Objects that fall and come to rest, onto the ground, things that stand still, and each other.
+//! Dropping of objects, which fall and come to rest on the ground, on fixed objects, and on each other.
 
 use glam::DVec3;
 use photosite_core::Invalid;
@@ -11,22 +11,22 @@ use crate::pose::{Pose, Turn, between};
 use crate::request::{Method, Region, Request};
 use crate::scatter::draw_resting;
 
-/// How often all is drawn anew, and how often those that fell beside are dropped again.
+/// Number of times that all is drawn anew, and that objects which fell beside are dropped again.
 const ATTEMPTS: u64 = 20;
 const ROUNDS: usize = 8;
-/// Between the objects of a stack at its start, as a part of their size.
+/// Gap between the objects of a stack at its start, relative to their size.
 const LIFT: f64 = 0.01;
 
-/// Why an attempt failed.
+/// Reason why an attempt failed.
 #[derive(Clone, Copy)]
 enum Failure {
-    /// So many objects came to rest elsewhere.
+    /// Number of objects that came to rest elsewhere.
     Beside(usize),
-    /// They did not come to rest.
+    /// Objects that did not come to rest.
     Restless,
-    /// They came to rest inside each other.
+    /// Objects that came to rest inside each other.
     Overlap,
-    /// The stack fell over.
+    /// Stack that fell over.
     Fallen,
 }
 
@@ -73,7 +73,7 @@ impl Failure {
     }
 }
 
-/// Dropped from a region, above each other where they would overlap.
+/// Drops objects from a region, above each other where they would overlap.
 fn pile(
     surroundings: &Surroundings<'_>,
     bodies: &[Body],
@@ -115,7 +115,8 @@ fn pile(
     Err(Failure::Beside(beside))
 }
 
-/// Where an object starts to fall: any way round, as low in the region and above it as it meets nothing.
+/// Start of an object's fall: any rotation, and the lowest height in the region or above it at which the object meets
+/// nothing.
 fn start(
     surroundings: &Surroundings<'_>,
     body: &Body,
@@ -154,7 +155,7 @@ fn start(
     pose
 }
 
-/// Whether an object lies where it must, or on anything at all.
+/// Whether an object's centre of mass lies in the required region, if any, and not below all that could support it.
 fn is_kept(surroundings: &Surroundings<'_>, body: &Body, pose: &Pose, keep_in: Option<&Region>) -> bool {
     let centre = pose.point(body.centre);
     let lowest = surroundings.fixed.iter().map(|(other, at)| other.bounds(at).mins.y);
@@ -162,7 +163,7 @@ fn is_kept(surroundings: &Surroundings<'_>, body: &Body, pose: &Pose, keep_in: O
     centre.is_finite() && centre.y >= bottom && keep_in.is_none_or(|region| region.contains(centre))
 }
 
-/// One upon the other from their ways of standing.
+/// Stacks objects one upon the other, starting from their resting poses.
 fn stack(
     surroundings: &Surroundings<'_>,
     bodies: &[Body],
@@ -189,7 +190,7 @@ fn stack(
     if stands && (1..bodies.len()).all(|i| touches(i - 1)) { Ok(poses) } else { Err(Failure::Fallen) }
 }
 
-/// The poses, where no object meets another by its triangles.
+/// Poses that pass the exact test: no object meets another by its triangles.
 fn checked(surroundings: &Surroundings<'_>, bodies: &[Body], poses: Vec<Pose>) -> Result<Vec<Pose>, Failure> {
     let meets = |a: (&Body, &Pose), b: (&Body, &Pose)| distance(a, b, 1e-5) == 0.0;
     for (i, (body, pose)) in bodies.iter().zip(&poses).enumerate() {

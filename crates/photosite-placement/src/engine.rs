@@ -12,46 +12,49 @@ use crate::hull::Hull;
 use crate::pose::Pose;
 use crate::request::Contact;
 
-/// The engine's units of length in a metre: it takes the direction of a contact for the same while its points move by less
+/// Units of the engine's length per metre: the engine keeps the direction of a contact while its points move by less
 /// than 0.001 units, by which a corner slides off an edge where units are metres.
 const UNITS: f64 = 1000.0;
-/// Earth's, m/s².
+/// Gravity of the Earth, m/s².
 const GRAVITY: f64 = 9.80665;
-/// The gap that the engine keeps between objects that touch, m: so far they may sink into each other and still not meet.
+/// Gap that the engine keeps between touching objects, m: they may sink into each other by this much and still not
+/// meet.
 const GAP_M: f64 = 4e-5;
-/// How fast everything slows down while it settles, 1/s, at first and then. Whatever is not held moves with a speed of its
-/// acceleration over this.
+/// Damping of all motion while objects settle, 1/s, at first and then. An object that is not held moves at its
+/// acceleration divided by this.
 const VISCOSITY: [f64; 2] = [200.0, 30.0];
-/// How long movements are looked at, s.
+/// Time over which movements are measured, s.
 const WINDOW_S: f64 = 0.1;
-/// How far objects that settled may move in that time, m: what holds them then takes all but a thousandth of their weight.
+/// Largest movement of a settled object in that time, m: what holds it then takes all but a thousandth of its weight.
 const STILL_M: f64 = 1e-5;
-/// How much of their size objects that fell may move in that time, and how long they get, s.
+/// Largest movement of a fallen object in that time, relative to its size, and the time limits of falling and of
+/// settling, s.
 const SLOW: f64 = 0.002;
 const LONGEST_FALL_S: f64 = 8.0;
 const LONGEST_SETTLING_S: f64 = 1.2;
-/// How much lighter than the heaviest an object may be: beyond, the engine does not find the forces of what lies on it.
+/// Smallest mass of an object relative to the heaviest: below it, the engine does not find the forces of what lies on
+/// it.
 const LIGHTEST: f64 = 0.03;
 
-/// What there is besides the objects that move.
+/// Fixed objects, ground and contact parameters around the moving objects.
 pub(crate) struct Surroundings<'a> {
     pub(crate) fixed: &'a [(Body, Pose)],
     pub(crate) ground_height: Option<f64>,
     pub(crate) contact: Contact,
 }
 
-/// One run of the engine.
+/// A run of the engine.
 struct Run {
     world: PhysicsWorld,
     handles: Vec<RigidBodyHandle>,
-    /// The size of each object, m.
+    /// Size of each object, m.
     radii: Vec<f64>,
 }
 
-/// How a run is made.
+/// Parameters of a run.
 struct Manner {
     time_step: f64,
-    /// The gap between objects that touch, and from how far off they see each other, m.
+    /// Gap between touching objects, and distance at which they detect each other, m.
     gap: f64,
     prediction: f64,
     damping: [f64; 2],
@@ -60,7 +63,7 @@ struct Manner {
     is_exact: bool,
 }
 
-/// Lets objects fall until they are nearly at rest. Their convex parts stay apart by a hundredth of the size of the
+/// Drops objects until they are nearly at rest. Their convex parts stay apart by a hundredth of the size of the
 /// smallest, so that their meshes do not meet.
 pub(crate) fn fall(surroundings: &Surroundings<'_>, bodies: &[Body], poses: &[Pose]) -> Vec<Pose> {
     let smallest = bodies.iter().map(|body| body.radius).fold(f64::INFINITY, f64::min);
@@ -91,8 +94,8 @@ pub(crate) fn fall(surroundings: &Surroundings<'_>, bodies: &[Body], poses: &[Po
     run.poses()
 }
 
-/// Lets objects that do not meet settle as through honey, with their triangles, until what holds them takes their weight.
-/// None where they do not come to rest.
+/// Lets objects that do not meet settle as through honey, with their triangles, until their supports take their weight.
+/// `None` where they do not come to rest.
 pub(crate) fn settle(surroundings: &Surroundings<'_>, bodies: &[Body], poses: &[Pose]) -> Option<Vec<Pose>> {
     let largest = bodies.iter().map(|body| body.radius).fold(0.0, f64::max);
     // Triangles that are farther than this from everything are left out until something moved half as far.
@@ -130,7 +133,7 @@ pub(crate) fn settle(surroundings: &Surroundings<'_>, bodies: &[Body], poses: &[
     None
 }
 
-/// Of each object the triangles that are near to anything.
+/// Triangles of each object that are near to another object or to the surroundings.
 fn near_triangles(
     surroundings: &Surroundings<'_>,
     bodies: &[Body],
@@ -231,7 +234,7 @@ impl Run {
         Self { world, handles, radii: bodies.iter().map(|body| body.radius).collect() }
     }
 
-    /// Goes on for a time; how far each object moved, its farthest point at most, m.
+    /// Advances the engine by a time; returns the movement of each object, of its farthest point at most, m.
     fn advance(&mut self, seconds: f64) -> Vec<f64> {
         let before = self.poses3();
         let steps = (seconds / self.world.integration_parameters.dt).ceil() as usize;
@@ -264,7 +267,7 @@ fn convex(part: &Hull, body: &Body) -> Option<SharedShape> {
     SharedShape::convex_mesh(part.points.iter().map(|p| *p * (body.scale * UNITS)).collect(), &part.triangles)
 }
 
-/// Mass, centre and inertia at its size and density, in the engine's units and kg.
+/// Mass, centre and inertia of an object at its scale and density, in the engine's units and kg.
 fn mass(body: &Body) -> MassProperties {
     let unit = &body.shape.mass;
     MassProperties::with_principal_inertia_frame(

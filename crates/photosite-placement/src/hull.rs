@@ -1,36 +1,36 @@
-//! Convex hulls, of flat things too.
+//! Convex hulls, also of flat shapes.
 
 use parry3d_f64::math::Vector;
 use parry3d_f64::transformation::try_convex_hull;
 use photosite_core::Invalid;
 
-/// Half the thickness that flat things have where a volume is needed, m: a tenth of what placement is exact to.
+/// Half the thickness of flat shapes where a volume is needed, m: a tenth of the precision of placement.
 pub(crate) const HALF_SHEET_M: f64 = 5e-6;
 
 /// A convex solid.
 #[derive(Clone, Debug)]
 pub(crate) struct Hull {
     pub(crate) points: Vec<Vector>,
-    /// Turning left as seen from outside.
+    /// Triangles, counter-clockwise as seen from outside.
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
 impl Hull {
-    /// The hull of the points of some triangles; of flat ones a foil around them.
+    /// Hull of the points of some triangles; for flat ones, a thin foil around them.
     pub(crate) fn around(points: &[Vector], triangles: &[[u32; 3]]) -> Result<Self, Invalid> {
         Self::of(points).or_else(|| Self::foil(points, triangles)).ok_or_else(|| {
             Invalid::new("", "the mesh has no convex hull").help("it must extend in at least two directions")
         })
     }
 
-    /// The hull of some points, where they have one.
+    /// Hull of some points; `None` where they have none.
     pub(crate) fn of(points: &[Vector]) -> Option<Self> {
         let (points, triangles) = try_convex_hull(points).ok()?;
         let is_solid = volume(&points, &triangles) > 0.0;
         is_solid.then_some(Self { points, triangles })
     }
 
-    /// The outline of flat triangles, made as thick as a foil.
+    /// Outline of flat triangles, made as thick as a foil.
     fn foil(points: &[Vector], triangles: &[[u32; 3]]) -> Option<Self> {
         let area_vector = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|i| points[i as usize]);
@@ -56,7 +56,7 @@ impl Hull {
     }
 }
 
-/// The convex outline of points of a plane, turning left (Andrew's monotone chain).
+/// Convex outline of points of a plane, counter-clockwise (Andrew's monotone chain).
 fn outline(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     points.dedup();
@@ -80,7 +80,7 @@ fn outline(mut points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     [lower, upper].concat()
 }
 
-/// The volume that triangles enclose, below 0 where they are inside out.
+/// Volume enclosed by triangles, below 0 where they are inside out.
 pub(crate) fn volume(points: &[Vector], triangles: &[[u32; 3]]) -> f64 {
     let origin = points.first().copied().unwrap_or_default();
     let of = |t: &[u32; 3]| {

@@ -1,10 +1,10 @@
-//! Places for rigid objects in a scene: anywhere in a box, on surfaces, standing by themselves, or dropped by a rigid-body
-//! engine until at rest; never inside each other, by an exact test of all triangles.
+//! Placement of rigid objects in a scene: anywhere in a box, on surfaces, standing by themselves, or dropped by a
+//! rigid-body engine until at rest; never inside each other, by an exact test of all triangles.
 //!
-//! In: a [`Request`] of [`Shape`]s. Out: a [`Pose`] for each. What is drawn is a function of the request and its seed alone,
-//! so that each frame of a data set can be made by anyone, in any order, with the same bytes on every machine.
+//! A [`Request`] of [`Shape`]s gives a [`Pose`] for each. Poses are a function of the request and its seed alone, so
+//! that each frame of a data set can be made by anyone, in any order, with the same bytes on every machine.
 //!
-//! Metres, +Y up.
+//! Lengths are in metres, +Y is up.
 
 #![forbid(unsafe_code)]
 

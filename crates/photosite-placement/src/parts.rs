@@ -6,8 +6,9 @@ use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
 
 use crate::hull::Hull;
 
-/// Convex parts of a mesh with that hull, by V-HACD (Mamou, "Volumetric Hierarchical Approximate Convex Decomposition", Game Engine Gems 3, 2016).
-/// What triangles leave of the voxels is hulled itself, so that convex regions keep their exact surface.
+/// Convex parts of a mesh with that hull, by V-HACD (Mamou, "Volumetric Hierarchical Approximate Convex Decomposition",
+/// Game Engine Gems 3, 2016). Hulls are those of the triangles clipped to the voxels, so that convex regions keep their
+/// exact surface.
 pub(crate) fn parts(mesh: &TriMesh, hull: &Hull) -> Vec<Hull> {
     let (points, triangles) = (mesh.vertices(), mesh.indices());
     let parameters = VHACDParameters { resolution: 48, concavity: 0.01, ..VHACDParameters::default() };

@@ -1,4 +1,4 @@
-//! Where an object is and how it is turned, and turns drawn at random.
+//! Poses of objects, and random rotations.
 //!
 //! Nothing here calls a trigonometric function: those of the system differ in their last bits from machine to machine.
 
@@ -7,31 +7,31 @@ use parry3d_f64::math::{Pose3, Rot3, Vector};
 use photosite_core::math::philox::Philox;
 use rand::RngExt;
 
-/// Where the origin of an object is in the world, in metres, and how the object is turned about it.
+/// Position of an object's origin in the world, in metres, and rotation about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Object → world, without scale.
+    /// Rotation object → world.
     pub rotation: DQuat,
-    /// The object's origin in the world, m.
+    /// Position of the object's origin in the world, m.
     pub position: DVec3,
 }
 
-/// How objects are turned before they are put somewhere.
+/// Random rotation of an object before it is placed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Turn {
-    /// As their file has them.
+    /// Rotation of the object's file.
     None,
-    /// About the vertical, evenly.
+    /// Uniform rotation about the vertical.
     Vertical,
-    /// Any way round, evenly over all rotations.
+    /// Uniform rotation in three dimensions.
     Any,
 }
 
 impl Pose {
-    /// The pose that leaves an object where its file has it.
+    /// Pose that leaves an object as in its file.
     pub const IDENTITY: Self = Self { rotation: DQuat::IDENTITY, position: DVec3::ZERO };
 
-    /// Where a point of the object, already scaled, is in the world.
+    /// Position in the world of a point of the object, which is already scaled.
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.rotation * p + self.position
     }
@@ -46,12 +46,12 @@ impl Pose {
     }
 }
 
-/// A vector as the engine's version of the same library has it.
+/// A vector in the type of the engine's version of glam.
 pub(crate) fn vector(v: DVec3) -> Vector {
     Vector::from_array(v.to_array())
 }
 
-/// And back.
+/// A vector of the engine in the type of this crate.
 pub(crate) fn point(v: Vector) -> DVec3 {
     DVec3::from_array(v.to_array())
 }
@@ -72,12 +72,12 @@ impl Turn {
     }
 }
 
-/// A number drawn evenly between two.
+/// A number drawn uniformly between two.
 pub(crate) fn between(low: f64, high: f64, random: &mut Philox) -> f64 {
     low + (high - low) * random.random::<f64>()
 }
 
-/// A point drawn evenly on the unit sphere of N dimensions, from those of the cube around it that are in the ball.
+/// A point drawn uniformly on the unit sphere of N dimensions, by rejection from the cube around it.
 fn on_unit_sphere<const N: usize>(random: &mut Philox) -> [f64; N] {
     loop {
         let p: [f64; N] = std::array::from_fn(|_| between(-1.0, 1.0, random));

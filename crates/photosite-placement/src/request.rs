@@ -1,4 +1,4 @@
-//! What is asked for: which objects, where, how.
+//! Requests of placement: objects, method, surroundings.
 
 use std::sync::Arc;
 
@@ -9,127 +9,127 @@ use crate::body::Body;
 use crate::pose::{Pose, Turn, point};
 use crate::shape::Shape;
 
-/// Objects that want places.
+/// A request for poses of objects.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// The objects, in the order in which their poses are given back.
+    /// Objects, in the order in which their poses are returned.
     pub items: Vec<Item>,
-    /// How they get their places.
+    /// Method of placement.
     pub how: Method,
-    /// What stands still already.
+    /// Fixed objects.
     pub fixed: Vec<Fixed>,
-    /// The height of the ground, an endless plane, m. None: there is no ground.
+    /// Height of the ground, an endless plane, m; `None` for no ground.
     pub ground_height_m: Option<f64>,
-    /// How far objects are from each other and from what stands still, m; what they stand on apart. Nothing for objects
-    /// that are dropped, which touch each other.
+    /// Smallest distance of objects from each other and from fixed objects, m, except what they stand on. It has no
+    /// effect on dropped objects, which touch each other.
     pub min_distance_m: f64,
-    /// Friction and bounce of objects that are dropped.
+    /// Friction and restitution of dropped objects.
     pub contact: Contact,
-    /// Another seed gives other poses; the same seed gives the same on every machine.
+    /// Seed: other seeds give other poses; equal seeds give equal poses on every machine.
     pub seed: u64,
 }
 
-/// An object that wants a place.
+/// An object to be placed.
 #[derive(Clone, Debug)]
 pub struct Item {
-    /// Its shape.
+    /// Shape of the object.
     pub shape: Arc<Shape>,
-    /// How much larger it is than its shape.
+    /// Scale of the object relative to its shape.
     pub scale: f64,
-    /// Its density, kg/m³.
+    /// Density, kg/m³.
     pub density_kg_m3: f64,
 }
 
-/// An object that stands still.
+/// An object that does not move.
 #[derive(Clone, Debug)]
 pub struct Fixed {
-    /// Its shape.
+    /// Shape of the object.
     pub shape: Arc<Shape>,
-    /// How much larger it is than its shape.
+    /// Scale of the object relative to its shape.
     pub scale: f64,
-    /// Where it is.
+    /// Pose of the object.
     pub pose: Pose,
 }
 
 /// A box along the axes of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Region {
-    /// Its corner of the lowest coordinates, m.
+    /// Corner of the lowest coordinates, m.
     pub min: DVec3,
-    /// Its corner of the highest coordinates, m.
+    /// Corner of the highest coordinates, m.
     pub max: DVec3,
 }
 
-/// How objects get their places.
+/// Method of placement.
 #[derive(Clone, Debug)]
 pub enum Method {
-    /// Their centres of mass lie anywhere in a box, evenly, and nothing holds them.
+    /// Uniform positions of the centres of mass in a box, where nothing supports the objects.
     Box {
-        /// The box.
+        /// Box of the centres of mass.
         region: Region,
-        /// How they are turned.
+        /// Random rotation.
         turn: Turn,
     },
-    /// They touch a surface from above, their centres of mass over points that are spread evenly over its area.
+    /// Contact with a surface from above, with centres of mass over points that are uniform over its area.
     Surface {
-        /// Which of the fixed objects has the surface.
+        /// Index of the fixed object with the surface.
         on: usize,
-        /// How they are turned.
+        /// Random rotation.
         turn: Turn,
     },
-    /// They stand as they do by themselves, on one face of their convex hull.
+    /// Standing by themselves, on one face of the convex hull.
     Rest {
-        /// What they stand on.
+        /// Support of the objects.
         on: Support,
     },
-    /// They fall from a box, any way round, one above the other where they would overlap, until all are at rest.
+    /// Fall from a box at any rotation, one object above the other where they would overlap, until all are at rest.
     Drop {
-        /// Where they start.
+        /// Region of the starts.
         region: Region,
-        /// Where their centres of mass must come to rest; those that do not are dropped again. None: anywhere.
+        /// Region in which centres of mass must come to rest; objects outside are dropped again. `None` for anywhere.
         keep_in: Option<Region>,
     },
-    /// They stand one upon the other, from the first up.
+    /// Stack of the objects one upon the other, from the first up.
     Stack {
-        /// Where the stack stands, m; the height is that of what is below.
+        /// Position of the stack, m; the height is that of what is below.
         position: DVec3,
     },
 }
 
-/// What objects stand on.
+/// Support of objects that stand by themselves.
 #[derive(Clone, Debug)]
 pub enum Support {
-    /// The ground, with their centres of mass above this box, evenly.
+    /// Ground, with centres of mass above this box, uniformly.
     Ground(Region),
-    /// A fixed object, over points that are spread evenly over its upward faces.
+    /// Fixed object, over points that are uniform over its upward faces.
     Fixed(usize),
 }
 
-/// What happens where two objects touch.
+/// Contact of two objects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact {
     /// Coulomb's coefficient of friction.
     pub friction: f64,
-    /// The part of the speed with which they part again, 0 to 1.
+    /// Coefficient of restitution: ratio of the speeds after and before the contact, 0 to 1.
     pub restitution: f64,
 }
 
 impl Default for Contact {
-    /// Wood or plastic on wood; hardly a bounce.
+    /// Contact of wood or plastic on wood, which hardly bounces.
     fn default() -> Self {
         Self { friction: 0.5, restitution: 0.1 }
     }
 }
 
 impl Item {
-    /// An object as its shape has it, of the density of water.
+    /// Object of a shape at scale 1 with the density of water.
     pub fn new(shape: Arc<Shape>) -> Self {
         Self { shape, scale: 1.0, density_kg_m3: 1000.0 }
     }
 }
 
 impl Fixed {
-    /// The box around it, along the axes of the world.
+    /// Bounding box along the axes of the world.
     pub fn bounds(&self) -> Region {
         let bounds = Body::new(&self.shape, self.scale, 1.0).bounds(&self.pose);
         Region { min: point(bounds.mins), max: point(bounds.maxs) }
@@ -137,7 +137,7 @@ impl Fixed {
 }
 
 impl Region {
-    /// Whether a point is inside.
+    /// Whether a point is inside the region.
     pub(crate) fn contains(&self, p: DVec3) -> bool {
         p.cmpge(self.min).all() && p.cmple(self.max).all()
     }
@@ -154,7 +154,7 @@ impl Region {
 }
 
 impl Request {
-    /// Whether everything in it can be meant.
+    /// Checks that the request is possible.
     pub(crate) fn check(&self) -> Result<(), Invalid> {
         let positive = |key: &str, x: f64| match x.is_finite() && x > 0.0 {
             true => Ok(()),

@@ -1,6 +1,6 @@
-//! How an object stands on a plane by itself: on a face of its convex hull, above which its centre of mass is.
+//! Resting poses of an object on a plane: on a face of its convex hull, above which its centre of mass is.
 //!
-//! How probable each is follows Goldberg, Mirtich, Zhuang, Craig, Carlisle, Canny, "Part pose statistics: estimators and
+//! Probabilities follow Goldberg, Mirtich, Zhuang, Craig, Carlisle, Canny, "Part pose statistics: estimators and
 //! experiments", IEEE Transactions on Robotics and Automation 15 (1999): an object that is turned any way round falls
 //! onto the face that is below its centre of mass, and from one that does not hold it rolls over an edge onto the next.
 
@@ -12,31 +12,31 @@ use libm::atan2;
 use crate::hull::Hull;
 use crate::pose::point;
 
-/// How far from the plane of a face points still belong to it, of the size of the hull.
+/// Distance from the plane of a face, relative to the size of the hull, within which points belong to it.
 const FLATNESS: f64 = 1e-7;
 
-/// One way of standing on a plane.
+/// A resting pose on a plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RestingPose {
-    /// How the object is turned for it; any turn about the vertical may follow.
+    /// Rotation of the object; any rotation about the vertical may follow.
     pub rotation: DQuat,
-    /// How probable it is for an object thrown any way round, 0 to 1.
+    /// Probability for an object thrown at a random rotation, 0 to 1.
     pub probability: f64,
 }
 
 /// A face of the hull.
 struct Facet {
-    /// Unit vector outwards.
+    /// Outward unit normal.
     normal: DVec3,
-    /// How far its plane is from the centre of mass.
+    /// Distance of the face's plane from the centre of mass.
     height: f64,
-    /// The part of all directions from the centre of mass that meet it.
+    /// Fraction of all directions from the centre of mass that meet the face.
     probability: f64,
-    /// The face onto which the object rolls from here; none where it stays.
+    /// Face onto which the object rolls from here; `None` where it stays.
     next: Option<usize>,
 }
 
-/// All ways of standing, the most probable first.
+/// Resting poses, the most probable first.
 pub(crate) fn resting_poses(hull: &Hull, centre: DVec3) -> Vec<RestingPose> {
     let mut facets = facets(hull, centre);
     // Whatever rolls gets lower.
@@ -61,7 +61,7 @@ pub(crate) fn resting_poses(hull: &Hull, centre: DVec3) -> Vec<RestingPose> {
     poses
 }
 
-/// The rotation by the least angle that turns a direction straight down.
+/// Rotation by the least angle that turns a direction straight down.
 fn downwards(direction: DVec3) -> DQuat {
     let (cross, dot) = (direction.cross(DVec3::NEG_Y), direction.dot(DVec3::NEG_Y));
     if dot < -1.0 + 1e-12 {
@@ -133,8 +133,8 @@ fn facets(hull: &Hull, centre: DVec3) -> Vec<Facet> {
     members.iter().zip(&planes).enumerate().map(facet).collect()
 }
 
-/// The solid angle of a triangle seen from the origin (van Oosterom, Strackee 1983), above 0 where it turns left as seen
-/// from the far side.
+/// The solid angle of a triangle seen from the origin (van Oosterom, Strackee 1983), above 0 where it is
+/// counter-clockwise as seen from the far side.
 pub(crate) fn solid_angle([a, b, c]: [DVec3; 3]) -> f64 {
     let (la, lb, lc) = (a.length(), b.length(), c.length());
     let numerator = a.dot(b.cross(c));

@@ -1,4 +1,4 @@
-//! Objects one after the other at places drawn at random, drawn again where they would meet something.
+//! Scattering of objects one after the other at random places, drawn again where they would meet something.
 
 use glam::{DQuat, DVec3};
 use photosite_core::Invalid;
@@ -12,14 +12,14 @@ use crate::request::{Method, Region, Request, Support};
 use crate::shape::Shape;
 use crate::surface::{Surface, TOUCH_M};
 
-/// How often a place is drawn for one object, and how often all objects start anew.
+/// Number of draws of a place for one object, and of new starts with all objects.
 const TRIES: usize = 500;
 const STARTS: u64 = 10;
-/// How far things are from each other at least, m.
+/// Smallest distance of objects from each other, m.
 const APART_M: f64 = 1e-7;
 
-/// Where objects may be.
-enum Place<'a> {
+/// Domain of the places of objects.
+enum PoseDomain<'a> {
     Box(Region, Turn),
     Surface(Surface<'a>, Turn),
     RestOnGround(Region, f64),
@@ -35,11 +35,11 @@ pub(crate) fn scatter(request: &Request, bodies: &[Body], fixed: &[(Body, Pose)]
     };
     // What is stood on is touched.
     let (place, support) = match &request.how {
-        Method::Box { region, turn } => (Place::Box(*region, *turn), None),
-        Method::Surface { on, turn } => (Place::Surface(surface(*on)?, *turn), Some(*on)),
-        Method::Rest { on: Support::Fixed(on) } => (Place::RestOnSurface(surface(*on)?), Some(*on)),
+        Method::Box { region, turn } => (PoseDomain::Box(*region, *turn), None),
+        Method::Surface { on, turn } => (PoseDomain::Surface(surface(*on)?, *turn), Some(*on)),
+        Method::Rest { on: Support::Fixed(on) } => (PoseDomain::RestOnSurface(surface(*on)?), Some(*on)),
         Method::Rest { on: Support::Ground(region) } => {
-            (Place::RestOnGround(*region, request.ground_height_m.unwrap_or_default()), None)
+            (PoseDomain::RestOnGround(*region, request.ground_height_m.unwrap_or_default()), None)
         }
         Method::Drop { .. } | Method::Stack { .. } => return Ok(Vec::new()),
     };
@@ -86,8 +86,8 @@ pub(crate) fn scatter(request: &Request, bodies: &[Body], fixed: &[(Body, Pose)]
     Err(Invalid::new("", message).help("place fewer or smaller objects, in a larger region, or nearer to each other"))
 }
 
-impl Place<'_> {
-    /// A pose, whether there is room or not; none where there can be none.
+impl PoseDomain<'_> {
+    /// Draws a pose, whether there is room or not; `None` where there can be none.
     fn draw(&self, body: &Body, random: &mut Philox) -> Option<Pose> {
         match self {
             Self::Box(region, turn) => {
@@ -117,7 +117,7 @@ fn draw_in(region: &Region, random: &mut Philox) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|axis| between(low[axis], high[axis], random)))
 }
 
-/// One of the ways of standing by its probability, turned about the vertical.
+/// Rotation of a resting pose, drawn by its probability, and turned about the vertical.
 pub(crate) fn draw_resting(shape: &Shape, random: &mut Philox) -> DQuat {
     let poses = shape.resting_poses();
     let mut at = random.random::<f64>() * poses.iter().map(|pose| pose.probability).sum::<f64>();

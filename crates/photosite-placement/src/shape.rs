@@ -1,4 +1,4 @@
-//! The shape of a rigid object, and what all questions about it need.
+//! Shapes of rigid objects, with the derived data that placement needs.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -14,16 +14,16 @@ use crate::parts::parts;
 use crate::pose::{point, vector};
 use crate::resting::{RestingPose, resting_poses};
 
-/// A rigid object: triangles in metres, +Y up, as the object has them before scale and pose.
+/// Shape of a rigid object: triangles in metres, +Y up, before scale and pose.
 #[derive(Debug)]
 pub struct Shape {
-    /// Its triangles, as given but for those without area.
+    /// Triangles, as given except for those without area.
     pub(crate) mesh: Arc<TriMesh>,
-    /// Whether the triangles close a volume.
+    /// Whether the triangles enclose a volume.
     pub(crate) is_closed: bool,
-    /// One point of each piece that hangs together.
+    /// One point of each connected piece.
     pub(crate) pieces: Vec<DVec3>,
-    /// The convex hull; of flat things one as thick as a foil.
+    /// Convex hull; for flat shapes, one as thick as a foil.
     pub(crate) hull: Hull,
     /// Mass, centre and inertia at a density of 1 kg/m³.
     pub(crate) mass: MassProperties,
@@ -32,8 +32,8 @@ pub struct Shape {
 }
 
 impl Shape {
-    /// The shape of a mesh. It need not be closed or in one piece; of those that are not closed, mass and centre are those of
-    /// the convex hull.
+    /// The shape of a mesh. The mesh need not be closed or in one piece; without a closed mesh, mass and centre are
+    /// those of the convex hull.
     pub fn new(positions: &[DVec3], triangles: &[[u32; 3]]) -> Result<Self, Invalid> {
         if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
             return Err(Invalid::new("", format!("position {i} of the mesh is not finite")));
@@ -73,30 +73,30 @@ impl Shape {
         })
     }
 
-    /// The same from numbers as files have them.
+    /// Shape of a mesh in single precision, as in files.
     pub fn from_f32(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, Invalid> {
         let positions: Vec<DVec3> = positions.iter().map(|p| glam::Vec3::from_array(*p).as_dvec3()).collect();
         Self::new(&positions, triangles)
     }
 
-    /// The ways that it stands on a plane by itself, the most probable first.
+    /// Resting poses on a plane, the most probable first.
     pub fn resting_poses(&self) -> &[RestingPose] {
         self.resting.get_or_init(|| resting_poses(&self.hull, self.centre_of_mass()))
     }
 
-    /// Where its mass is on average, m.
+    /// Centre of mass, m.
     pub fn centre_of_mass(&self) -> DVec3 {
         point(self.mass.local_com)
     }
 
-    /// The longest side of the box around it along its own axes, m.
+    /// Longest side of the bounding box along the shape's own axes, m.
     pub fn longest_side(&self) -> f64 {
         let corners = |fold: fn(DVec3, DVec3) -> DVec3| self.hull.points.iter().map(|p| point(*p)).reduce(fold);
         let (low, high) = (corners(DVec3::min), corners(DVec3::max));
         low.zip(high).map_or(0.0, |(low, high)| (high - low).max_element())
     }
 
-    /// How far its farthest point is from the centre of mass, m.
+    /// Distance of the farthest point from the centre of mass, m.
     pub fn radius(&self) -> f64 {
         let centre = self.centre_of_mass();
         self.hull.points.iter().map(|p| point(*p).distance(centre)).fold(0.0, f64::max)
@@ -108,7 +108,7 @@ impl Shape {
             .get_or_init(|| if self.is_convex() { vec![self.hull.clone()] } else { parts(&self.mesh, &self.hull) })
     }
 
-    /// Whether it is its own convex hull.
+    /// Whether the shape equals its convex hull.
     pub(crate) fn is_convex(&self) -> bool {
         let hull = volume(&self.hull.points, &self.hull.triangles);
         let is_flat = hull <= 4.0 * HALF_SHEET_M * self.area();
@@ -121,7 +121,7 @@ impl Shape {
     }
 }
 
-/// The mesh with one vertex for each place and without triangles that have no area.
+/// Mesh with one vertex for each place, and without triangles that have no area.
 fn joined(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<Vector>, Vec<[u32; 3]>) {
     let mut numbers: BTreeMap<[u64; 3], u32> = BTreeMap::new();
     let mut points = Vec::new();
@@ -144,7 +144,7 @@ fn joined(positions: &[DVec3], triangles: &[[u32; 3]]) -> (Vec<Vector>, Vec<[u32
     (points, triangles)
 }
 
-/// Whether every edge is passed once each way.
+/// Whether every edge occurs once in each direction.
 fn is_closed(triangles: &[[u32; 3]]) -> bool {
     let mut edges: Vec<(u32, u32)> = triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
     edges.sort_unstable();
@@ -152,7 +152,7 @@ fn is_closed(triangles: &[[u32; 3]]) -> bool {
     is_once && edges.iter().all(|&(a, b)| edges.binary_search(&(b, a)).is_ok())
 }
 
-/// A point of each piece of a mesh whose triangles hang together.
+/// One point of each connected piece of a mesh.
 fn pieces(points: &[Vector], triangles: &[[u32; 3]]) -> Vec<DVec3> {
     let mut leader: Vec<u32> = (0..points.len() as u32).collect();
     fn find(leader: &mut [u32], mut i: u32) -> u32 {

@@ -1,4 +1,4 @@
-//! Surfaces that things are put on: points spread evenly over their upward faces, and objects lowered onto them.
+//! Surfaces that objects are put on: points uniform over their upward faces, and objects lowered onto them.
 
 use glam::DVec3;
 use photosite_core::math::philox::Philox;
@@ -7,22 +7,22 @@ use rand::RngExt;
 use crate::body::{Body, distance};
 use crate::pose::{Pose, point};
 
-/// Faces that are less steep than 60° are looked at from above.
+/// Least vertical component of the normal of an upward face, less steep than 60°.
 const UPWARD: f64 = 0.5;
-/// How near an object that is lowered comes to what it touches, m.
+/// Largest gap between a lowered object and what it touches, m.
 pub(crate) const TOUCH_M: f64 = 5e-7;
 
-/// The upward faces of an object that stands still.
+/// Upward faces of a fixed object.
 pub(crate) struct Surface<'a> {
     body: &'a Body,
     pose: &'a Pose,
     triangles: Vec<[DVec3; 3]>,
-    /// Sums of areas up to and with each triangle.
+    /// Cumulative areas of the triangles.
     areas: Vec<f64>,
 }
 
 impl<'a> Surface<'a> {
-    /// None where no face looks up.
+    /// Upward faces of an object; `None` where there are none.
     pub(crate) fn new(body: &'a Body, pose: &'a Pose) -> Option<Self> {
         let (mut triangles, mut areas, mut sum) = (Vec::new(), Vec::new(), 0.0);
         for triangle in body.mesh.triangles() {
@@ -40,7 +40,7 @@ impl<'a> Surface<'a> {
         (sum > 0.0).then_some(Self { body, pose, triangles, areas })
     }
 
-    /// A point, evenly by area.
+    /// A random point, uniform by area.
     pub(crate) fn draw(&self, random: &mut Philox) -> DVec3 {
         let total = self.areas.last().copied().unwrap_or_default();
         let at = random.random::<f64>() * total;
@@ -50,8 +50,8 @@ impl<'a> Surface<'a> {
         a + (b - a) * u + (c - a) * v
     }
 
-    /// An object with this rotation, its centre of mass over a point of the surface, lowered until it touches; none where
-    /// there is no room above the point.
+    /// Pose of an object with this rotation, its centre of mass over a point of the surface, lowered until it touches;
+    /// `None` where there is no room above the point.
     pub(crate) fn lowered(&self, body: &Body, rotation: glam::DQuat, at: DVec3) -> Option<Pose> {
         let mut pose = body.centred(rotation, at);
         pose.position.y += at.y - body.lowest(&pose);
@@ -81,7 +81,7 @@ impl<'a> Surface<'a> {
         None
     }
 
-    /// Whether all the points on which an object stands are on the surface.
+    /// Whether the surface supports all the points on which an object stands.
     pub(crate) fn carries(&self, body: &Body, pose: &Pose) -> bool {
         let lowest = body.lowest(pose);
         let feet = body.mesh.vertices().iter().map(|p| pose.point(point(*p))).filter(|p| p.y - lowest <= 2.0 * TOUCH_M);

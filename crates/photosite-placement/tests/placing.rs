@@ -1,4 +1,4 @@
-//! Places of objects: where they are, that none meets another, that the same seed gives the same.
+//! Placement of objects: their positions, that none meets another, that the same seed gives the same poses.
 
 use std::sync::Arc;
 use std::thread;
@@ -39,7 +39,7 @@ fn corners(pose: &Pose, side: f64) -> Vec<DVec3> {
     cuboid(DVec3::splat(-side / 2.0), DVec3::splat(side / 2.0)).0.iter().map(|p| pose.point(*p)).collect()
 }
 
-/// How far the most vertical of its own axes is from the vertical.
+/// Angle from the vertical to the most vertical of the object's own axes.
 fn tilt(rotation: DQuat) -> f64 {
     let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| (rotation * axis).y.abs());
     axes.into_iter().fold(0.0, f64::max).acos()

@@ -1,4 +1,4 @@
-//! Arrays for NumPy, which get the memory of the library's pictures where these have one vector.
+//! Arrays for NumPy, which get the memory of the library's images where these have one vector.
 
 use std::path::PathBuf;
 
@@ -11,10 +11,10 @@ use pyo3::prelude::*;
 
 use crate::work::{How, work};
 
-/// A row of numbers.
+/// Array of numbers.
 pub(crate) type Numbers<'py> = Bound<'py, PyArray1<f64>>;
 
-/// Numbers of pixels, row by row, as an array (rows, columns, components); of one component (rows, columns).
+/// Array of pixel values, row by row, (rows, columns, components); of one component (rows, columns).
 pub(crate) fn of_pixels<'py, T: Element>(
     py: Python<'py>,
     [rows, columns, components]: [usize; 3],
@@ -42,7 +42,7 @@ pub(crate) fn of_planes<'py>(py: Python<'py>, planes: Planes) -> PyResult<Bound<
     of_pixels(py, shape, numbers)
 }
 
-/// The numbers of all channels, pixel by pixel.
+/// Pixel values of all channels, pixel by pixel.
 fn interleaved(channels: &[Channel]) -> Vec<f32> {
     let count = channels.len();
     let mut numbers = vec![0.0f32; channels.iter().map(|channel| channel.data.len()).sum()];
@@ -73,7 +73,7 @@ pub(crate) fn write_rgb(py: Python<'_>, path: PathBuf, numbers: PyReadonlyArray3
     })
 }
 
-/// Rows of numbers as an array (rows, N).
+/// Array of rows of numbers, (rows, N).
 pub(crate) fn of_rows<const N: usize>(
     py: Python<'_>,
     rows: impl ExactSizeIterator<Item = [f64; N]>,

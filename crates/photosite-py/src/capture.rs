@@ -1,4 +1,4 @@
-//! Captures.
+//! Captures for Python.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -38,7 +38,7 @@ impl Capture {
         Ok(Self(Arc::new(loaded)))
     }
 
-    /// The same with more changes.
+    /// The capture with more changes.
     fn changed(&self, py: Python<'_>, overrides: Vec<String>) -> PyResult<Self> {
         let capture = &self.0;
         Ok(Self(Arc::new(work(py, How::default(), |_| capture.with(&overrides))?)))
@@ -49,14 +49,12 @@ impl Capture {
         self.0.sensor().resolution
     }
 
-    /// Frames that it asks for, whether each needs light of its own, and what makes their exposures differ.
-    fn series(&self) -> (u32, bool, Option<&'static str>) {
-        let exposure = self.0.exposure();
-        let differ = exposure.bracket.is_some().then_some("the bracket");
-        (exposure.frames, self.0.recording().is_some(), differ)
+    /// Number of frames that the capture asks for, and whether each needs light of its own.
+    fn series(&self) -> (u32, bool) {
+        (self.0.exposure().frames, self.0.recording().is_some())
     }
 
-    /// All keys that were given, as JSON; paths are relative to a folder.
+    /// Values of all keys that were given, as JSON; paths are relative to a folder.
     fn values(&self, py: Python<'_>, folder: PathBuf) -> PyResult<String> {
         let values = self.0.to_json(Path::new(&folder)).map_err(|error| raise(py, error))?;
         Ok(values.to_string())

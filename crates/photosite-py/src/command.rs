@@ -8,5 +8,5 @@ use pyo3::prelude::*;
 #[pyfunction]
 #[pyo3(signature = (arguments, /))]
 pub(crate) fn cli(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
-    py.detach(|| photosite::cli::run(arguments))
+    py.detach(|| photosite_cli::run(arguments))
 }

@@ -1,14 +1,14 @@
-//! Comparison of pictures.
+//! Comparison of images.
 
 use std::path::{Path, PathBuf};
 
 use numpy::{PyReadonlyArray3, PyUntypedArrayMethods};
 use photosite::image::{Channel, Planes};
-use photosite::io::picture_file::{interleaved, read_picture_file};
+use photosite::io::image_file::{interleaved, read_image_file};
 use photosite::pipeline::Event;
 use photosite::raw::Pixels;
 use photosite::report::ComparisonReport;
-use photosite::validation::{Limits, Picture, Settings, false_colour};
+use photosite::validation::{ComparedImage, ComparisonSettings, Limits, false_colour};
 use photosite::{Error, Invalid};
 use pyo3::prelude::*;
 
@@ -17,9 +17,9 @@ use crate::error::{PYTHON, in_arguments, raise};
 use crate::raw::Raw;
 use crate::work::{How, work};
 
-/// A picture to be compared, with variances where they are known.
+/// Image to be compared, with variances where they are known.
 #[pyclass(frozen, module = "photosite._photosite")]
-pub(crate) struct ComparedPicture(Picture);
+pub(crate) struct ComparedPicture(ComparedImage);
 
 #[pymethods]
 impl ComparedPicture {
@@ -27,9 +27,9 @@ impl ComparedPicture {
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf, masked: bool) -> PyResult<Self> {
         work(py, How::default(), |monitor| {
-            let picture = read_picture_file(&path, pixels(masked))?;
-            picture.said().for_each(|what| monitor.report(Event::Warning(&what)));
-            Ok(picture)
+            let image = read_image_file(&path, pixels(masked))?;
+            image.said().for_each(|what| monitor.report(Event::Warning(&what)));
+            Ok(image)
         })
         .map(Self)
     }
@@ -38,11 +38,12 @@ impl ComparedPicture {
     #[staticmethod]
     fn of_raw(py: Python<'_>, name: String, raw: &Raw, masked: bool) -> PyResult<Self> {
         let image = raw.image().clone();
-        work(py, How::default(), |_| Ok(Picture::from_raw(name, image.linear().into_owned(), pixels(masked)))).map(Self)
+        work(py, How::default(), |_| Ok(ComparedImage::from_raw(name, image.linear().into_owned(), pixels(masked))))
+            .map(Self)
     }
 
-    /// Numbers (rows, columns, channels): of these names, or of those that channels of a NPY file have. `maximum` is the
-    /// largest of whole numbers.
+    /// Image of pixel values (rows, columns, channels), with these names of channels, or those that a NPY file has.
+    /// `maximum` is the largest value of integers.
     #[staticmethod]
     fn of_array(
         py: Python<'_>,
@@ -54,7 +55,7 @@ impl ComparedPicture {
     ) -> PyResult<Self> {
         let &[height, width, count] = array.shape() else { unreachable!("an array of three axes") };
         let numbers = array.as_slice()?;
-        let picture = match channels {
+        let image = match channels {
             None => interleaved(name, [width, height], count, numbers.iter().copied(), maximum),
             Some(names) => {
                 let plane = |(first, name)| Channel {
@@ -62,36 +63,28 @@ impl ComparedPicture {
                     data: numbers.iter().skip(first).step_by(count).copied().collect(),
                 };
                 let mean = Planes::new(width, height, names.into_iter().enumerate().map(plane).collect());
-                mean.map(|mean| Picture {
-                    name,
-                    variance: Planes::zeros(width, height, [""; 0]),
-                    mean,
-                    unit: None,
+                mean.map(|mean| ComparedImage {
                     full_scale: maximum.map(f64::from),
-                    mosaic: None,
-                    active_area: None,
-                    stated: Vec::new(),
-                    warnings: Vec::new(),
-                    notes: Vec::new(),
+                    ..ComparedImage::plain(name, mean)
                 })
             }
         };
-        let picture = picture.map_err(|invalid| raise(py, invalid.in_file(Path::new(PYTHON))))?;
+        let image = image.map_err(|invalid| raise(py, invalid.in_file(Path::new(PYTHON))))?;
         // Arrays do not say what they count unless they are told to.
-        Ok(Self(Picture { unit, ..picture }))
+        Ok(Self(ComparedImage { unit, ..image }))
     }
 
-    /// The same with one variance for all numbers.
+    /// The image with one variance for all pixel values.
     fn with_constant_variance(&self, variance: f64) -> Self {
         Self(self.0.clone().with_constant_variance(variance))
     }
 
-    /// The same with variances that another picture holds.
+    /// The image with variances that another image holds.
     fn with_variances_from(&self, py: Python<'_>, other: &Self) -> PyResult<Self> {
         self.0.clone().with_variances_from(&other.0).map(Self).map_err(|invalid| raise(py, unfit(invalid)))
     }
 
-    /// The same with variances of second moments of so many samples.
+    /// The image with variances from second moments of `samples` samples.
     fn with_second_moments(&self, py: Python<'_>, samples: u64) -> PyResult<Self> {
         self.0.clone().with_second_moments(samples).map(Self).map_err(|invalid| raise(py, unfit(invalid)))
     }
@@ -106,12 +99,12 @@ fn pixels(masked: bool) -> Pixels {
     if masked { Pixels::All } else { Pixels::Active }
 }
 
-/// What is wrong with arguments that do not fit together.
+/// Error of arguments that do not fit together.
 fn unfit(Invalid { message, help, .. }: Invalid) -> Error {
     Error::Usage { message, help }
 }
 
-/// How to compare.
+/// Settings of a comparison.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Comparing {
@@ -126,13 +119,13 @@ pub(crate) struct Comparing {
 }
 
 impl Comparing {
-    fn settings(&self) -> Settings {
+    fn settings(&self) -> ComparisonSettings {
         let Self { channels, alpha, epsilon, peak, worst, .. } = self;
-        Settings { channels: channels.clone(), alpha: *alpha, epsilon: *epsilon, peak: *peak, worst: *worst }
+        ComparisonSettings { channels: channels.clone(), alpha: *alpha, epsilon: *epsilon, peak: *peak, worst: *worst }
     }
 }
 
-/// Compares two pictures: the object that `photosite compare --json` prints.
+/// Compares two images: the object that `photosite compare --json` prints.
 #[pyfunction]
 pub(crate) fn compare(py: Python<'_>, a: &ComparedPicture, b: &ComparedPicture, how: Comparing) -> PyResult<String> {
     let limits = Limits {
@@ -148,7 +141,7 @@ pub(crate) fn compare(py: Python<'_>, a: &ComparedPicture, b: &ComparedPicture, 
     Ok(serde_json::to_string(&report).expect("plain values"))
 }
 
-/// The differences as a picture, and what it shows within which range.
+/// Image of the differences, with what it shows and within which range.
 #[pyfunction]
 pub(crate) fn difference_picture<'py>(
     py: Python<'py>,

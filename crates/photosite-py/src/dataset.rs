@@ -6,9 +6,9 @@ use std::sync::{Mutex, PoisonError};
 
 use photosite::Sandbox;
 use photosite::capture::DatasetFile;
-use photosite::dataset::{DataSet, Made, MakeOptions, PartFolder};
+use photosite::dataset::{DataSet, DatasetOutcome, MakeOptions, PartFolder};
 use photosite::io::exr::read_exr_file;
-use photosite::io::picture_file::read_picture_file;
+use photosite::io::image_file::read_image_file;
 use photosite::io::truth::by_layer;
 use photosite::pipeline::{Event, FilmMemory, LightSource, Monitor};
 use photosite::raw::Pixels;
@@ -33,17 +33,17 @@ impl Dataset {
         .map(Self)
     }
 
-    /// How many frames there are.
+    /// Number of frames.
     fn frame_count(&self) -> u32 {
         self.0.frame_count()
     }
 
-    /// The names of its cameras.
+    /// Names of the rig's cameras.
     fn cameras(&self) -> Vec<String> {
         self.0.cameras().map(str::to_owned).collect()
     }
 
-    /// Makes the pictures of these frames that are not in the folder; how many, by this process.
+    /// Makes the images of these frames that are not in the folder; returns how many this process has made.
     fn render(
         &self,
         py: Python<'_>,
@@ -64,7 +64,7 @@ impl Dataset {
             let made =
                 self.0.make(&frames, &folder, monitor, MakeOptions::default(), |_, _| Ok(LightSource::Traced))?;
             made.check(&folder)?;
-            Ok(made.pictures)
+            Ok(made.images)
         })
     }
 
@@ -73,22 +73,22 @@ impl Dataset {
         work(py, How::default(), |_| self.0.claim(&folder).map(drop))
     }
 
-    /// Which of these frames lack a picture, or a part of one, in the folder.
+    /// Frames of these that lack an image, or a part of one, in the folder.
     fn missing(&self, py: Python<'_>, folder: PathBuf, frames: Vec<u32>) -> PyResult<Vec<u32>> {
         work(py, How::default(), |_| Ok(self.0.missing(frames, &folder)))
     }
 
-    /// The fingerprint of all that decides what is in its pictures.
+    /// Fingerprint of all that decides what is in its images.
     fn fingerprint(&self) -> &str {
         self.0.fingerprint()
     }
 
-    /// Samples of each pixel that all pictures have.
+    /// Number of samples of each pixel, the same in all images.
     fn samples(&self, py: Python<'_>) -> PyResult<u32> {
         work(py, How::default(), |_| self.0.samples())
     }
 
-    /// Makes the pictures of these frames, and goes past those that cannot be made.
+    /// Makes the images of these frames, and goes past those that cannot be made.
     fn make(&self, py: Python<'_>, folder: PathBuf, frames: Vec<u32>, threads: Option<usize>) -> PyResult<Told> {
         told(py, threads, |monitor| {
             let frames = self.0.frames(frames, true, monitor)?;
@@ -97,7 +97,7 @@ impl Dataset {
         })
     }
 
-    /// Makes these samples of the pictures, in a folder for them; `input` is the data set file.
+    /// Makes these samples of the images, in a folder for them; `input` is the data set file.
     fn make_part(
         &self,
         py: Python<'_>,
@@ -116,7 +116,7 @@ impl Dataset {
         })
     }
 
-    /// Makes the pictures of these frames of the parts that the folders hold.
+    /// Makes the images of these frames from the parts that the folders hold.
     fn merge(
         &self,
         py: Python<'_>,
@@ -132,37 +132,32 @@ impl Dataset {
         })
     }
 
-    /// Writes the summary of pictures of which the folder holds the reports alone, and counts them.
-    fn write_index_of_reports(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Summary> {
-        let index = work(py, How::default(), |_| self.0.write_index(&self.0.open(&folder)?.of_reports()))?;
-        Ok((index.present, index.left_out, index.warnings))
-    }
-
-    /// Writes the summary of the pictures in the folder, and counts them; with why calibration files are left out, and what
-    /// reports warn of.
+    /// Writes the summary of the images in the folder, and counts them; returns why calibration files are left out and
+    /// what reports warn of, too.
     fn write_index(&self, py: Python<'_>, folder: PathBuf) -> PyResult<Summary> {
         let index = work(py, How::default(), |_| self.0.write_index(&self.0.open(&folder)?))?;
         Ok((index.present, index.left_out, index.warnings))
     }
 }
 
-/// How many pictures are there, why calibration files are left out, and what the pictures' reports warn of.
+/// Summary of a folder: the number of images, reasons why calibration files are left out, and warnings of the images'
+/// reports.
 type Summary = (usize, Vec<String>, Vec<String>);
 
-/// Past frames that cannot be made. A worker that dies loses no more than the picture that it is at.
-/// The driver of the run reads the reports of all.
+/// Options of a worker, which goes past frames that cannot be made. One that dies loses no more than the image that it
+/// is at. The driver of the run reads the reports of all.
 const ONE_BY_ONE: MakeOptions = MakeOptions { keeps_going: true, jobs: Some(1), leaves_warnings: true };
 
-/// A frame that could not be made: its number, why, and whether another try may succeed.
+/// Frame that could not be made: its number, the reason, and whether another try may succeed.
 type Failure = (u32, String, bool);
 /// The frames that could not be made, and warnings.
 type Told = (Vec<Failure>, Vec<String>);
 
-/// Does work that goes past frames that cannot be made, and returns what was said meanwhile.
+/// Does work that goes past frames that cannot be made, and returns the failures and warnings meanwhile.
 fn told(
     py: Python<'_>,
     threads: Option<usize>,
-    job: impl FnOnce(&dyn Monitor) -> photosite::Result<Made> + Send,
+    job: impl FnOnce(&dyn Monitor) -> photosite::Result<DatasetOutcome> + Send,
 ) -> PyResult<Told> {
     work(py, How { threads, progress: None }, |monitor| {
         let listener = Listener { monitor, failures: Mutex::default(), warnings: Mutex::default() };
@@ -171,7 +166,7 @@ fn told(
     })
 }
 
-/// Keeps what is said of frames that cannot be made, and warnings, for somebody in another process.
+/// Listener that keeps frames that cannot be made, and warnings, for somebody in another process.
 struct Listener<'a> {
     monitor: &'a dyn Monitor,
     failures: Mutex<Vec<Failure>>,
@@ -180,7 +175,7 @@ struct Listener<'a> {
 
 impl Monitor for Listener<'_> {
     fn report(&self, event: Event<'_>) {
-        if let Event::PictureFails { frame, error, .. } = event {
+        if let Event::ImageFails { frame, error, .. } = event {
             let failure = (frame, error.to_string(), error.is_temporary());
             self.failures.lock().unwrap_or_else(PoisonError::into_inner).push(failure);
         } else if let Event::Warning(words) = event {
@@ -203,9 +198,9 @@ fn kept<T>(list: Mutex<T>) -> T {
 #[pyfunction]
 pub(crate) fn read_exr_arrays(py: Python<'_>, path: PathBuf) -> PyResult<BTreeMap<String, Py<PyAny>>> {
     let layers = work(py, How::default(), |monitor| {
-        let picture = read_exr_file(&path)?;
-        picture.warnings.iter().for_each(|what| monitor.report(Event::Warning(&format!("{}: {what}", path.display()))));
-        Ok(by_layer(picture.planes))
+        let image = read_exr_file(&path)?;
+        image.warnings.iter().for_each(|what| monitor.report(Event::Warning(&format!("{}: {what}", path.display()))));
+        Ok(by_layer(image.planes))
     })?;
     layers.into_iter().map(|(name, planes)| Ok((name, of_planes(py, planes)?.unbind()))).collect()
 }
@@ -213,15 +208,15 @@ pub(crate) fn read_exr_arrays(py: Python<'_>, path: PathBuf) -> PyResult<BTreeMa
 /// The codes of a PNG file, as they are.
 #[pyfunction]
 pub(crate) fn read_codes(py: Python<'_>, path: PathBuf) -> PyResult<Py<PyAny>> {
-    let picture = work(py, How::default(), |monitor| {
-        let picture = read_picture_file(&path, Pixels::All)?;
-        picture.said().for_each(|what| monitor.report(Event::Warning(&what)));
-        Ok(picture)
+    let image = work(py, How::default(), |monitor| {
+        let image = read_image_file(&path, Pixels::All)?;
+        image.said().for_each(|what| monitor.report(Event::Warning(&what)));
+        Ok(image)
     })?;
-    let channels = picture.mean.channels();
-    let shape = [picture.mean.height(), picture.mean.width(), channels.len()];
+    let channels = image.mean.channels();
+    let shape = [image.mean.height(), image.mean.width(), channels.len()];
     let codes = (0..shape[0] * shape[1]).flat_map(|i| channels.iter().map(move |channel| channel.data[i]));
-    let array = if picture.full_scale.is_some_and(|most| most > 255.0) {
+    let array = if image.full_scale.is_some_and(|most| most > 255.0) {
         of_pixels(py, shape, codes.map(|code| code as u16).collect())
     } else {
         of_pixels(py, shape, codes.map(|code| code as u8).collect())

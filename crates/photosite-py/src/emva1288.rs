@@ -4,22 +4,24 @@ use std::path::PathBuf;
 
 use photosite::Sandbox;
 use photosite::capture::{NamedSensor, read_named_sensor};
+use photosite::characterisation::camera_fit::KnownFacts;
 use photosite::characterisation::effects_left_out;
 use photosite::emva1288::{
-    MeasuredChannel, SetPlan, SetRequest, evaluate_descriptor, evaluate_sets, refuse_image_sets,
+    FitRequest, MeasuredChannel, SetPlan, SetRequest, evaluate_descriptor, evaluate_sets, fit_images, refuse_image_sets,
 };
-use photosite::io::image_sets::ImageFormat;
+use photosite::io::formats::TIFF;
 use photosite::pipeline::Event;
 use photosite::units::{Celsius, Decibels, Seconds};
 use pyo3::prelude::*;
 
 use crate::work::{How, work};
 
-/// The images that are taken, and how.
+/// Request of image sets: the images that are taken, and how.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Request {
     overrides: Vec<String>,
+    like: Option<PathBuf>,
     channels: Option<Vec<String>>,
     wavelength_nm: Option<f64>,
     steps: u32,
@@ -27,7 +29,7 @@ pub(crate) struct Request {
     saturation_time_s: Option<f64>,
     sweep_nm: Vec<f64>,
     temperatures_c: Vec<f64>,
-    temperature_c: f64,
+    temperature_c: Option<f64>,
     gain_db: f64,
     size: Option<[usize; 2]>,
     seed: u64,
@@ -47,20 +49,26 @@ pub(crate) fn take_image_sets(
     let sets = work(py, How { threads, progress }, |monitor| {
         let NamedSensor { model: sensor, warnings, .. } =
             read_named_sensor(&Sandbox::default(), sensor, &request.overrides)?;
+        let like = request.like;
         let request = SetRequest {
             channels: request.channels,
             wavelength_nm: request.wavelength_nm,
+            plan: None,
             steps: request.steps,
             spatial: request.spatial,
             saturation_time: request.saturation_time_s.map(Seconds),
             sweep_nm: request.sweep_nm,
             temperatures_c: request.temperatures_c,
-            temperature: Celsius(request.temperature_c),
+            temperature: request.temperature_c.map(Celsius),
             gain: Decibels(request.gain_db),
             size: request.size,
             seed: request.seed,
-            format: ImageFormat::Tiff,
+            format: &TIFF,
             overrides: request.overrides,
+        };
+        let request = match &like {
+            Some(set) => request.like(set)?,
+            None => request,
         };
         let plan = SetPlan::new(&sensor, request)?;
         refuse_image_sets(&folder, overwrite)?;
@@ -87,4 +95,37 @@ pub(crate) fn evaluate_image_sets(
     })?;
     let channels: Vec<_> = report.channels.iter().map(MeasuredChannel::new).collect();
     Ok((serde_json::to_string(&channels).expect("plain values"), report.html()))
+}
+
+/// Facts about a camera that its images do not hold.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Known {
+    channel: Option<String>,
+    system_gain: Option<f64>,
+    temperature_c: Option<f64>,
+    pixel_pitch_um: Option<[f64; 2]>,
+    wavelength_nm: Option<f64>,
+}
+
+/// Fits a sensor to the images of a camera: what the command prints as JSON, and the sensor file.
+#[pyfunction]
+pub(crate) fn fit_camera(
+    py: Python<'_>,
+    path: PathBuf,
+    known: Known,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<(String, String)> {
+    let request = FitRequest {
+        channel: known.channel,
+        known: KnownFacts {
+            system_gain: known.system_gain,
+            temperature: known.temperature_c.map(Celsius),
+            pixel_pitch_um: known.pixel_pitch_um,
+            wavelength_nm: known.wavelength_nm,
+        },
+    };
+    let fitted = work(py, How { threads, progress }, |monitor| fit_images(&path, &request, monitor))?;
+    Ok((serde_json::to_string(&fitted.report()).expect("plain values"), fitted.sensor_file))
 }

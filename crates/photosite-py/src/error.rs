@@ -57,7 +57,7 @@ fn words(help: Option<Help>) -> Option<String> {
     help.map(|help| help.to_string())
 }
 
-/// What to do about an error, as the arguments of functions that do it.
+/// Remedy of an error, as the arguments of functions that apply it.
 pub(crate) fn in_arguments(remedy: &Remedy) -> String {
     match remedy {
         Remedy::Overwrite => "overwrite it with overwrite=True".to_owned(),
@@ -69,13 +69,13 @@ pub(crate) fn in_arguments(remedy: &Remedy) -> String {
         Remedy::Lenient => "set={\"scene.lenient\": True} lets grey be used instead".to_owned(),
         Remedy::FilmMemory(gib) => format!("allow more with film_memory_gib={gib}"),
         Remedy::Linear => "pass linear=True if its codes are proportional to light".to_owned(),
-        Remedy::LightUnit => "say what its numbers are with unit=".to_owned(),
-        Remedy::Variance(picture) => {
-            let argument = picture.to_lowercase();
+        Remedy::LightUnit => "say what its pixel values are with unit=".to_owned(),
+        Remedy::Variance(image) => {
+            let argument = image.to_lowercase();
             format!("give it with variance_{argument}=; 0 if {argument} is exact")
         }
-        Remedy::Moments(picture) => {
-            let argument = picture.to_lowercase();
+        Remedy::Moments(image) => {
+            let argument = image.to_lowercase();
             format!("state how many samples per pixel its second moments come from, with samples_{argument}=")
         }
         Remedy::Say(_)

@@ -9,18 +9,18 @@ mod compare;
 mod dataset;
 mod emva1288;
 mod error;
-mod light;
 mod raw;
 mod sensor;
 mod shot;
 mod target;
+mod traced_light;
 mod training;
 mod work;
 
 use photosite_simd::Heap;
 use pyo3::prelude::*;
 
-/// As the program has it: says so where memory ends.
+/// Allocator, the same as that of the program: it says so where memory ends.
 #[global_allocator]
 static HEAP: Heap = Heap;
 
@@ -39,17 +39,17 @@ mod _photosite {
     #[pymodule_export]
     use super::dataset::{Dataset, read_codes, read_exr_arrays};
     #[pymodule_export]
-    use super::emva1288::{evaluate_image_sets, take_image_sets};
+    use super::emva1288::{evaluate_image_sets, fit_camera, take_image_sets};
     #[pymodule_export]
-    use super::light::{Light, render_to, trace};
-    #[pymodule_export]
-    use super::raw::{Raw, develop};
+    use super::raw::{Raw, develop, raw_endings};
     #[pymodule_export]
     use super::sensor::{Sensor, expose_irradiance, expose_planes, expose_stored, illuminant_spectrum};
     #[pymodule_export]
-    use super::shot::Shot;
+    use super::shot::{Shot, truth_units};
     #[pymodule_export]
     use super::target::{Target, project, unproject};
+    #[pymodule_export]
+    use super::traced_light::{Light, render_to, trace};
     #[pymodule_export]
     use super::training::shots;
 

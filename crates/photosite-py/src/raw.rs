@@ -1,17 +1,18 @@
-//! Raw images: their numbers, what is known of them, files.
+//! Raw images: their digital numbers, metadata and files.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use numpy::PyReadonlyArray1;
 use photosite::capture::read_develop_settings;
-use photosite::develop::{Codes, EncodedPicture};
+use photosite::develop::{Codes, EncodedImage};
 use photosite::io::developable::{Developable, read_developable, read_digital_numbers};
-use photosite::io::developed::{PictureFormat, PictureNumbers};
+use photosite::io::developed::DevelopedValues;
+use photosite::io::formats::{NPY, TIFF, lists};
 use photosite::io::raw_file::save_raw;
 use photosite::pipeline::Event;
 use photosite::raw::{BlackLevel, Cfa, RawImage};
-use photosite::{DevelopedFile, Picture};
+use photosite::{DevelopedFile, DevelopedImage};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -41,7 +42,7 @@ impl Raw {
         work(py, How::default(), |_| read_digital_numbers(&path)).map(Self)
     }
 
-    /// Digital numbers of which this is known, as `description` has it.
+    /// Raw image of these digital numbers with the metadata of `description`.
     #[staticmethod]
     fn of_description(py: Python<'_>, description: &str, numbers: PyReadonlyArray1<'_, u16>) -> PyResult<Self> {
         let known: RawImage =
@@ -49,7 +50,7 @@ impl Raw {
         checked(py, RawImage { data: numbers.as_slice()?.to_vec(), ..known })
     }
 
-    /// Digital numbers of which this alone is known.
+    /// Raw image of digital numbers of which these figures alone are known.
     #[staticmethod]
     fn of_numbers(
         py: Python<'_>,
@@ -65,12 +66,12 @@ impl Raw {
         checked(py, RawImage { black_level_dn: BlackLevel::uniform(black_level_dn), ..bare })
     }
 
-    /// Other digital numbers of which all holds that holds of these.
+    /// Raw image of other digital numbers with the same metadata.
     fn with_numbers(&self, py: Python<'_>, numbers: PyReadonlyArray1<'_, u16>) -> PyResult<Self> {
         checked(py, self.0.with_data(numbers.as_slice()?.to_vec()))
     }
 
-    /// What NumPy makes an array of without a copy, which cannot be written to and keeps this object alive.
+    /// Interface by which NumPy makes an array without a copy, which cannot be written to and keeps this object alive.
     #[getter]
     fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let RawImage { width, height, data, cfa, .. } = &*self.0;
@@ -85,7 +86,7 @@ impl Raw {
         Ok(interface)
     }
 
-    /// What is known of the numbers, as JSON.
+    /// Metadata of the raw image, as JSON.
     fn description(&self) -> String {
         serde_json::to_string(&*self.0).expect("plain values")
     }
@@ -100,7 +101,7 @@ impl Raw {
         self.0.active_cfa().to_string()
     }
 
-    /// Black levels of all numbers, row by row, DN.
+    /// Black levels of all digital numbers, row by row, DN.
     fn black_levels_dn<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let RawImage { height, width, cfa, black_level_dn, .. } = &*self.0;
         let samples = cfa.samples_per_pixel();
@@ -108,17 +109,17 @@ impl Raw {
         of_pixels(py, [*height, *width, samples], levels.collect())
     }
 
-    /// The pixel aspect ratio that holds, width over height.
+    /// Pixel aspect ratio, width over height.
     fn pixel_aspect(&self) -> f64 {
         self.0.metadata.pixel_aspect()
     }
 
-    /// Correlated colour temperatures of the lights of its calibrations, K.
+    /// Correlated colour temperatures of the lights of the calibrations, K.
     fn light_temperatures_k(&self) -> Vec<f64> {
         self.0.metadata.calibrations.iter().map(|calibration| calibration.light.temperature_k()).collect()
     }
 
-    /// Writes it in the format that the extension asks for, in the place of an older file.
+    /// Writes the raw image in the format that the extension asks for, in the place of an older file.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         work(py, How::default(), |_| save_raw(&self.0, &path))
     }
@@ -134,6 +135,12 @@ fn damaged(py: Python<'_>, message: &str) -> PyErr {
     raise(py, photosite::Invalid::new("description", message).in_file(Path::new(PYTHON)))
 }
 
+/// Endings of raw files, those of files that state most first.
+#[pyfunction]
+pub(crate) fn raw_endings() -> Vec<&'static str> {
+    lists::raw_endings()
+}
+
 /// Develops a raw image, or a file, by `develop.key=value`, to codes or floats.
 #[pyfunction]
 pub(crate) fn develop(
@@ -147,26 +154,26 @@ pub(crate) fn develop(
     let numbers = work(py, How::default(), |monitor| {
         let source = read_develop_settings(None, &settings)?;
         // TIFF holds codes where they are for viewers, and floats of all else.
-        let format = if linear { PictureFormat::Npy } else { PictureFormat::Tiff };
+        let format = if linear { &NPY } else { &TIFF };
         format.check(&source.0).map_err(|invalid| source.1.error(invalid.within("develop")))?;
         let path = path.as_deref().unwrap_or(Path::new(PYTHON));
         let file = image.map_or_else(|| read_developable(path), |image| Ok(Developable::Raw(image)))?;
         let output = (format, Path::new("the array"));
-        let DevelopedFile { picture, assumed, warnings } = Picture::develop_file(file, path, &source, output)?;
+        let DevelopedFile { image, assumed, warnings } = DevelopedImage::develop_file(file, path, &source, output)?;
         assumed.iter().chain(&warnings).for_each(|words| monitor.report(Event::Warning(words)));
-        Ok(picture.into_numbers(format))
+        Ok(image.into_numbers(format))
     })?;
     let array = match numbers {
-        PictureNumbers::Codes(picture) => of_codes(py, picture),
-        PictureNumbers::Floats(planes, _) => of_planes(py, planes),
+        DevelopedValues::Codes(image) => of_codes(py, image),
+        DevelopedValues::Floats(planes, _) => of_planes(py, planes),
     };
     array.map(Bound::unbind)
 }
 
-/// Codes as an array.
-pub(crate) fn of_codes(py: Python<'_>, picture: EncodedPicture) -> PyResult<Bound<'_, PyAny>> {
-    let shape = [picture.height, picture.width, picture.components];
-    match picture.codes {
+/// Codes of a developed image as an array.
+pub(crate) fn of_codes(py: Python<'_>, image: EncodedImage) -> PyResult<Bound<'_, PyAny>> {
+    let shape = [image.height, image.width, image.components];
+    match image.codes {
         Codes::U8(codes) => of_pixels(py, shape, codes),
         Codes::U16(codes) => of_pixels(py, shape, codes),
     }

@@ -1,19 +1,18 @@
 //! Sensors alone, exposed to light that somebody else has computed.
 
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyReadonlyArray1, PyReadonlyArray3};
 use photosite::capture::{NamedSensor, read_named_sensor};
-use photosite::pipeline::{Event, Monitor, PictureScale, StoredRender};
-use photosite::sensor::{PictureUnit, SensorModel};
+use photosite::pipeline::{ImageScale, Light};
+use photosite::sensor::{ImageUnit, SensorModel};
 use photosite::spectrum::{Outside, Spectrum, illuminant};
 use photosite::{Invalid, Sandbox};
 use pyo3::prelude::*;
 
 use crate::array::{Numbers, to_planes};
 use crate::error::{PYTHON, raise};
-use crate::shot::{Shot, Source};
+use crate::shot::Shot;
 use crate::work::{How, warn, work};
 
 /// A sensor by the name of a preset or the path of a sensor file, with changes to its keys.
@@ -33,7 +32,7 @@ impl Sensor {
         Ok(Self { model, values: values.to_string() })
     }
 
-    /// All its keys, as JSON.
+    /// Values of all its keys, as JSON.
     fn values(&self) -> &str {
         &self.values
     }
@@ -42,12 +41,12 @@ impl Sensor {
         &self.model.name
     }
 
-    /// Columns and rows.
+    /// Columns and rows of the sensor.
     fn resolution(&self) -> [usize; 2] {
         self.model.resolution
     }
 
-    /// Horizontal and vertical, m.
+    /// Pixel pitch, horizontal and vertical, m.
     fn pixel_pitch_m(&self) -> [f64; 2] {
         self.model.pixel_pitch_m
     }
@@ -56,7 +55,8 @@ impl Sensor {
         self.model.cfa.channels().to_vec()
     }
 
-    /// For each channel wavelengths, nm, and electrons a second that W·m⁻²·nm⁻¹ frees in a pixel.
+    /// Responses of the channels: for each its name, wavelengths, nm, and electrons a second that W·m⁻²·nm⁻¹ frees in a
+    /// pixel.
     fn responses<'py>(&self, py: Python<'py>) -> Vec<(String, Numbers<'py>, Numbers<'py>)> {
         let arrays = |(name, response): (String, Spectrum)| {
             let (wavelengths, values) = table(py, &response);
@@ -66,7 +66,7 @@ impl Sensor {
     }
 }
 
-/// Wavelengths, nm, and values.
+/// Table of wavelengths, nm, and values.
 type Table<'py> = (PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>);
 
 /// The spectrum of a table.
@@ -92,12 +92,12 @@ pub(crate) fn expose_irradiance(
     let bands = to_planes(&irradiance, names).map_err(|invalid| raise(py, invalid.in_file(Path::new(PYTHON))))?;
     let white = spectrum(py, white)?;
     work(py, How { threads, progress: None }, |monitor| {
-        let light = StoredRender::of_irradiance(Path::new(PYTHON), bands, white.as_ref(), &overrides)?;
-        shots_of(light, frames, monitor)
+        let light = Light::of_irradiance(Path::new(PYTHON), bands, white.as_ref(), &overrides)?;
+        Shot::series(&light, frames, monitor)
     })
 }
 
-/// Exposes a sensor to planes of numbers, (rows, columns, channels), of which 1 is so much of a unit.
+/// Exposes a sensor to planes of pixel values, (rows, columns, channels), of which 1 stands for `one` of a unit.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "numbers, what they are, and how they are exposed")]
 pub(crate) fn expose_planes(
@@ -114,10 +114,10 @@ pub(crate) fn expose_planes(
 ) -> PyResult<Vec<Shot>> {
     let planes = to_planes(&numbers, channels).map_err(|invalid| raise(py, invalid.in_file(Path::new(PYTHON))))?;
     let unit = match (unit, wavelength_nm) {
-        ("electrons", _) => PictureUnit::Electrons,
-        ("full-well", _) => PictureUnit::FullWell,
-        ("lux", _) => PictureUnit::Lux,
-        ("irradiance", Some(wavelength_nm)) => PictureUnit::Irradiance { wavelength_nm },
+        ("electrons", _) => ImageUnit::Electrons,
+        ("full-well", _) => ImageUnit::FullWell,
+        ("lux", _) => ImageUnit::Lux,
+        ("irradiance", Some(wavelength_nm)) => ImageUnit::Irradiance { wavelength_nm },
         _ => {
             let invalid = Invalid::new("unit", format!("{unit:?} is not a unit of light on a sensor"));
             let help = "write \"electrons\", \"full-well\", \"lux\", or \"irradiance\" with wavelength_nm";
@@ -126,9 +126,9 @@ pub(crate) fn expose_planes(
     };
     let white = spectrum(py, white)?;
     work(py, How { threads, progress: None }, |monitor| {
-        let scale = PictureScale { unit, one, is_linear: true };
-        let light = StoredRender::of_planes(Path::new(PYTHON), &planes, &scale, white.as_ref(), &overrides)?;
-        shots_of(light, frames, monitor)
+        let scale = ImageScale { unit, one, is_linear: true };
+        let light = Light::of_planes(Path::new(PYTHON), &planes, &scale, white.as_ref(), &overrides)?;
+        Shot::series(&light, frames, monitor)
     })
 }
 
@@ -142,15 +142,8 @@ pub(crate) fn expose_stored(
     threads: Option<usize>,
 ) -> PyResult<Vec<Shot>> {
     work(py, How { threads, progress: None }, |monitor| {
-        shots_of(StoredRender::read(&Sandbox::default(), &path, &overrides)?, frames, monitor)
+        Shot::series(&Light::read(&Sandbox::default(), &path, &overrides)?, frames, monitor)
     })
-}
-
-/// Exposes to light as often as is said, with warnings about it.
-fn shots_of(light: StoredRender, frames: u32, monitor: &dyn Monitor) -> photosite::Result<Vec<Shot>> {
-    let render = light.expose()?;
-    render.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
-    Shot::series(Source::Stored(Arc::new(render)), frames, monitor)
 }
 
 /// The spectrum of a light by its name: wavelengths, nm, and relative values.

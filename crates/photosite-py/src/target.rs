@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use photosite::calibration::targets::{Target as Drawing, TargetDescription, TargetKind};
+use photosite::camera_projection::{CameraProjection, Space};
 use photosite::capture::read_target;
 use photosite::io::lock::Lock;
 use photosite::io::target_file::{TargetFacts, target_files, write_target};
-use photosite::sight::{Sight, Space};
 use pyo3::prelude::*;
 
 use crate::array::of_rows;
@@ -31,23 +31,23 @@ impl Target {
         Ok(Some(Self { description, drawing }))
     }
 
-    /// The names of the kinds, and what they are.
+    /// Names of the kinds, and their descriptions.
     #[staticmethod]
     fn kinds() -> Vec<(&'static str, &'static str)> {
         TargetKind::ALL.iter().map(|kind| (kind.name(), kind.summary())).collect()
     }
 
-    /// What the command's JSON file holds.
+    /// Facts of the target: the contents of the command's JSON file.
     fn facts(&self) -> String {
         serde_json::to_string(&TargetFacts::new(&self.description, &self.drawing)).expect("plain values")
     }
 
-    /// Its points in its own frame, m.
+    /// Points of the target in its own frame, m.
     fn points_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         of_rows(py, self.drawing.points.iter().map(|point| point.position_m.extend(0.0).to_array()))
     }
 
-    /// The corners of its markers one after the other, m.
+    /// Corners of the target's markers one after the other, m.
     fn corners_m<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let corners: Vec<_> = self.drawing.markers.iter().flat_map(|marker| marker.corners_m).collect();
         of_rows(py, corners.into_iter().map(|corner| corner.extend(0.0).to_array()))
@@ -58,7 +58,7 @@ impl Target {
         self.drawing.size_m().to_array()
     }
 
-    /// Writes it in the format that the extension asks for, in the place of older files.
+    /// Writes the sheet in the format that the extension asks for, in the place of older files.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         work(py, How::default(), |_| {
             target_files(&path)?;
@@ -69,7 +69,7 @@ impl Target {
     }
 }
 
-/// Where points (N, 3) appear in the picture of a capture, (N, 2).
+/// Projects points (N, 3) to pixels of a capture's image, (N, 2).
 #[pyfunction]
 pub(crate) fn project<'py>(
     py: Python<'py>,
@@ -80,14 +80,14 @@ pub(crate) fn project<'py>(
     debug_assert_eq!(points.shape()[1], 3, "points of three coordinates");
     let points = points.as_slice()?;
     let pixels: Vec<[f64; 2]> = work(py, How::default(), |_| {
-        let sight = Sight::new(capture.capture(), space(camera_space))?;
+        let sight = CameraProjection::new(capture.capture(), space(camera_space))?;
         let points = points.as_chunks::<3>().0.iter();
         Ok(points.map(|&point| sight.pixel(point)).collect())
     })?;
     of_rows(py, pixels.into_iter())
 }
 
-/// The unit vectors (N, 3) of what pixels (N, 2) look at.
+/// Directions in which pixels (N, 2) look, unit vectors (N, 3).
 #[pyfunction]
 pub(crate) fn unproject<'py>(
     py: Python<'py>,
@@ -98,7 +98,7 @@ pub(crate) fn unproject<'py>(
     debug_assert_eq!(pixels.shape()[1], 2, "pixels of two coordinates");
     let pixels = pixels.as_slice()?;
     let directions: Vec<[f64; 3]> = work(py, How::default(), |_| {
-        let sight = Sight::new(capture.capture(), space(camera_space))?;
+        let sight = CameraProjection::new(capture.capture(), space(camera_space))?;
         let pixels = pixels.as_chunks::<2>().0.iter();
         Ok(pixels.map(|&pixel| sight.direction(pixel)).collect())
     })?;

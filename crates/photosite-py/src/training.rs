@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 
 use crate::work::{How, work};
 
-/// What a finished data set says of each image, as a JSON list: its folder, camera and frame, when it was taken, and its
-/// camera in OpenCV's conventions, on the pixels of the image and in the middle of the exposure.
+/// List of the images of a finished data set, in JSON, each with its folder, camera and frame, when it was taken, and
+/// its camera in OpenCV's conventions, on the pixels of the image and in the middle of the exposure.
 #[pyfunction]
 pub(crate) fn shots(py: Python<'_>, folder: PathBuf) -> PyResult<String> {
     let set = work(py, How::default(), |_| read_dataset(&folder))?;

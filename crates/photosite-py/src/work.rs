@@ -15,25 +15,25 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::error::{PYTHON, raise};
 
-/// Between two looks at signals and progress. Ctrl-C is to be heard within 0.1 s.
+/// Time between two looks at signals and progress. Ctrl-C is to be heard within 0.1 s.
 const LOOK_INTERVAL: Duration = Duration::from_millis(25);
 
-/// How work is done, besides what it is.
+/// Options of work: threads and progress.
 #[derive(Default)]
 pub(crate) struct How {
-    /// Threads; as many as there are cores unless it is said.
+    /// Number of threads; `None` for as many as there are cores.
     pub(crate) threads: Option<usize>,
-    /// Called with what is done and what is to be done.
+    /// Callback for progress, called with the work that is done and the whole.
     pub(crate) progress: Option<Py<PyAny>>,
 }
 
-/// What the threads that work leave for the one that holds the lock.
+/// Watch of work: messages of the threads that work to the one that holds the lock.
 #[derive(Default)]
 struct Watch {
     done: AtomicU64,
     all: AtomicU64,
-    /// Whether pictures are counted, rather than camera paths.
-    of_pictures: AtomicBool,
+    /// Whether images are counted, rather than camera paths.
+    of_images: AtomicBool,
     stop: AtomicBool,
     warnings: Mutex<Vec<String>>,
 }
@@ -47,18 +47,18 @@ impl Monitor for Watch {
                     warnings.push(words.to_owned());
                 }
             }
-            Event::PictureFails { camera, frame, error } => {
+            Event::ImageFails { camera, frame, error } => {
                 self.report(Event::Warning(&format!("frame {frame} of {camera} is skipped: {error}")));
             }
-            Event::SetBegins { pictures } => {
-                self.of_pictures.store(true, Ordering::Relaxed);
+            Event::SetBegins { images } => {
+                self.of_images.store(true, Ordering::Relaxed);
                 self.done.store(0, Ordering::Relaxed);
-                self.all.store(pictures, Ordering::Relaxed);
+                self.all.store(images, Ordering::Relaxed);
             }
-            Event::PictureEnds(_) => {
+            Event::ImageEnds(_) => {
                 self.done.fetch_add(1, Ordering::Relaxed);
             }
-            Event::TraceBegins { .. } if self.of_pictures.load(Ordering::Relaxed) => {}
+            Event::TraceBegins { .. } if self.of_images.load(Ordering::Relaxed) => {}
             Event::TraceBegins { traced, expected, .. } => {
                 self.done.store(traced, Ordering::Relaxed);
                 self.all.store(expected, Ordering::Relaxed);
@@ -76,29 +76,31 @@ impl Monitor for Watch {
     }
 }
 
-/// Threads that no other work uses: one that waits for a part of its work takes up other work of its pool, and that must
-/// not wait for what the first one holds, such as the lock of a folder.
+/// Threads that no other work uses: one that waits for a part of its work takes up other work of its pool, and that
+/// must not wait for what the first one holds, such as the lock of a folder.
 ///
 /// rayon's own pool would not do, either: a forked child has its locks but not its threads, and would wait for ever.
 /// PyTorch's loaders and `multiprocessing` fork by default up to Python 3.13.
 struct Threads {
-    /// There until it is given back.
+    /// Pool of the threads, until it is given back.
     pool: Option<ThreadPool>,
     count: usize,
-    /// The process that they run in.
+    /// Process that the threads run in, by its id.
     process: u32,
 }
 
 /// Pools that nobody uses, by the number of their threads.
 type FreePools = Vec<(usize, ThreadPool)>;
 
-/// Those of a process. Nobody waits for them: in a forked child they may be locked for ever, by a thread of its parent.
+/// Free pools of a process. Nobody waits for them: in a forked child they may be locked for ever, by a thread of its
+/// parent.
 static FREE: Mutex<Option<(u32, FreePools)>> = Mutex::new(None);
 
 impl Threads {
-    /// So many threads, or as many as there are cores.
+    /// Pool of `threads` threads, or of as many as there are cores.
     fn new(threads: Option<usize>) -> photosite::Result<Self> {
-        /// So many that wait for each other slow down a small machine only a little.
+        /// Number of threads that is never refused: waiting for each other, they slow down a small machine only a
+        /// little.
         const FEW: usize = 256;
         let count = threads.unwrap_or(0);
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -136,7 +138,7 @@ impl Threads {
 
 impl Drop for Threads {
     fn drop(&mut self) {
-        /// Pools that are kept for later.
+        /// Number of pools that are kept for later.
         const KEPT: usize = 4;
         let (Some(pool), Ok(mut free)) = (self.pool.take(), FREE.try_lock()) else { return };
         let (owner, pools) = free.get_or_insert_with(|| (self.process, Vec::new()));
@@ -146,9 +148,9 @@ impl Drop for Threads {
     }
 }
 
-/// Does work without the interpreter's lock. Meanwhile the lock is taken some 40 times a second, to see whether a signal
-/// has come and to tell of progress; an exception of either stops the work and is raised when it has. Warnings are given
-/// at the end, each once.
+/// Does work without the interpreter's lock. Meanwhile the lock is taken some 40 times a second, to see whether a
+/// signal has come and to tell of progress; an exception of either stops the work and is raised when it has. Warnings
+/// are given at the end, each once.
 pub(crate) fn work<T: Send>(
     py: Python<'_>,
     how: How,

@@ -1,4 +1,4 @@
-//! Scenes of files that have meshes but no nodes, as OBJ, PLY and STL: every mesh stands at the origin.
+//! Assembly of scenes from files with meshes but no nodes, such as OBJ, PLY and STL: every mesh is at the origin.
 
 use std::path::Path;
 
@@ -12,15 +12,15 @@ use photosite_transport::scene::description::{
     MeshDescription, SceneDescription, TexturedColour, TexturedFactor,
 };
 
-/// Reflectance of surfaces of which nothing is known.
+/// Reflectance of surfaces without a description.
 pub(crate) const DEFAULT_REFLECTANCE: f32 = 0.5;
 
-/// A diffuse grey material, for surfaces that nothing describes.
+/// A diffuse grey material, for surfaces without a description.
 pub(crate) fn undescribed(name: &str) -> MaterialDescription {
     diffuse(name, TexturedColour::plain(Colour::Rgb([DEFAULT_REFLECTANCE; 3])))
 }
 
-/// A diffuse material of both sides, since these files have no notion of a front.
+/// A two-sided diffuse material, since these files have no notion of a front.
 pub(crate) fn diffuse(name: &str, reflectance: TexturedColour) -> MaterialDescription {
     MaterialDescription {
         double_sided: true,
@@ -28,7 +28,7 @@ pub(crate) fn diffuse(name: &str, reflectance: TexturedColour) -> MaterialDescri
     }
 }
 
-/// A diffuse surface of the colours of its vertices: layers without any reflection at the facets. `kind` is the format.
+/// A diffuse material with colours of the vertices: layers whose facets reflect nothing. `kind` is the format.
 pub(crate) fn coloured(kind: &'static str, name: &str, has_holes: bool) -> MaterialDescription {
     let layers = LayeredDescription { kind, specular: TexturedFactor::plain(0.0), ..LayeredDescription::default() };
     MaterialDescription {
@@ -38,7 +38,7 @@ pub(crate) fn coloured(kind: &'static str, name: &str, has_holes: bool) -> Mater
     }
 }
 
-/// Adds the meshes of a file, each at the origin, and tells what of them had to be mended or left out.
+/// Adds the meshes of a file, each at the origin, and warns of mended and omitted parts.
 pub(crate) fn add_meshes(
     scene: &mut SceneDescription,
     meshes: impl IntoIterator<Item = MeshDescription>,
@@ -72,7 +72,7 @@ pub(crate) fn add_meshes(
     Ok(())
 }
 
-/// The name of a file without its folder and ending, for what in it has no name of its own.
+/// Name of a file without its folder and extension, for parts of it that have no name of their own.
 pub(crate) fn name_of_file(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }

@@ -1,4 +1,4 @@
-//! Meshes as they were changed before, so that the scenes of a series share them.
+//! Cache of changed meshes, so that the scenes of a series share them.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -6,21 +6,21 @@ use std::sync::Arc;
 use photosite_transport::scene::description::MeshDescription;
 use photosite_transport::texture::UvTransform;
 
-/// What becomes of a mesh that a file holds.
+/// Change to a mesh of a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MeshChange {
-    /// It gets another material, of this index.
+    /// Another material, of this index.
     Material(usize),
-    /// It gets so many UV sets at least, and tangents along one of them.
+    /// At least this number of UV sets, and tangents along one of them.
     Completed {
         /// Number of sets.
         uv_sets: usize,
-        /// The set and its transform.
+        /// UV set that tangents follow, and its transform.
         tangents: Option<(usize, UvTransform)>,
     },
 }
 
-/// Meshes with what became of them. A scene whose meshes are the very ones of an earlier scene is built with less work
+/// Meshes with their changed copies. A scene that shares its meshes with an earlier scene is built with less work
 /// ([`build_after`](photosite_transport::scene::build_after)).
 #[derive(Clone, Debug, Default)]
 pub struct ChangedMeshes(HashMap<usize, Vec<Changed>>);
@@ -28,13 +28,13 @@ pub struct ChangedMeshes(HashMap<usize, Vec<Changed>>);
 #[derive(Clone, Debug)]
 struct Changed {
     change: MeshChange,
-    /// Kept so that no other gets its address, by which it is known.
+    /// Original mesh, kept so that no other gets its address, which is the key.
     _mesh: Arc<MeshDescription>,
     result: Arc<MeshDescription>,
 }
 
 impl ChangedMeshes {
-    /// Changes a mesh: itself where nobody shares it, and else a copy, which is made once.
+    /// Changes a mesh: in place where nobody shares it, else a copy, which is made once.
     pub fn change(
         &mut self,
         mesh: &mut Arc<MeshDescription>,

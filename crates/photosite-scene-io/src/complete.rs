@@ -1,5 +1,4 @@
-//! What meshes need because of their materials, once both are settled: UV sets that textures refer to, tangents for
-//! normal maps.
+//! Completion of meshes for their materials: UV sets that textures refer to, tangents for normal maps.
 
 use glam::{Vec2, Vec4};
 
@@ -12,9 +11,9 @@ use photosite_transport::scene::description::{
 };
 use photosite_transport::texture::UvTransform;
 
-/// Adds to every mesh what its material needs: a UV set of zeros for each that textures use and the mesh lacks (with a
+/// Completes every mesh for its material: a UV set of zeros for each that textures use and the mesh lacks (with a
 /// warning), and tangents for normal maps and anisotropy. A flat-shaded mesh that needs tangents gets its geometric
-/// normals written out. To be called when no material changes any more.
+/// normals written out. Call it when no material changes any more.
 pub fn complete(scene: &mut SceneDescription, known: &mut ChangedMeshes) {
     let mut warnings = Warnings::default();
     for mesh in &mut scene.meshes {
@@ -26,7 +25,7 @@ pub fn complete(scene: &mut SceneDescription, known: &mut ChangedMeshes) {
             for texture in missing() {
                 let (mesh_name, material_name, set) = (&mesh.name, &material.name, texture.uv_set);
                 warnings.once(format!(
-                    "the mesh {mesh_name:?} lacks TEXCOORD_{set}, which its material {material_name:?} uses: the picture's corner stands for all of it"
+                    "the mesh {mesh_name:?} lacks TEXCOORD_{set}, which its material {material_name:?} uses: the image's corner stands for all of it"
                 ));
             }
         }
@@ -39,7 +38,7 @@ pub fn complete(scene: &mut SceneDescription, known: &mut ChangedMeshes) {
     scene.warnings.extend(warnings.into_messages());
 }
 
-/// Gives a mesh so many UV sets at least, and tangents.
+/// Gives a mesh at least this number of UV sets, and tangents.
 fn complete_mesh(mesh: &mut MeshDescription, uv_sets: usize, tangents: Option<(usize, UvTransform)>) {
     if mesh.quadric.is_some() {
         // It has UVs and tangents of its own; that there are any here tells that they are wanted.
@@ -60,7 +59,7 @@ fn complete_mesh(mesh: &mut MeshDescription, uv_sets: usize, tangents: Option<(u
     }
 }
 
-/// The UV set and transform that tangents follow, if the material needs any.
+/// UV set and transform that tangents follow, if the material needs any.
 fn tangent_frame(material: &MaterialDescription) -> Option<(usize, UvTransform)> {
     if let Some((texture, _)) = &material.normal_map {
         return Some((texture.uv_set, texture.transform));
@@ -70,7 +69,7 @@ fn tangent_frame(material: &MaterialDescription) -> Option<(usize, UvTransform)>
     frame.0
 }
 
-/// The first UV set and transform that tangents of a model follow.
+/// First UV set and transform that tangents of a model follow.
 struct TangentFrame(Option<(usize, UvTransform)>);
 
 impl Visit for TangentFrame {

@@ -1,4 +1,4 @@
-//! Pictures of PNG, JPEG, WebP, TIFF, PNM and Radiance HDR files as the image library decodes them, within limits.
+//! Decoding of PNG, JPEG, WebP, TIFF, PNM and Radiance HDR files by the `image` library, within limits.
 
 use std::io::{Cursor, ErrorKind};
 
@@ -6,23 +6,23 @@ use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader};
 
 use photosite_core::{Invalid, memory};
 
-/// Largest picture, pixels along a side.
+/// Largest image, pixels along a side.
 pub(crate) const MAX_SIDE: u32 = 32_768;
-/// Most memory that decoding a picture may take, bytes.
+/// Largest memory for decoding an image, bytes.
 const MAX_BYTES: u64 = 4 << 30;
-/// Most memory for what comes with its pixels: compressed profiles and texts, which may inflate a thousandfold. What is
-/// larger is left out, as nothing of a texture depends on it.
+/// Largest memory for metadata, bytes: compressed profiles and texts may inflate a thousandfold. Larger metadata are
+/// skipped, as no texture depends on them.
 const MAX_BESIDE: u64 = 16 << 20;
-/// Kinds of files whose pixels take no more than [`MOST_INFLATION`] times as much memory as the file: those that are
-/// packed by zlib at best, from bits or palettes.
+/// Kinds of files whose pixels take no more than [`MOST_INFLATION`] times as much memory as the file: they are
+/// compressed by zlib at best, from bits or palettes.
 const BOUNDED: [ImageFormat; 4] = [ImageFormat::Png, ImageFormat::Tiff, ImageFormat::Hdr, ImageFormat::Pnm];
 const MOST_INFLATION: u64 = 1 << 15;
 
-/// Decodes a picture, whichever kind the bytes say it is, in the form that the file has it; `name` is for messages.
+/// Decodes an image in the pixel type of the file, whose kind is found from the bytes; `name` is for messages.
 pub fn decode(bytes: &[u8], name: &str) -> Result<DynamicImage, Invalid> {
     let bad = |problem: &str| {
         Invalid::new("", format!("cannot decode {name}: {problem}"))
-            .help("the picture is damaged, or not one of PNG, JPEG and WebP; export it again as one of them")
+            .help("the image is damaged, or not one of PNG, JPEG and WebP; export it again as one of them")
     };
     let bad_image = |e: ImageError| {
         let is_cut = matches!(&e, ImageError::IoError(e) if e.kind() == ErrorKind::UnexpectedEof);
@@ -46,7 +46,7 @@ pub fn decode(bytes: &[u8], name: &str) -> Result<DynamicImage, Invalid> {
     memory::check(
         (u64::from(width) * u64::from(height)).saturating_mul(2 * of_pixel),
         &format!("decoding the {width} × {height} pixels of {name}"),
-        "make the picture smaller",
+        "make the image smaller",
     )?;
     decoder.set_limits(limits(MAX_BYTES)).map_err(bad_image)?;
     if decoded > MAX_BYTES {
@@ -55,7 +55,7 @@ pub fn decode(bytes: &[u8], name: &str) -> Result<DynamicImage, Invalid> {
     DynamicImage::from_decoder(decoder).map_err(bad_image)
 }
 
-/// Columns and rows of a picture, which is not decoded.
+/// Columns and rows of an image, from its header alone.
 pub fn dimensions(bytes: &[u8]) -> Result<[u32; 2], ImageError> {
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
     reader.limits(limits(MAX_BESIDE));

@@ -1,26 +1,26 @@
-//! Environment pictures: [linear light](super::linear) in all directions.
+//! Environment maps: [linear light](super::linear) from all directions.
 
 use std::path::Path;
 
 use super::envmap::{of_cube, of_latitude_longitude};
-use super::linear::{LinearPicture, Mapping, decode_linear, in_picture};
+use super::linear::{LinearImage, Mapping, decode_linear, in_image};
 use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, input};
 use photosite_transport::texture::{Bitmap, Texels};
 
-/// Largest picture: 16384 × 8192 texels take 1.6 GB.
+/// Largest environment map: 16384 × 8192 texels take 1.6 GB.
 const MAX_TEXELS: usize = 1 << 27;
 
-/// A picture of surroundings.
+/// An environment map as read from a file.
 #[derive(Clone, Debug)]
 pub struct EnvironmentFile {
-    /// Longitude from left to right, latitude from top to bottom.
+    /// Texels: longitude from left to right, latitude from top to bottom.
     pub bitmap: Bitmap,
-    /// Luminance that the file says a value of 1 has, cd/m².
+    /// Luminance of a value of 1 as stated by the file, cd/m².
     pub white_luminance_nit: Option<f64>,
 }
 
-/// Reads an environment picture, as [`decode_environment`] does.
+/// Reads an environment map, as [`decode_environment`] does.
 pub fn read_environment(path: &Path, warnings: &mut Warnings) -> Result<EnvironmentFile, Invalid> {
     let name = path.display().to_string();
     let bytes = input::read(path).map_err(|source| {
@@ -30,8 +30,8 @@ pub fn read_environment(path: &Path, warnings: &mut Warnings) -> Result<Environm
     decode_environment(&bytes, name, warnings)
 }
 
-/// Decodes an environment picture; `name` is for messages. Texels that are not finite are refused; negative ones, which
-/// the filters of editing programs leave behind and which colours outside of sRGB have, become zero with a warning.
+/// Decodes an environment map; `name` is for messages. Texels that are not finite are refused; negative ones, which the
+/// filters of editing programs leave behind and which colours outside sRGB have, become zero with a warning.
 pub fn decode_environment(bytes: &[u8], name: String, warnings: &mut Warnings) -> Result<EnvironmentFile, Invalid> {
     let read = decode_linear(bytes).unwrap_or_else(|| {
         let line = bytes.split(|byte| b"\r\n".contains(byte)).next().unwrap_or_default();
@@ -44,9 +44,9 @@ pub fn decode_environment(bytes: &[u8], name: String, warnings: &mut Warnings) -
             _ => "it begins with bytes of another kind".to_owned(),
         };
         let message = format!("is neither Radiance HDR, which begins with #?RADIANCE, nor OpenEXR: {begins}");
-        Err(Invalid::new("", message).help("pictures of 8 or 16 bits hold no sun; use a .hdr or .exr picture"))
+        Err(Invalid::new("", message).help("images of 8 or 16 bits hold no sun; use a .hdr or .exr image"))
     });
-    let of_file = |invalid| in_picture(invalid, &name);
+    let of_file = |invalid| in_image(invalid, &name);
     let light = read.map_err(of_file)?;
     check(&light).map_err(of_file)?;
     let said = said(&light);
@@ -65,20 +65,20 @@ pub fn decode_environment(bytes: &[u8], name: String, warnings: &mut Warnings) -
     Ok(EnvironmentFile { bitmap, white_luminance_nit })
 }
 
-/// Refuses what is no picture of all directions.
-fn check(light: &LinearPicture) -> Result<(), Invalid> {
+/// Refuses images that do not cover all directions.
+fn check(light: &LinearImage) -> Result<(), Invalid> {
     if light.components == 0 {
-        let message = format!("holds no picture, but the planes {}", light.others().join(", "));
-        return Err(Invalid::new("", message).help("give a picture with the channels R, G and B, or one layer of them"));
+        let message = format!("holds no image, but the planes {}", light.others().join(", "));
+        return Err(Invalid::new("", message).help("give an image with the channels R, G and B, or one layer of them"));
     }
     if light.planes.width() * light.planes.height() > MAX_TEXELS {
-        return Err(Invalid::new("", format!("has more than {MAX_TEXELS} pixels")).help("make the picture smaller"));
+        return Err(Invalid::new("", format!("has more than {MAX_TEXELS} pixels")).help("make the image smaller"));
     }
     Ok(())
 }
 
-/// What is told of a picture that is taken for all directions.
-fn said(light: &LinearPicture) -> Vec<String> {
+/// Warnings of an image that is taken for all directions.
+fn said(light: &LinearImage) -> Vec<String> {
     let mut said = light.warnings.clone();
     said.extend(light.left_out());
     if let Mapping::View(view) = &light.mapping {
@@ -105,27 +105,27 @@ mod tests {
         exr::prelude::write_rgb_file(path, 2, 1, |x, _| texels[x].into()).expect("written");
     }
 
-    fn texels(picture: &Bitmap) -> &[[f32; 3]] {
-        match &picture.texels {
+    fn texels(image: &Bitmap) -> &[[f32; 3]] {
+        match &image.texels {
             Texels::Rgb32F(texels) => texels,
-            Texels::Rgba8(_) | Texels::Rgba16(_) => panic!("{:?}", picture.texels),
+            Texels::Rgba8(_) | Texels::Rgba16(_) => panic!("{:?}", image.texels),
         }
     }
 
     #[test]
-    fn exr_and_hdr_pictures_are_read_in_linear_rgb() {
+    fn exr_and_hdr_images_are_read_in_linear_rgb() {
         let folder = tempfile::tempdir().expect("temporary folder");
         let exr = folder.path().join("sky.exr");
         write_exr(&exr, SKY);
         let mut warnings = Warnings::default();
-        let picture = read_environment(&exr, &mut warnings).expect("valid").bitmap;
-        assert_eq!((picture.width, picture.height, texels(&picture)), (2, 1, &SKY[..]));
+        let image = read_environment(&exr, &mut warnings).expect("valid").bitmap;
+        assert_eq!((image.width, image.height, texels(&image)), (2, 1, &SKY[..]));
 
         let hdr = folder.path().join("sky.hdr");
         let pixels = image::Rgb32FImage::from_fn(2, 1, |x, _| image::Rgb(SKY[x as usize]));
         pixels.save(&hdr).expect("written");
-        let picture = read_environment(&hdr, &mut warnings).expect("valid").bitmap;
-        for (read, written) in texels(&picture).iter().zip(&SKY) {
+        let image = read_environment(&hdr, &mut warnings).expect("valid").bitmap;
+        for (read, written) in texels(&image).iter().zip(&SKY) {
             // RGBE has 8 bits of mantissa, scaled by the largest component.
             let tolerance = written.iter().fold(0.0f32, |m, c| m.max(*c)) / 128.0;
             assert!(read.iter().zip(written).all(|(r, w)| (r - w).abs() <= tolerance), "{read:?} {written:?}");
@@ -142,16 +142,16 @@ mod tests {
         assert!(error.message.contains("column 1, row 0"), "{error}");
         write_exr(&path, [SKY[0], [1.0, -0.5, 1.0]]);
         let mut warnings = Warnings::default();
-        let picture = read_environment(&path, &mut warnings).expect("mended").bitmap;
-        assert_eq!(texels(&picture)[1], [1.0, 0.0, 1.0]);
+        let image = read_environment(&path, &mut warnings).expect("mended").bitmap;
+        assert_eq!(texels(&image)[1], [1.0, 0.0, 1.0]);
         assert!(warnings.into_messages()[0].contains("1 value is negative"));
     }
 
-    /// A file whose pixels are these, by hand.
+    /// Texels and warnings of a file with a single part.
     fn by_hand(part: Part) -> Result<(Vec<[f32; 3]>, Vec<String>), Invalid> {
         let mut warnings = Warnings::default();
-        let picture = decode_environment(&file(&[part]), "sky.exr".to_owned(), &mut warnings)?.bitmap;
-        Ok((texels(&picture).to_vec(), warnings.into_messages()))
+        let image = decode_environment(&file(&[part]), "sky.exr".to_owned(), &mut warnings)?.bitmap;
+        Ok((texels(&image).to_vec(), warnings.into_messages()))
     }
 
     fn row() -> Part {
@@ -175,11 +175,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_picture_of_all_directions_is_refused_or_said() {
+    fn what_is_no_image_of_all_directions_is_refused_or_said() {
         let error = by_hand(row().with("envmap", "envmap", vec![1])).expect_err("no cube");
         assert!(error.message.starts_with("sky.exr: envmap: ") && error.help.is_some(), "{error}");
         let error = by_hand(Part::row(&[("Z", &[1.0])])).expect_err("depth");
-        assert!(error.message.contains("holds no picture, but the planes Z"), "{error}");
+        assert!(error.message.contains("holds no image, but the planes Z"), "{error}");
         let (_, said) = by_hand(row().with("pixelAspectRatio", "float", floats(&[2.0]))).expect("read");
         assert!(said.len() == 1 && said[0].contains("shape of pixels"), "{said:?}");
         let view = b"#?RADIANCE\nVIEW=-vtv -vh 40\n\n-Y 1 +X 1\n\x80\x80\x80\x81";
@@ -189,7 +189,8 @@ mod tests {
         assert!(said.len() == 1 && said[0].contains("its VIEW, \"-vtv -vh 40\", is a camera's"), "{said:?}");
     }
 
-    /// A latitude-longitude map of three columns: its middles lie between them. A cube of even faces is even.
+    /// Panorama of a latitude-longitude map of three columns: its centres lie between them. A cube of uniform faces is
+    /// uniform.
     #[test]
     fn environment_maps_of_openexr_become_panoramas() {
         let map = Part::row(&[("Y", &[1.0, 3.0, 5.0])]).with("envmap", "envmap", vec![0]);
@@ -199,7 +200,8 @@ mod tests {
         assert_eq!((texels, said), (vec![[2.0; 3]; 8], Vec::new()));
     }
 
-    /// The largest number of a file, 255/256·2^127, is no float once it is divided by 1/8.
+    /// Overflow by an exposure: the largest number of a file, 255/256·2^127, leaves the range of f32 once it is divided
+    /// by 1/8.
     #[test]
     fn numbers_that_an_exposure_takes_beyond_floats_are_named() {
         let file = b"#?RADIANCE\nEXPOSURE=0.125\n\n-Y 1 +X 2\n\x80\x80\x80\x81\x80\xff\x80\xff";
@@ -211,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn torn_missing_and_unsuitable_pictures_are_refused() {
+    fn torn_missing_and_unsuitable_images_are_refused() {
         let folder = tempfile::tempdir().expect("temporary folder");
         let path = folder.path().join("sky.exr");
         write_exr(&path, SKY);

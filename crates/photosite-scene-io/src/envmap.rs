@@ -1,5 +1,5 @@
-//! Environment maps as OpenEXR's attribute `envmap` lays them out, as panoramas of texels whose centres lie half a texel
-//! from the edges.
+//! Environment maps in the layouts of OpenEXR's attribute `envmap`, turned into panoramas whose texel centres lie half
+//! a texel from the edges.
 //!
 //! OpenEXR puts the centres of the outermost texels on the edges: on the poles and, twice, on the seam of a
 //! latitude-longitude map, and on the edges of the faces of a cube, which so are stored with each of the two faces
@@ -13,8 +13,8 @@ use photosite_core::Invalid;
 /// Texels in rows, with their columns and rows.
 type Texels = (Vec<[f32; 3]>, [usize; 2]);
 
-/// A latitude-longitude map. Its texels lie at the corners of those of the panorama, each of which is the mean of four:
-/// what bilinear interpolation has at its centre.
+/// Panorama of a latitude-longitude map. The map's texels lie at the corners of the panorama's, each of which is the
+/// mean of four, the bilinear interpolation at its centre.
 pub(crate) fn of_latitude_longitude(texels: &[[f32; 3]], [width, height]: [usize; 2]) -> Texels {
     let size = [width, height].map(|side| side.max(2) - 1);
     let at = |x: usize, y: usize| Vec3::from(texels[y.min(height - 1) * width + x.min(width - 1)]);
@@ -25,8 +25,8 @@ pub(crate) fn of_latitude_longitude(texels: &[[f32; 3]], [width, height]: [usize
     ((0..size[0] * size[1]).map(texel).collect(), size)
 }
 
-/// The six faces of a cube, +x, −x, +y, −y, +z and −z one below the other, as a panorama of four faces' columns. A
-/// direction has the bilinear interpolation of the face that it meets.
+/// Panorama, four faces wide, of a cube map with faces +x, −x, +y, −y, +z and −z one below the other. A direction takes
+/// the bilinear interpolation of the face that it meets.
 ///
 /// # Errors
 ///
@@ -34,7 +34,7 @@ pub(crate) fn of_latitude_longitude(texels: &[[f32; 3]], [width, height]: [usize
 pub(crate) fn of_cube(texels: &[[f32; 3]], [width, height]: [usize; 2]) -> Result<Texels, Invalid> {
     if height != 6 * width {
         let message =
-            format!("says six faces of a cube one below the other, but the picture has {width} × {height} pixels");
+            format!("says six faces of a cube one below the other, but the image has {width} × {height} pixels");
         return Err(Invalid::new("envmap", message).help("write six squares, or remove the attribute of a panorama"));
     }
     let size = [4 * width, 2 * width];
@@ -56,7 +56,7 @@ pub(crate) fn of_cube(texels: &[[f32; 3]], [width, height]: [usize; 2]) -> Resul
     Ok(((0..size[0] * size[1]).map(texel).collect(), size))
 }
 
-/// The face of a cube that a direction meets, and where: columns and rows from −1 to 1.
+/// Face of a cube that a direction meets, and the place on it: column and row from −1 to 1.
 fn place_on_cube(towards: DVec3) -> (usize, [f64; 2]) {
     let DVec3 { x, y, z } = towards;
     let most = towards.abs().max_element();
@@ -76,13 +76,13 @@ fn place_on_cube(towards: DVec3) -> (usize, [f64; 2]) {
 mod tests {
     use super::*;
 
-    /// Light of a direction: smooth, and another along each axis.
+    /// Radiance of a direction: smooth, and different along each axis.
     fn light(towards: DVec3) -> [f32; 3] {
         let d = towards.normalize();
         [2.0 + d.x, 2.0 + d.y, 2.0 + d.z].map(|value| value as f32)
     }
 
-    /// The direction of a place of a panorama with edges at 0 and 1, its middle along +z, as OpenEXR has it.
+    /// Direction of a place of a panorama with edges at 0 and 1, its middle along +z, as in OpenEXR.
     fn direction(u: f64, v: f64) -> DVec3 {
         let (latitude, longitude) = (PI * (0.5 - v), TAU * (0.5 - u));
         DVec3::new(longitude.sin() * latitude.cos(), latitude.sin(), longitude.cos() * latitude.cos())
@@ -112,7 +112,7 @@ mod tests {
         assert_eq!(of_latitude_longitude(&[[1.0; 3], [3.0; 3]], [2, 1]), (vec![[2.0; 3]], [1, 1]));
     }
 
-    /// Directions of the texels by the document's words: where x and y of a face lead, by hand.
+    /// Directions of the texels by OpenEXR's documentation: x and y axes of each face.
     #[test]
     fn faces_of_a_cube_become_a_panorama() {
         const SIDE: usize = 33;

@@ -1,7 +1,7 @@
-//! IES files ([LM63](photosite_core::references#lm63)): luminous intensities of a lamp as a goniophotometer measured
-//! them.
+//! IES files ([LM63](photosite_core::references#lm63)): luminous intensities of a luminaire as a goniophotometer
+//! measured them.
 //!
-//! In: the text of a file of any edition from 1986 on. Out: a [`Profile`] in candela, of photometric type C.
+//! Files of all editions from 1986 on become a [`Profile`] in candela, of photometric type C.
 
 use std::f32::consts::TAU;
 use std::path::Path;
@@ -24,7 +24,7 @@ pub fn parse_ies(bytes: &[u8], path: &Path) -> Result<Profile> {
     })
 }
 
-/// What is wrong, and the line that it is in; 0 for none.
+/// A fault, and its line; 0 for none.
 type Problem = (Invalid, usize);
 
 /// The numbers that follow the keywords, with their lines.
@@ -54,7 +54,7 @@ impl Numbers<'_> {
         Err((Invalid::new(what, format!("must be a whole number from 1 to {largest}, got {number}")), self.last_line))
     }
 
-    /// Angles in degrees that rise.
+    /// Reads rising angles in degrees.
     fn angles(&mut self, what: &str, count: usize) -> Result<Vec<f64>, Problem> {
         let mut angles: Vec<f64> = Vec::new();
         for _ in 0..count {
@@ -142,8 +142,7 @@ fn parse(text: &str) -> Result<Profile, Problem> {
     Ok(Profile::new(radians(vertical), horizontal, candela))
 }
 
-/// Horizontal angles from 0 to 360 degrees, and which of those of the file each stands for: files leave out what
-/// symmetry gives.
+/// Horizontal angles from 0 to 360 degrees, and the file's angle that each repeats: files omit those given by symmetry.
 fn all_around(angles: &[f64]) -> Result<(Vec<f64>, Vec<usize>), Invalid> {
     let mut rows: Vec<(f64, usize)> = angles.iter().copied().zip(0..).collect();
     let mirrored = |rows: &[(f64, usize)], about: f64| {
@@ -178,7 +177,7 @@ fn all_around(angles: &[f64]) -> Result<(Vec<f64>, Vec<usize>), Invalid> {
     Ok(rows.into_iter().unzip())
 }
 
-/// Whether the way from the last angle around to the first is no longer than the longest between two.
+/// Whether the step from the last angle around to the first is no longer than the longest between two.
 fn is_closed(angles: &[f64]) -> bool {
     let longest = angles.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
     360.0 - angles[angles.len() - 1] <= longest + 1e-6
@@ -190,7 +189,7 @@ mod tests {
 
     use super::*;
 
-    /// A lamp of I = 100·cos θ cd below the horizon, 314.16 lm, in 1° steps, the same all around or by quadrants.
+    /// A luminaire of I = 100·cos θ cd below the horizon, 314.16 lm, in 1° steps, the same all around or by quadrants.
     fn cosine(horizontal: &[u16]) -> String {
         let mut text = "IESNA:LM-63-2002\n[TEST] none\n[MANUFAC] nobody\nTILT=NONE\n".to_owned();
         text += &format!("1 314.16 2.0 91 {} 1 2 0 0 0\n1.0 1.0 10\n", horizontal.len());

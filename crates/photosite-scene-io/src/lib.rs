@@ -1,9 +1,10 @@
-//! Scene files: glTF, OBJ with MTL, PLY, STL, environment pictures and IES profiles become the descriptions of
+//! Scene files: glTF, OBJ with MTL, PLY, STL, environment maps and IES profiles become the descriptions of
 //! [`photosite_transport::scene`].
 
 #![forbid(unsafe_code)]
 
 mod assemble;
+mod bitmap_file;
 mod changed_meshes;
 mod complete;
 mod decoded;
@@ -15,22 +16,21 @@ mod ies;
 pub mod linear;
 mod mesh;
 pub mod obj;
-mod picture;
 pub mod ply;
 mod polygon;
 mod stand_in;
 pub mod stl;
 mod tangents;
 
+pub use bitmap_file::read_bitmap;
 pub use changed_meshes::{ChangedMeshes, MeshChange};
 pub use complete::complete;
 pub use decoded::{decode, dimensions};
 pub use environment::{EnvironmentFile, decode_environment, read_environment};
 pub use ies::{parse_ies, read_ies};
 pub use mesh::MissingNormals;
-pub use picture::read_picture;
 
-/// Tells the user of triangles that were left out.
+/// Message for the user on triangles that were left out.
 fn zero_area_message(count: usize) -> String {
     match count {
         1 => "1 triangle of zero area is left out".to_owned(),
@@ -61,7 +61,7 @@ mod tests {
         "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]}"#;
     const IES: &str = "IESNA:LM-63-2002\nTILT=NONE\n1 100 1 2 1 1 2 0 0 0\n1 1 10\n0 90\n0\n50 50\n";
 
-    /// A text in an encoding, with an end of lines.
+    /// Bytes of a text in an encoding, with line ends.
     fn encoded(text: &str, encoding: &str, end: &str) -> Vec<u8> {
         let text = text.replace('\n', end);
         let wide = |unit: fn(u16) -> [u8; 2]| text.encode_utf16().flat_map(unit).collect::<Vec<u8>>();

@@ -1,6 +1,9 @@
-//! What every mesh goes through, whatever file it came from: values are checked to be finite, triangles of zero area
-//! are dropped, and so are vertices that no triangle has; normals are made unit vectors.
+//! Checks of every mesh, whatever file it came from: values are finite, triangles of zero area and unused vertices are
+//! dropped, normals are made unit vectors.
 
+use photosite_core::keys::Keys;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec3, Vec4};
@@ -8,17 +11,19 @@ use glam::{DVec3, Vec3, Vec4};
 use photosite_core::Invalid;
 use photosite_transport::scene::description::{MeshDescription, ShapeDescription};
 
-/// What faces without normals get.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// Shading of faces without normals.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema, Keys)]
+#[serde(rename_all = "kebab-case")]
 pub enum MissingNormals {
-    /// Flat shading, except within the smoothing groups (`s`) of an OBJ file.
+    /// Flat shading.
+    // Except within the smoothing groups (`s`) of an OBJ file.
     #[default]
     Flat,
-    /// One normal per position, smooth over everything.
+    /// One normal per vertex, smooth over everything.
     Smooth,
 }
 
-/// What [`checked`] had to mend.
+/// Counts of what [`checked`] mended.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Mended {
     /// Triangles of zero area that were dropped.
@@ -27,8 +32,8 @@ pub(crate) struct Mended {
     pub(crate) normals: usize,
 }
 
-/// Checks a mesh and mends what real files get wrong harmlessly. Its lists must have equal lengths. An error's key is
-/// that of the attribute at fault, as glTF calls it.
+/// Checks a mesh and mends harmless faults of real files. Its lists must have equal lengths. An error's key is that of
+/// the attribute at fault, as glTF calls it.
 pub(crate) fn checked(mut mesh: MeshDescription) -> Result<(MeshDescription, Mended), Invalid> {
     let shapes = || mesh.later_shapes.iter();
     for positions in shapes().map(|s| &s.positions).chain([&mesh.positions]) {
@@ -70,15 +75,15 @@ fn all_finite<T: std::fmt::Display>(key: &str, values: &[T], is_finite: impl Fn(
     }
 }
 
-/// Twice the area times the normal. Computed in f64, where the differences of neighbouring f32 are exact and their
+/// Doubled area times the unit normal, computed in f64, where the differences of neighbouring f32 are exact and their
 /// products neither vanish nor overflow.
 pub(crate) fn area_vector(positions: &[Vec3], triangle: &[u32; 3]) -> DVec3 {
     let [a, b, c] = triangle.map(|corner| positions[corner as usize].as_dvec3());
     (b - a).cross(c - a)
 }
 
-/// Leaves only vertices that triangles have, in their order. Primitives of glTF may share one list of them, of which each
-/// uses a part; whatever measures a mesh by its vertices would take the others for a part of it.
+/// Drops vertices that no triangle uses, and keeps the order of the others. Primitives of glTF may share one list of
+/// vertices, of which each uses a part; bounds by vertices would include the others.
 fn drop_unused_vertices(mesh: &mut MeshDescription) {
     let mut is_used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|&corner| is_used[corner as usize] = true);
@@ -174,7 +179,7 @@ pub(crate) fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<
     sums.into_iter().map(|sum| sum.try_normalize().map_or(Vec3::Y, DVec3::as_vec3)).collect()
 }
 
-/// The same, smooth over positions that several vertices share, as those do where the UVs of a surface tear.
+/// Smooth normals over positions that several vertices share, as they do at the seams of a UV map.
 pub(crate) fn seamless_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut first: HashMap<[u32; 3], u32> = HashMap::new();
     let places: Vec<u32> = (0..).zip(positions).map(|(i, &p)| *first.entry(place(p)).or_insert(i)).collect();
@@ -183,12 +188,12 @@ pub(crate) fn seamless_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Ve
     places.iter().map(|&place| normals[place as usize]).collect()
 }
 
-/// Tells positions apart; 0 and −0 are the same.
+/// Hash key of a position; 0 and −0 are the same.
 pub(crate) fn place(position: Vec3) -> [u32; 3] {
     (position + Vec3::ZERO).to_array().map(f32::to_bits)
 }
 
-/// Gives every triangle corners of its own with the geometric normal, so that the mesh is flat-shaded with explicit
+/// Gives every triangle its own corners with the geometric normal, so that the mesh is flat-shaded with explicit
 /// normals.
 pub(crate) fn flatten(mesh: &MeshDescription) -> MeshDescription {
     let corners: Vec<usize> = mesh.triangles.iter().flatten().map(|&corner| corner as usize).collect();

@@ -1,14 +1,14 @@
-//! Cutting polygons into triangles, concave ones included.
+//! Triangulation of polygons, concave ones included.
 
 use glam::{DVec2, DVec3, Vec3};
 
-/// Most corners of a polygon. To cut a concave one takes time by their square, or their cube where it winds: seconds for
-/// so many.
+/// Largest number of corners of a polygon. Triangulating a concave one takes time by their square, or their cube where
+/// it winds: seconds for this number.
 pub(crate) const MOST_CORNERS: usize = 5_000;
 
 /// Calls `emit` with the positions, in `corners`, of each triangle's corners. Convex polygons become a fan around their
 /// first corner; concave ones are cut by clipping ears ([Meisters75](photosite_core::references#meisters75)). A polygon
-/// that crosses itself or has no area is fanned as well: then there is no right answer.
+/// that crosses itself or has no area is fanned as well, since it has no correct triangulation.
 pub(crate) fn triangulate(corners: &[Vec3], mut emit: impl FnMut([usize; 3])) {
     let n = corners.len();
     if n == 3 {
@@ -44,7 +44,8 @@ fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - b)
 }
 
-/// Whether the corner number `i` of those left can be cut off: it turns left, and no other corner lies in its triangle.
+/// Whether corner number `i` of the remaining ones can be cut off: it turns left, and no other corner lies in its
+/// triangle.
 fn is_ear(flat: &[DVec2], left: &[usize], i: usize) -> bool {
     let n = left.len();
     let (before, after) = ((i + n - 1) % n, (i + 1) % n);
@@ -72,7 +73,7 @@ mod tests {
         0.5 * turn(a, b, c)
     }
 
-    /// Shoelace formula.
+    /// Area by the shoelace formula.
     fn polygon_area(corners: &[[f32; 2]]) -> f64 {
         let n = corners.len();
         (0..n)

@@ -1,24 +1,24 @@
-//! Pictures of one texel, for textures that are missing or broken where that is allowed.
+//! Stand-in images of one texel, for textures that are missing or broken where that is allowed.
 //!
-//! Grey, not a colour that cries: pictures are made to be measured and learned from, and a warning says which texture it
-//! is. What is no colour gets the texel that leaves everything as it would be without a texture.
+//! Colours are grey, not a garish one: images are made to be measured and learned from, and a warning names the
+//! texture. Other textures get the texel that has no effect.
 
 use photosite_transport::texture::{Bitmap, Texels};
 
-/// What a texture holds.
+/// Content of a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Holds {
     /// Colours, sRGB-encoded.
     Colours,
     /// Factors.
     Factors,
-    /// Normals in the space of tangents.
+    /// Normals in tangent space.
     Normals,
-    /// Directions in the plane of tangents, in red and green, and a factor.
+    /// Directions in the tangent plane, in red and green, and a factor.
     Directions,
 }
 
-/// The picture that stands for one of that name.
+/// Stand-in image for an image of that name.
 pub(crate) fn stand_in(holds: Holds, name: String) -> Bitmap {
     let texel = match holds {
         Holds::Colours => [128, 128, 128, 255],
@@ -29,7 +29,7 @@ pub(crate) fn stand_in(holds: Holds, name: String) -> Bitmap {
     Bitmap { name, width: 1, height: 1, texels: Texels::Rgba8(vec![texel]) }
 }
 
-/// Says that a picture stands for one that cannot be had.
+/// Warning that an image stands in for one that is missing or broken.
 pub(crate) fn stands_in(problem: &str, holds: Holds) -> String {
     let what = match holds {
         Holds::Colours => "grey is used instead",

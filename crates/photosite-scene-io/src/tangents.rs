@@ -1,5 +1,6 @@
-//! Tangents where a normal map needs them and the file has none, by the algorithm that normal maps are baked for:
-//! MikkTSpace ([Mikkelsen08](photosite_core::references#mikkelsen08)), which glTF 2.0 (§3.7.2.1) names as the default.
+//! Generation of tangents where a normal map needs them and the file has none, by MikkTSpace
+//! ([Mikkelsen08](photosite_core::references#mikkelsen08)), which normal maps are baked for and glTF 2.0 (§3.7.2.1)
+//! names as the default.
 
 use std::collections::HashMap;
 
@@ -22,14 +23,14 @@ pub(crate) fn with_tangents(mesh: &MeshDescription, uv_set: usize, transform: &U
     split(mesh, &surface.corners)
 }
 
-/// A UV as far as directions go: rotated and scaled, but not moved.
+/// Direction of a UV: rotated and scaled, but not moved.
 fn turned(uv: Vec2, transform: &UvTransform) -> Vec2 {
     let (sin, cos) = transform.rotation_rad.sin_cos();
     let scaled = uv * transform.scale;
     Vec2::new(cos * scaled.x + sin * scaled.y, -sin * scaled.x + cos * scaled.y)
 }
 
-/// A mesh as MikkTSpace reads and writes it.
+/// A mesh in the interface of MikkTSpace.
 struct Surface<'a> {
     mesh: &'a MeshDescription,
     uvs: Vec<Vec2>,
@@ -110,11 +111,11 @@ fn split(mesh: &MeshDescription, corners: &[[Vec4; 3]]) -> MeshDescription {
     result
 }
 
-/// The tangent perpendicular to the normal; some perpendicular one where there is none.
+/// Tangent perpendicular to the normal; an arbitrary perpendicular one where there is none.
 fn orthonormal(tangent: Vec4, normal: Vec3) -> Vec4 {
     let t = tangent.truncate();
     let t = (t - normal * normal.dot(t)).try_normalize().unwrap_or_else(|| normal.any_orthonormal_vector());
-    // glTF's bitangent points up the picture while v grows downwards.
+    // glTF's bitangent points up the image while v grows downwards.
     t.extend(if tangent.w > 0.0 { -1.0 } else { 1.0 })
 }
 
@@ -122,7 +123,7 @@ fn orthonormal(tangent: Vec4, normal: Vec3) -> Vec4 {
 mod tests {
     use super::*;
 
-    /// A unit square in the xy plane facing +z, u to the right; v runs down as in a picture.
+    /// A unit square in the xy plane facing +z, u to the right; v runs down as in an image.
     fn square() -> MeshDescription {
         MeshDescription {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y],
@@ -134,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn an_upright_picture_has_its_tangent_to_the_right_and_its_bitangent_up() {
+    fn an_upright_image_has_its_tangent_to_the_right_and_its_bitangent_up() {
         let mesh = with_tangents(&square(), 0, &UvTransform::default());
         assert_eq!((mesh.positions.len(), mesh.triangles.len()), (4, 2));
         for (tangent, normal) in mesh.tangents.iter().zip(&mesh.normals) {
@@ -145,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mirrored_picture_is_left_handed_and_a_turned_one_turns_its_tangent() {
+    fn a_mirrored_image_is_left_handed_and_a_turned_one_turns_its_tangent() {
         let mut mirrored = square();
         mirrored.uvs[0].iter_mut().for_each(|uv| uv.x = 1.0 - uv.x);
         let mesh = with_tangents(&mirrored, 0, &UvTransform::default());

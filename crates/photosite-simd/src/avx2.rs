@@ -1,4 +1,4 @@
-//! Lanes in an AVX register, and the token without which there are none.
+//! Lanes in an AVX register, and the token that proves AVX2.
 
 #![allow(unsafe_code, reason = "intrinsics; the types keep them from processors without AVX2")]
 
@@ -11,20 +11,21 @@ use crate::{IdLanes, LANES, LaneMask, Lanes, MAX_LANES, Real, Simd, WideLanes, W
 #[derive(Clone, Copy, Debug)]
 pub struct Avx2(());
 
-/// Eight numbers in an AVX register. Made from an [`Avx2`] or from other lanes only.
+/// Eight numbers in an AVX register. They are made from an [`Avx2`] or from other lanes only.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx2Lanes(__m256);
 
-/// The results of a comparison, all bits of a lane set or none. Made from [`Avx2Lanes`] or from other masks only.
+/// The results of a comparison, all bits of a lane set or none. They are made from [`Avx2Lanes`] or from other masks
+/// only.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx2Mask(__m256);
 
-/// Eight ids in an AVX register. Made from an [`Avx2`] or from other ids only.
+/// Eight ids in an AVX register. They are made from an [`Avx2`] or from other ids only.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx2Ids(__m256i);
 
 impl Avx2 {
-    /// Asks the processor.
+    /// Token, if the processor has AVX2.
     #[inline(always)]
     pub fn detect() -> Option<Self> {
         is_x86_feature_detected!("avx2").then_some(Self(()))
@@ -86,19 +87,20 @@ impl Simd for Avx2 {
     }
 }
 
-/// Operators of two operands, an intrinsic each.
+/// Operators of two operands, an intrinsic each, of lanes and masks of this file and of the one of AVX-512.
 macro_rules! operators {
     ($($kind:ident: $($trait:ident $method:ident = $intrinsic:ident),+;)+) => { $($(
         impl $trait for $kind {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                // SAFETY: lanes and masks exist only where AVX2 does.
+                // SAFETY: lanes and masks exist only where their instructions do.
                 Self(unsafe { $intrinsic(self.0, other.0) })
             }
         }
     )+)+ };
 }
+pub(crate) use operators;
 
 operators! {
     Avx2Lanes: Add add = _mm256_add_ps, Sub sub = _mm256_sub_ps, Mul mul = _mm256_mul_ps, Div div = _mm256_div_ps;

@@ -1,32 +1,32 @@
-//! Sixteen lanes in an AVX-512 register, and the token without which there are none. Work on eight lanes stays with
-//! AVX2: the masks and registers of AVX-512 made it up to 6 % slower (whole renders on an AMD EPYC, one thread).
+//! Sixteen lanes in an AVX-512 register, and the token that proves AVX-512. Work on eight lanes stays with AVX2: the
+//! masks and registers of AVX-512 made it up to 6 % slower (whole renders on an AMD EPYC, one thread).
 
 #![allow(unsafe_code, reason = "intrinsics; the types keep them from processors without AVX-512")]
 
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use crate::avx2::{Avx2, Avx2Lanes};
+use crate::avx2::{Avx2, Avx2Lanes, operators};
 use crate::{IdLanes, LANES, LaneMask, MAX_LANES, Real, Simd, WideLanes, WithSimd};
 
 /// Evidence that the processor has AVX-512 (its foundation, `avx512f`) and AVX2.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx512(Avx2);
 
-/// Sixteen numbers in an AVX-512 register. Made from an [`Avx512`] or from other lanes only.
+/// Sixteen numbers in an AVX-512 register. They are made from an [`Avx512`] or from other lanes only.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx512Lanes(__m512);
 
-/// The results of a comparison, a bit for each lane. Made from [`Avx512Lanes`] or from other masks only.
+/// The results of a comparison, a bit for each lane. They are made from [`Avx512Lanes`] or from other masks only.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx512Mask(__mmask16);
 
-/// Sixteen ids in an AVX-512 register. Made from an [`Avx512`] or from other ids only.
+/// Sixteen ids in an AVX-512 register. They are made from an [`Avx512`] or from other ids only.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx512Ids(__m512i);
 
 impl Avx512 {
-    /// Asks the processor.
+    /// Token, if the processor has AVX-512.
     #[inline(always)]
     pub fn detect() -> Option<Self> {
         if is_x86_feature_detected!("avx512f") { Avx2::detect().map(Self) } else { None }
@@ -82,20 +82,6 @@ impl Simd for Avx512 {
     }
 }
 
-/// Operators of two operands, an intrinsic each.
-macro_rules! operators {
-    ($($kind:ident: $($trait:ident $method:ident = $intrinsic:ident),+;)+) => { $($(
-        impl $trait for $kind {
-            type Output = Self;
-            #[inline(always)]
-            fn $method(self, other: Self) -> Self {
-                // SAFETY: lanes and masks exist only where AVX-512 does.
-                Self(unsafe { $intrinsic(self.0, other.0) })
-            }
-        }
-    )+)+ };
-}
-
 operators! {
     Avx512Lanes: Add add = _mm512_add_ps, Sub sub = _mm512_sub_ps, Mul mul = _mm512_mul_ps, Div div = _mm512_div_ps;
     Avx512Mask: BitAnd bitand = _kand_mask16, BitOr bitor = _kor_mask16;
@@ -148,7 +134,7 @@ impl Real for Avx512Lanes {
     }
     #[inline(always)]
     fn copysign(self, sign: Self) -> Self {
-        /// Bits of the second operand where the first has ones, and of the third elsewhere.
+        /// Truth table that takes bits of the second operand where the first has ones, and of the third elsewhere.
         const CHOOSE: i32 = 0xca;
         // SAFETY: lanes exist only where AVX-512 does.
         Self(unsafe {

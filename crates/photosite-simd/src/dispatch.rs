@@ -1,15 +1,20 @@
 //! The choice of instructions at run time.
 
-use crate::{Portable, WithSimd};
+#[cfg(target_arch = "aarch64")]
+use crate::Neon as Baseline;
+#[cfg(not(target_arch = "aarch64"))]
+use crate::Portable as Baseline;
+use crate::WithSimd;
 
-/// Runs an operation on eight lanes with the best instructions that this processor has for so many.
+/// Runs an operation on eight lanes with the best instructions that this processor has for eight lanes.
 #[inline]
 pub fn dispatch<O: WithSimd>(operation: O) -> O::Output {
     #[cfg(target_arch = "x86_64")]
     if let Some(avx2) = crate::Avx2::detect() {
         return avx2.run(operation);
     }
-    operation.with_simd(Portable)
+    // Instructions that every processor of the architecture has
+    operation.with_simd(Baseline)
 }
 
 /// Runs an operation on [wide lanes](crate::Simd::Wide) with the widest instructions that this processor has.
@@ -25,9 +30,9 @@ pub fn dispatch_wide<O: WithSimd>(operation: O) -> O::Output {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{IdLanes, LaneMask, Lanes, MAX_LANES, Real, Simd, WideLanes};
+    use crate::{IdLanes, LaneMask, Lanes, MAX_LANES, Portable, Real, Simd, WideLanes};
 
-    /// Every operation on the given lanes, as bits.
+    /// Results of every operation on the given lanes, as bits.
     struct EveryOperation<'a>(&'a [f32; 8], &'a [f32; 8]);
 
     impl WithSimd for EveryOperation<'_> {
@@ -44,6 +49,8 @@ mod tests {
                 [x + y, x - y, x * y, x / y, x.min(y), x.max(y)],
                 [simd.broadcast(a[0]), reordered, -x, x.abs(), x.sqrt(), x.copysign(y)],
                 [Real::select(both, x, y), Real::select(either, x, y), x.broadcast(b[1]), x, y, -y],
+                // What rounds once if the compiler makes one instruction of two
+                [x * y + x, x * y - x, x - x * y, -(x * y) - y, x * x + y * y, (x - y) * (x + y)],
             ];
             // The sign of a NaN is nobody's promise.
             let canonical = |x: f32| if x.is_nan() { u32::MAX } else { x.to_bits() };
@@ -65,7 +72,31 @@ mod tests {
         }
     }
 
-    /// Every operation on wide lanes, for 64 pairs of numbers, as bits.
+    /// Numbers that look random: half of them have any bits, the others lie between 1 and 2, so that sums and products
+    /// of them are rounded.
+    fn numbers<const N: usize>(series: u32) -> [f32; N] {
+        std::array::from_fn(|i| {
+            let mixed = (series * N as u32 + i as u32).wrapping_mul(0x9e37_79b9);
+            let mixed = (mixed ^ mixed >> 16).wrapping_mul(0x85eb_ca6b);
+            let bits = mixed ^ mixed >> 13;
+            f32::from_bits(if series.is_multiple_of(2) { bits } else { bits >> 9 | 1.0_f32.to_bits() })
+        })
+    }
+
+    #[test]
+    fn results_are_those_of_every_other_machine() {
+        let mut sum = 0_u64;
+        for series in 0..2000 {
+            let (a, b) = (numbers(series), numbers(series + 2000));
+            let results = dispatch(EveryOperation(&a, &b));
+            assert_eq!(results, EveryOperation(&a, &b).with_simd(Portable), "{a:?}, {b:?}");
+            sum = results.into_iter().fold(sum, |sum, bits| (sum ^ u64::from(bits)).wrapping_mul(0x0100_0000_01b3));
+        }
+        // As found with AVX2
+        assert_eq!(sum, 6_212_606_975_434_945_944);
+    }
+
+    /// Results of every operation on wide lanes, for 64 pairs of numbers, as bits.
     struct EveryWideOperation<'a>(&'a [[f32; 2]; 64]);
 
     impl WithSimd for EveryWideOperation<'_> {
@@ -82,13 +113,15 @@ mod tests {
                 let (x, y) = (simd.load_wide(&a), simd.load_wide(&b));
                 let both = x.lt(y) & !y.le(simd.broadcast_wide(3.0)) | y.lt(x);
                 let chosen = Real::select(both, x, y);
-                let results =
-                    [x + y, x - y, x * y, x / y, x.min(y), x.max(y), -x, x.abs(), x.sqrt(), x.copysign(y), chosen];
-                let results = results.map(WideLanes::store_wide);
+                let results = [
+                    [x + y, x - y, x * y, x / y, x.min(y), x.max(y), -x],
+                    [x.abs(), x.sqrt(), x.copysign(y), chosen, x * y + x, x * y - x, x - x * y],
+                ];
+                let results = results.map(|row| row.map(WideLanes::store_wide));
                 let ids = IdLanes::select(both, simd.broadcast_id(7), simd.broadcast_id(u32::MAX)).store_wide();
                 for lane in 0..pairs.len() {
                     let canonical = |x: f32| if x.is_nan() { u32::MAX } else { x.to_bits() };
-                    bits.extend(results.map(|lanes| canonical(lanes[lane])));
+                    bits.extend(results.as_flattened().iter().map(|lanes| canonical(lanes[lane])));
                     bits.extend([both.bits() >> lane & 1, ids[lane]]);
                 }
             }
@@ -99,10 +132,13 @@ mod tests {
     #[test]
     fn wide_lanes_agree_with_eight_bit_by_bit() {
         let strange = [1.0, -2.5, 0.0, -0.0, f32::INFINITY, 1e-40, 3.0, f32::NAN];
-        let pairs = std::array::from_fn(|i| [strange[i / 8], strange[i % 8]]);
-        let portable = EveryWideOperation(&pairs).with_simd(Portable);
-        assert_eq!(dispatch_wide(EveryWideOperation(&pairs)), portable);
-        assert_eq!(dispatch(EveryWideOperation(&pairs)), portable);
+        let strange = std::array::from_fn(|i| [strange[i / 8], strange[i % 8]]);
+        let random = |series| std::array::from_fn(|i| [numbers::<64>(series)[i], numbers::<64>(series + 2)[i]]);
+        for pairs in [strange, random(0), random(1)] {
+            let portable = EveryWideOperation(&pairs).with_simd(Portable);
+            assert_eq!(dispatch_wide(EveryWideOperation(&pairs)), portable);
+            assert_eq!(dispatch(EveryWideOperation(&pairs)), portable);
+        }
     }
 
     #[test]

@@ -1,34 +1,32 @@
-//! A heap that ends the program with a plain message where there is no more memory.
+//! Heap allocator that ends the program with a plain message when memory runs out.
 //!
-//! The standard library's answer to a failed allocation may ask for memory itself: with `RUST_BACKTRACE=1` it collects a
-//! backtrace while it holds a lock, and where that fails, too, the program waits for itself for ever. This heap says what
-//! it has to say from the stack, and ends the program at once. A program, or a module of Python, chooses it by
+//! The standard library's answer to a failed allocation may ask for memory itself: with `RUST_BACKTRACE=1` it collects
+//! a backtrace while it holds a lock, and where that fails, too, the program waits for itself for ever. This heap
+//! writes its message from the stack, and ends the program at once. A program, or a module of Python, chooses it by
 //! `#[global_allocator]`; libraries do not.
 
 #![allow(unsafe_code, reason = "an allocator is unsafe by its trait; this one hands all work to the system's")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::io::Write;
 use std::sync::OnceLock;
 
 /// The status of a program that ran out of memory, as of other failures.
 #[cfg(unix)]
 const FAILED: i32 = 1;
-/// Digits of the largest size.
-const DIGITS: usize = 20;
-
-/// What is written before and after the number of bytes that there are not.
+/// Message before and after the number of bytes that cannot be allocated.
 static MESSAGE: OnceLock<[&'static str; 2]> = OnceLock::new();
 const PLAIN: [&str; 2] =
     ["error: out of memory: ", " bytes could not be allocated; lower the resolution, or free some memory\n"];
 
-/// The system's heap, which ends the program on standard error with status 1 where memory ends.
+/// The system's heap, which ends the program on standard error with status 1 when memory runs out.
 ///
-/// Nothing is put away then: what lies around is swept by the next run, as after SIGKILL. Allocations that their callers
-/// can do without (`try_reserve`) end the program, too; who expects one to fail looks at what there is beforehand.
+/// There is no cleanup then: leftovers are removed by the next run, as after SIGKILL. Allocations that may fail
+/// (`try_reserve`) end the program, too; callers that expect a failure check the available memory beforehand.
 pub struct Heap;
 
 impl Heap {
-    /// What is written before and after the number of bytes, in place of a line of text. The first call counts.
+    /// Sets the message before and after the number of bytes. The first call counts.
     pub fn set_message(before: &'static str, after: &'static str) {
         let _ = MESSAGE.set([before, after]);
     }
@@ -75,51 +73,24 @@ fn or_end(block: *mut u8, size: usize) -> *mut u8 {
 #[inline(never)]
 fn end(size: usize) -> ! {
     let [before, after] = MESSAGE.get().copied().unwrap_or(PLAIN);
-    let mut digits = [0; DIGITS];
-    for text in [before.as_bytes(), decimal(size, &mut digits), after.as_bytes()] {
-        write(text);
-    }
+    let mut text = [0; 256];
+    let mut rest = &mut text[..];
+    let _ = write!(rest, "{before}{size}{after}");
+    let free = rest.len();
     #[cfg(unix)]
-    // SAFETY: it returns to nobody. Exit handlers are not run: they may ask for memory.
+    // SAFETY: the bytes are there, and only read; nothing depends on a reader. Nothing returns, and exit handlers,
+    // which may ask for memory, are not run.
     unsafe {
+        libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len() - free);
         libc::_exit(FAILED)
     }
     #[cfg(not(unix))]
     std::process::abort()
 }
 
-#[cfg(unix)]
-fn write(text: &[u8]) {
-    // SAFETY: the bytes are there, and only read. Nobody may be listening; nothing depends on it.
-    let _ = unsafe { libc::write(libc::STDERR_FILENO, text.as_ptr().cast(), text.len()) };
-}
-
-#[cfg(not(unix))]
-fn write(_: &[u8]) {}
-
-/// A number in decimal digits.
-fn decimal(mut number: usize, digits: &mut [u8; DIGITS]) -> &[u8] {
-    let mut first = DIGITS;
-    loop {
-        first -= 1;
-        digits[first] = b'0' + (number % 10) as u8;
-        number /= 10;
-        if number == 0 {
-            return &digits[first..];
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sizes_are_written_in_full() {
-        for number in [0, 7, 10, 448_000_000, usize::MAX] {
-            assert_eq!(decimal(number, &mut [0; DIGITS]), number.to_string().as_bytes());
-        }
-    }
 
     #[test]
     fn blocks_keep_what_is_in_them() {
@@ -131,9 +102,6 @@ mod tests {
             let block = Heap.realloc(block, layout, 5000);
             assert_eq!([block.read(), block.add(99).read()], [0, 7]);
             Heap.dealloc(block, Layout::array::<u8>(5000).expect("a layout"));
-            let block = Heap.alloc(layout);
-            block.write(1);
-            Heap.dealloc(block, layout);
         }
     }
 }

@@ -1,38 +1,38 @@
-//! Numbers side by side: what makes them, what they do beside arithmetic, and vectors of them in memory.
+//! Numbers side by side: their construction, operations beside arithmetic, and vectors of them in memory.
 
 use glam::Vec3;
 
 use crate::{Real, Vector};
 
-/// Numbers in [`Lanes`].
+/// Number of lanes in [`Lanes`].
 pub const LANES: usize = 8;
 
-/// Numbers in the widest [`WideLanes`].
+/// Largest number of lanes in [`WideLanes`].
 pub const MAX_LANES: usize = 16;
 
 /// Evidence that the processor has certain instructions, and so the source of lanes that use them.
 ///
-/// Implemented by zero-sized tokens: [`Portable`](crate::Portable), which anyone may make, and `Avx2` and `Avx512`,
-/// which only a check of the processor gives out.
+/// The trait is implemented by zero-sized tokens: [`Portable`](crate::Portable) and, on AArch64, `Neon`, which anyone
+/// may make, and `Avx2` and `Avx512`, which only a check of the processor gives out.
 pub trait Simd: Copy {
-    /// Eight numbers.
+    /// Type of eight numbers in lanes.
     type Lanes: Lanes;
-    /// As many numbers as a register has room for.
+    /// Type of as many numbers as the widest register holds, eight at least.
     type Wide: WideLanes;
 
-    /// `value` in all lanes.
+    /// Lanes that all hold `value`.
     fn broadcast(self, value: f32) -> Self::Lanes;
-    /// A number of the array in each lane.
+    /// Lanes with the numbers of an array.
     fn load(self, values: &[f32; LANES]) -> Self::Lanes;
     /// Indices for [`Lanes::permute`], each below [`LANES`].
     fn indices(self, indices: &[u8; LANES]) -> <Self::Lanes as Lanes>::Indices;
-    /// Bit `i` is set where id `i` is this one.
+    /// Bits of the lanes whose id equals `id`: bit `i` for id `i`.
     fn find(self, ids: &[u32; LANES], id: u32) -> u32;
-    /// `value` in all wide lanes.
+    /// Wide lanes that all hold `value`.
     fn broadcast_wide(self, value: f32) -> Self::Wide;
     /// The first [`WideLanes::COUNT`] numbers of the array.
     fn load_wide(self, values: &[f32; MAX_LANES]) -> Self::Wide;
-    /// `id` in all wide lanes.
+    /// Wide lanes that all hold `id`.
     fn broadcast_id(self, id: u32) -> <Self::Wide as WideLanes>::Ids;
 }
 
@@ -41,35 +41,35 @@ pub trait Lanes: Real<Mask: LaneMask> {
     /// An index of a lane in each lane.
     type Indices: Copy;
 
-    /// Lane `i` of the result is lane `indices[i]` of `self`.
+    /// Permutation: lane `i` of the result is lane `indices[i]` of `self`.
     #[must_use]
     fn permute(self, indices: Self::Indices) -> Self;
-    /// The numbers, from the first lane to the last.
+    /// Array of the numbers, from the first lane to the last.
     fn store(self) -> [f32; LANES];
 }
 
-/// As many `f32` as a register has room for, for work that takes rays in groups of any size.
+/// Lanes of `f32` that fill a register, for work that takes rays in groups of any size.
 pub trait WideLanes: Real<Mask: LaneMask> {
     /// Number of lanes, at most [`MAX_LANES`].
     const COUNT: usize;
-    /// An id in each of as many lanes.
+    /// Type of an id in each lane.
     type Ids: IdLanes<Self::Mask>;
 
-    /// The numbers, and then zeros.
+    /// Array of the numbers, followed by zeros.
     fn store_wide(self) -> [f32; MAX_LANES];
 }
 
-/// A `u32` in each of the lanes that have a mask `M`: which primitive a lane's number belongs to.
+/// A `u32` in each of the lanes that have a mask `M`, such as the primitive that a lane's number belongs to.
 pub trait IdLanes<M>: Copy {
-    /// `yes` where the mask is set, `no` elsewhere.
+    /// Selection of `yes` where the mask is set, and of `no` elsewhere.
     fn select(mask: M, yes: Self, no: Self) -> Self;
-    /// The ids, and then zeros.
+    /// Array of the ids, followed by zeros.
     fn store_wide(self) -> [u32; MAX_LANES];
 }
 
 /// The result of a comparison in each lane.
 pub trait LaneMask {
-    /// Bit `i` is set where the comparison holds in lane `i`.
+    /// Bits of the mask: bit `i` is set where the comparison holds in lane `i`.
     fn bits(self) -> u32;
 }
 
@@ -90,13 +90,13 @@ impl Vectors {
         Vec3::new(self.0[0][lane], self.0[1][lane], self.0[2][lane])
     }
 
-    /// All eight, in lanes.
+    /// Vectors of all eight lanes.
     #[inline(always)]
     pub fn load<S: Simd>(&self, simd: S) -> Vector<S::Lanes> {
         Vector::new(simd.load(&self.0[0]), simd.load(&self.0[1]), simd.load(&self.0[2]))
     }
 
-    /// From lanes.
+    /// Vectors in memory from lanes.
     #[inline(always)]
     pub fn store<L: Lanes>(v: Vector<L>) -> Self {
         Self([v.x.store(), v.y.store(), v.z.store()])

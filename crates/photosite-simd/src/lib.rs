@@ -24,9 +24,10 @@
 //!
 //! # Why this is sound
 //!
-//! A token of wide instructions, [`Avx2`] or [`Avx512`], is made by its `detect` alone, which asks the processor. Lanes
-//! are made from a token or from other lanes. So no such instruction runs on a processor without it, whatever safe code
-//! does. All `unsafe` code of photosite is in this crate.
+//! A token of wide instructions, `Avx2` or `Avx512`, is made by its `detect` alone, which asks the processor. Lanes are
+//! made from a token or from other lanes. So no such instruction runs on a processor without it, whatever safe code
+//! does. Every processor of AArch64 has NEON: anyone may make the token `Neon`, as [`Portable`]. All `unsafe` code of
+//! photosite is in this crate.
 //!
 //! # Why results do not depend on the machine
 //!
@@ -41,6 +42,8 @@ mod dispatch;
 mod heap;
 mod lanes;
 mod memory;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 mod operation;
 mod portable;
 mod real;
@@ -53,6 +56,8 @@ pub use dispatch::{dispatch, dispatch_wide};
 pub use heap::Heap;
 pub use lanes::{IdLanes, LANES, LaneMask, Lanes, MAX_LANES, Simd, Vectors, WideLanes};
 pub use memory::{compact, prefer_huge_pages, prefetch};
+#[cfg(target_arch = "aarch64")]
+pub use neon::{Neon, NeonLanes, NeonMask};
 pub use operation::WithSimd;
 pub use portable::{Portable, PortableLanes, PortableMask};
 pub use real::{Real, Vector};

@@ -1,21 +1,25 @@
-//! Advice to the memory: what will be read soon, and which pages are to be large.
+//! Hints to the memory system: values that will be read soon, and large pages.
 
 #![allow(unsafe_code, reason = "an instruction and a call of the system that change no value")]
 
 /// Asks the processor to bring a value into its caches, because it will be read soon.
 #[inline(always)]
 pub fn prefetch<T>(value: &T) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-
-        let start = std::ptr::from_ref(value).cast::<i8>();
-        for offset in (0..size_of::<T>()).step_by(64) {
-            // SAFETY: the instruction is a hint; it reads nothing that the program could observe, at whatever address.
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
+    #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
+    for offset in (0..size_of::<T>()).step_by(64) {
+        let address = std::ptr::from_ref(value).cast::<i8>().wrapping_add(offset);
+        // SAFETY: the instruction is a hint; it reads nothing that the program could observe, at whatever address.
+        #[cfg(target_arch = "x86_64")]
+        unsafe {
+            std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(address);
+        }
+        // SAFETY: the same.
+        #[cfg(target_arch = "aarch64")]
+        unsafe {
+            std::arch::asm!("prfm pldl1keep, [{}]", in(reg) address.addr(), options(nomem, nostack, preserves_flags));
         }
     }
-    #[cfg(not(target_arch = "x86_64"))]
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     let _ = value;
 }
 
@@ -38,7 +42,7 @@ pub fn prefer_huge_pages<T>(values: &Vec<T>) {
     let _ = values;
 }
 
-/// A copy without spare capacity, in [large pages](prefer_huge_pages).
+/// Copy without spare capacity, in [large pages](prefer_huge_pages).
 pub fn compact<T: Copy>(values: &[T]) -> Vec<T> {
     let mut all = Vec::with_capacity(values.len());
     prefer_huge_pages(&all);

@@ -15,8 +15,8 @@ pub trait Real:
     /// The result of a comparison, in each lane.
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask> + Not<Output = Self::Mask>;
 
-    /// `value` in as many lanes as `self` has: constants of a formula. Existing lanes are the evidence that there are
-    /// such.
+    /// Constant `value` in as many lanes as `self` has; existing lanes are the evidence that the processor supports
+    /// them.
     #[must_use]
     fn broadcast(self, value: f32) -> Self;
     /// Square root.
@@ -28,17 +28,17 @@ pub trait Real:
     /// The magnitude with the sign of another number.
     #[must_use]
     fn copysign(self, sign: Self) -> Self;
-    /// The smaller of the two; `other` where either is NaN.
+    /// Minimum of two numbers; `other` where either is NaN.
     #[must_use]
     fn min(self, other: Self) -> Self;
-    /// The larger of the two; `other` where either is NaN.
+    /// Maximum of two numbers; `other` where either is NaN.
     #[must_use]
     fn max(self, other: Self) -> Self;
-    /// Where `self` < `other`; not where either is NaN.
+    /// Comparison `self` < `other`; false where either is NaN.
     fn lt(self, other: Self) -> Self::Mask;
-    /// Where `self` ≤ `other`; not where either is NaN.
+    /// Comparison `self` ≤ `other`; false where either is NaN.
     fn le(self, other: Self) -> Self::Mask;
-    /// `yes` where the mask is set, `no` elsewhere.
+    /// Selection of `yes` where the mask is set, and of `no` elsewhere.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 }
 
@@ -95,13 +95,13 @@ pub struct Vector<R> {
 }
 
 impl<R: Real> Vector<R> {
-    /// From its components.
+    /// Vector of three components.
     #[inline(always)]
     pub fn new(x: R, y: R, z: R) -> Self {
         Self { x, y, z }
     }
 
-    /// `v` in as many lanes as `self` has.
+    /// Constant vector `v` in as many lanes as `self` has.
     #[inline(always)]
     #[must_use]
     pub fn broadcast(self, v: Vec3) -> Self {
@@ -125,14 +125,14 @@ impl<R: Real> Vector<R> {
         )
     }
 
-    /// The magnitudes of its components.
+    /// Magnitudes of the components.
     #[inline(always)]
     #[must_use]
     pub fn abs(self) -> Self {
         Self::new(self.x.abs(), self.y.abs(), self.z.abs())
     }
 
-    /// The same with length 1, and another vector where it has no length.
+    /// Vector of the same direction with length 1, or `other` where the length is 0 or infinite.
     #[inline(always)]
     #[must_use]
     pub fn normalize_or(self, other: Self) -> Self {
@@ -142,14 +142,14 @@ impl<R: Real> Vector<R> {
         Self::select(has_length, self * inverse, other)
     }
 
-    /// Each component divided by a number.
+    /// Vector with each component divided by a number.
     #[inline(always)]
     #[must_use]
     pub fn over(self, divisor: R) -> Self {
         Self::new(self.x / divisor, self.y / divisor, self.z / divisor)
     }
 
-    /// `yes` where the mask is set, `no` elsewhere.
+    /// Selection of `yes` where the mask is set, and of `no` elsewhere.
     #[inline(always)]
     pub fn select(mask: R::Mask, yes: Self, no: Self) -> Self {
         Self::new(R::select(mask, yes.x, no.x), R::select(mask, yes.y, no.y), R::select(mask, yes.z, no.z))

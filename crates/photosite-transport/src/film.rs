@@ -1,12 +1,12 @@
-//! The film: what a picture accumulates while light is traced.
+//! Film: accumulated samples of an image while light is traced.
 //!
 //! In: spectral irradiance samples, W·m⁻²·nm⁻¹. Out: for each of a list of response functions R, the mean over the
 //! pixel and over the samples of ∫ R(λ)·E(λ) dλ, and the variance of that mean. With R a sensor's response
 //! (e⁻·s⁻¹ per W·m⁻²·nm⁻¹) that is an electron rate without any binning of wavelengths; with R = 1/Δλ on a band it is
 //! the mean spectral irradiance in the band. Pixels may hold different numbers of samples.
 //!
-//! A film holds 32 bytes for each channel of a pixel, so that one of a large picture with many bands does not fit into
-//! memory: it may be of a strip of the picture's rows.
+//! A film holds 32 bytes for each channel of a pixel, so that one of a large image with many bands does not fit into
+//! memory: it may be of a strip of the image's rows.
 
 mod landing;
 
@@ -25,9 +25,9 @@ pub use landing::{LandingRow, OneWavelength};
 pub struct Response {
     /// Name of the plane.
     pub name: String,
-    /// R(λ).
+    /// Response R(λ).
     pub spectrum: Spectrum,
-    /// Whether wavelengths are drawn for it only where the other responses of the picture leave room; see
+    /// Whether wavelengths are drawn for the response only where the other responses of the image leave room; see
     /// [`integrator`](crate::integrator).
     pub is_secondary: bool,
 }
@@ -40,7 +40,7 @@ impl Response {
 }
 
 /// The response that averages spectral irradiance over a band between whole or half nanometres, named by its centre
-/// (`"550"`). It is secondary: a picture does not get noisier because bands are stored beside it.
+/// (`"550"`). It is secondary: an image does not get noisier because bands are stored beside it.
 pub fn band_response([low_nm, high_nm]: [f64; 2]) -> Response {
     // A table is linear between whole nanometres: half a value on either edge gives it the weight of the band alone.
     let inside = |l: f64| {
@@ -61,12 +61,13 @@ pub fn band_response([low_nm, high_nm]: [f64; 2]) -> Response {
 #[derive(Clone, Debug)]
 pub struct FilmResponses {
     names: Vec<String>,
-    /// table[entry · groups + group], where each group is of four channels and the last is filled up with zeros.
+    /// Values of the responses, table[entry · groups + group], where each group is of four channels and the last is
+    /// filled up with zeros.
     table: Vec<Vec4>,
 }
 
 impl FilmResponses {
-    /// From at least one response.
+    /// Lays out at least one response.
     pub fn new(responses: &[Response]) -> Self {
         let group = |i: usize, four: &[Response]| {
             Vec4::from_array(std::array::from_fn(|k| four.get(k).map_or(0.0, |r| r.spectrum.values()[i])))
@@ -76,6 +77,11 @@ impl FilmResponses {
             names: responses.iter().map(|r| r.name.clone()).collect(),
             table: (0..TABLE_LEN).flat_map(entry).collect(),
         }
+    }
+
+    /// Names of the channels.
+    pub(crate) fn names(&self) -> &[String] {
+        &self.names
     }
 
     /// Number of channels.
@@ -91,6 +97,13 @@ impl FilmResponses {
     /// Number of groups of four channels.
     fn groups(&self) -> usize {
         self.len().div_ceil(4)
+    }
+
+    /// Values that one spectral sample gives to each channel.
+    pub(crate) fn values(&self, irradiance: SampledSpectrum, wavelengths: &Wavelengths) -> impl Iterator<Item = f32> {
+        let mut values = vec![Vec4::ZERO; self.groups()];
+        self.respond(irradiance, wavelengths, &mut values);
+        values.into_iter().flat_map(|four| four.to_array()).take(self.len())
     }
 
     /// Adds to `values`, one for each group, what one spectral sample gives to each channel: Σᵢ wᵢ·R(λᵢ)·E(λᵢ),
@@ -116,9 +129,9 @@ impl FilmResponses {
 /// magnitude, so that parts of a render that are added later give what one render gives.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sums {
-    /// Σ v.
+    /// Sum Σ v.
     pub sum: DoubleDouble,
-    /// Σ v².
+    /// Sum of squares Σ v².
     pub squares: DoubleDouble,
 }
 
@@ -132,77 +145,77 @@ impl Sums {
     }
 }
 
-/// Accumulated samples of a picture, or of some of its rows.
+/// Accumulated samples of an image, or of some of its rows.
 #[derive(Clone, Debug)]
 pub struct Film {
     width: usize,
-    /// Those of the picture that it holds.
+    /// Rows of the image that the film holds.
     rows: Range<usize>,
     responses: FilmResponses,
-    /// sums[(row · width + column) · channels + channel].
+    /// Sums of all pixels, sums[(row · width + column) · channels + channel].
     sums: Vec<Sums>,
     /// Samples of each pixel, row by row.
     counts: Vec<u32>,
 }
 
-/// Some rows of the film, owned by one thread while it adds samples.
+/// Band: some rows of the film, owned by one thread while it adds samples.
 pub struct FilmBand<'a> {
     responses: &'a FilmResponses,
     sums: &'a mut [Sums],
     counts: &'a mut [u32],
-    /// What the groups of channels get of each of several samples.
+    /// Results of the groups of channels for each of several samples.
     scratch: Vec<Vec4>,
 }
 
 impl Film {
-    /// An empty film of a whole picture.
+    /// An empty film of a whole image.
     pub fn new(width: usize, height: usize, responses: FilmResponses) -> Self {
         Self::of_rows(width, 0..height, responses)
     }
 
-    /// An empty film of some rows of a picture.
+    /// An empty film of some rows of an image.
     pub fn of_rows(width: usize, rows: Range<usize>, responses: FilmResponses) -> Self {
         let pixels = width * rows.len();
         let sums = vec![Sums::default(); pixels * responses.len()];
         Self { width, rows, responses, sums, counts: vec![0; pixels] }
     }
 
-    /// Memory for each pixel of a film of so many channels, bytes.
+    /// Memory for each pixel of a film of `channels` channels, bytes.
     pub fn bytes_per_pixel(channels: usize) -> usize {
         channels * size_of::<Sums>() + size_of::<u32>()
     }
 
-    /// Columns.
+    /// Number of columns.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows that it holds.
+    /// Number of rows that the film holds.
     pub fn height(&self) -> usize {
         self.rows.len()
     }
 
-    /// Which rows of the picture these are.
-    pub fn picture_rows(&self) -> Range<usize> {
+    /// Range of the rows of the image that the film holds.
+    pub fn image_rows(&self) -> Range<usize> {
         self.rows.clone()
     }
 
-    /// Samples that every pixel has received at least.
+    /// Number of samples that every pixel has received at least.
     pub fn samples(&self) -> u32 {
         self.counts.iter().copied().min().unwrap_or(0)
     }
 
-    /// Samples of each pixel, row by row.
+    /// Numbers of samples of each pixel, row by row.
     pub fn counts(&self) -> &[u32] {
         &self.counts
     }
 
-    /// Samples of all pixels.
+    /// Number of samples of all pixels together.
     pub fn total(&self) -> u64 {
         self.counts.iter().map(|&count| u64::from(count)).sum()
     }
 
-    /// Bands of so many rows, top first, to be filled side by side by several threads. The last may have fewer.
+    /// Bands of `rows` rows each, top first, to be filled side by side by several threads. The last may have fewer.
     pub fn bands(&mut self, rows: usize) -> Vec<FilmBand<'_>> {
         let (responses, pixels) = (&self.responses, rows * self.width);
         let sums = self.sums.chunks_mut(pixels * responses.len());
@@ -210,17 +223,17 @@ impl Film {
         sums.zip(self.counts.chunks_mut(pixels)).map(band).collect()
     }
 
-    /// What is summed, by name.
+    /// Names of the channels.
     pub fn channels(&self) -> &[String] {
         &self.responses.names
     }
 
-    /// All sums, row by row, in each pixel channel by channel.
+    /// Sums of all pixels, row by row, in each pixel channel by channel.
     pub fn sums(&self) -> &[Sums] {
         &self.sums
     }
 
-    /// Adds the sums of other samples, in the order of [`Self::sums`], and how many they are in each pixel.
+    /// Adds the sums of other samples, in the order of [`Self::sums`], and the number of samples in each pixel.
     pub fn add(&mut self, sums: impl IntoIterator<Item = Sums>, counts: impl IntoIterator<Item = u32>) {
         self.counts.iter_mut().zip(counts).for_each(|(here, there)| *here += there);
         for (here, there) in self.sums.iter_mut().zip(sums) {
@@ -229,7 +242,7 @@ impl Film {
         }
     }
 
-    /// Takes all samples away.
+    /// Removes all samples.
     pub fn clear(&mut self) {
         self.sums.fill(Sums::default());
         self.counts.fill(0);
@@ -256,7 +269,7 @@ impl Film {
         self.values(channel, pixels, |sums, n| sums.sum.high / n)
     }
 
-    /// Variances of these means.
+    /// Variances of the means of a channel in some pixels.
     pub fn variances(&self, channel: usize, pixels: Range<usize>) -> impl Iterator<Item = f32> {
         self.values(channel, pixels, Sums::variance_of_mean)
     }
@@ -275,12 +288,12 @@ impl Film {
 }
 
 impl FilmBand<'_> {
-    /// Number of its pixels. They are numbered row by row.
+    /// Number of pixels of the band. They are numbered row by row.
     pub fn pixels(&self) -> usize {
         self.counts.len()
     }
 
-    /// Samples that a pixel holds.
+    /// Number of samples that a pixel holds.
     pub fn samples(&self, pixel: usize) -> u32 {
         self.counts[pixel]
     }

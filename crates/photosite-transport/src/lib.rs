@@ -1,4 +1,4 @@
-//! Light transport: what happens to light between a source and the sensor's surface.
+//! Light transport: the paths of light from its sources to the sensor's surface.
 //!
 //! In: the description of a scene ([`scene::description::SceneDescription`]), a lens, the responses of a sensor. Out: a
 //! [`film::Film`] with the mean and the variance of each response in each pixel. Electrons, digital numbers and files

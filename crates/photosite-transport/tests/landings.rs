@@ -1,4 +1,4 @@
-//! Paths of four wavelengths that part in the lens, against paths of one: the same picture with less noise.
+//! Paths of four wavelengths that part in the lens, against paths of one: the same image with less noise.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -21,11 +21,11 @@ use photosite_transport::scene::{Scene, build};
 
 const GRID: PixelGrid = PixelGrid { resolution: [40, 28], pitch_m: [80e-6, 80e-6] };
 const D_NM: f64 = 587.5618;
-/// nm.
+/// Bands of wavelengths, nm.
 const BANDS: [[f64; 2]; 3] = [[420.0, 480.0], [520.0, 580.0], [620.0, 680.0]];
 
 /// A lens of one piece of heavy flint, 50 mm and f/5: between blue and red its focus moves by 3 mm, which is 8 pixels of
-/// blur, and its picture grows.
+/// blur, and its image grows.
 fn singlet() -> LensDescription {
     let sf11 = Glass {
         name: "SF11".to_owned(),
@@ -57,7 +57,7 @@ fn singlet() -> LensDescription {
     }
 }
 
-/// Bright squares before a dim sky, up to the edge of the picture.
+/// Bright squares before a dim sky, up to the edge of the image.
 fn scene() -> Scene {
     let flat = |value: f32| Colour::Spectrum(Spectrum::constant(value));
     let mut scene = SceneDescription {
@@ -141,6 +141,7 @@ fn with_job<T>(
         importance: None,
         resolution: GRID.resolution,
         settings,
+        device: None,
     };
     run(&job, FilmResponses::new(&responses))
 }
@@ -149,12 +150,13 @@ fn camera() -> Camera {
     Camera::new(&singlet(), &GRID, DAffine3::IDENTITY, f64::NAN).expect("a lens")
 }
 
-/// Where paths split and the scene disperses, they have the hero alone. Nothing in sight reflects, so that none splits.
+/// Settings with which paths carry the hero alone, since they split and the scene disperses. Nothing in sight reflects,
+/// so that none does split.
 fn hero_alone(settings: &RenderSettings) -> RenderSettings {
-    RenderSettings { splitting: 2, ..settings.clone() }
+    RenderSettings { splitting: Some(2), ..settings.clone() }
 }
 
-/// Pictures of which each row takes its own time while the camera flies by: from one to the next the scene moves on by
+/// Images of which each row takes its own time while the camera flies by: from one to the next the scene moves on by
 /// 1.2 pixels at 1 m, and light of one path lands in rows that lie up to 8 of them apart.
 fn moving(row_time_s: f64, exposure_s: f64) -> Camera {
     let velocity_m_per_s = DVec3::new(0.2, 0.05, 0.0);
@@ -170,7 +172,7 @@ fn moving(row_time_s: f64, exposure_s: f64) -> Camera {
 }
 
 #[test]
-fn four_landings_give_the_picture_of_the_hero_alone_with_less_noise() {
+fn four_landings_give_the_image_of_the_hero_alone_with_less_noise() {
     check_against_hero_alone(&camera(), 0.4);
 }
 
@@ -234,12 +236,12 @@ fn landings_do_not_depend_on_strips_parts_and_threads() {
     assert!(sum.sums() == whole.sums() && sum.counts() == whole.counts());
 }
 
-/// Where what follows lands wavelengths apart, shares paths or follows light from lamps, too.
+/// Coarse images of renders that land wavelengths apart, share paths or follow light from emitters.
 #[test]
-fn coarse_pictures_are_of_the_same_light_and_leave_none_of_it() {
+fn coarse_images_are_of_the_same_light_and_leave_none_of_it() {
     let scene = scene();
     let (camera, width) = (camera(), GRID.resolution[0] as usize);
-    for (reuse, light_paths) in [(1, 0.0), (4, 0.0), (1, 1.0)] {
+    for (reuse, light_paths) in [(1, None), (4, None), (1, Some(1.0))] {
         let of =
             |samples, seed| RenderSettings { reuse, light_paths, ..settings(samples, seed, SamplerKind::Independent) };
         let full = film(&scene, &camera, &of(256, 1), None);
@@ -271,7 +273,7 @@ fn coarse_pictures_are_of_the_same_light_and_leave_none_of_it() {
                 let (coarse, full) = (of(&coarse), of(&full));
                 let z = (coarse.0 - full.0) / (coarse.1 + full.1).sqrt();
                 // 60 of them in each case.
-                assert!(z.abs() < 4.5, "{reuse} {light_paths}, pixel {pixel}, channel {channel}: {z}");
+                assert!(z.abs() < 4.5, "{reuse} {light_paths:?}, pixel {pixel}, channel {channel}: {z}");
             }
         }
     }

@@ -1,4 +1,4 @@
-//! What an instance takes in memory: a scene of many is compared with one of few, by an allocator that counts.
+//! Memory that an instance takes: a scene of many is compared with one of few, by an allocator that counts.
 
 use std::alloc::System;
 use std::sync::Arc;
@@ -53,7 +53,7 @@ fn scene(count: usize) -> Scene {
     build(description, &Spectrum::constant(1.0))
 }
 
-/// What a scene takes once it is built.
+/// Memory that a scene takes once it is built, bytes.
 fn bytes(count: usize) -> usize {
     let before = ALLOCATOR.allocated();
     let scene = scene(count);

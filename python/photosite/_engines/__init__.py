@@ -1,6 +1,7 @@
-"""Data sets on many processes and machines.
+"""Data sets on several processes of this machine.
 
-The driver, which is the caller's process, plans tasks and gives them to an engine: processes of this machine, Ray or
-Dask. Workers make the pictures where the results go, a folder that all machines see or an object store, and answer with
-what failed; pictures never pass through the driver.
+`run.py` finds the frames that are missing and makes a plan of them: of frames (`plan.py`), or of samples
+(`sample_plan.py`), for which there are folders of parts (`parts.py`). The driver, which is the caller's process, gives
+the plan's tasks to workers and starts those anew that die (`driver.py`). Workers write images where they belong, and
+answer with what failed (`worker.py`). `task.py` has what passes between the two.
 """

@@ -7,11 +7,14 @@ from collections import Counter, deque
 from typing import Optional, Protocol
 
 from .._errors import Error
-from .pace import Pace
 from .task import Failure, Outcome, Task
 
-__all__ = ["FramePlan", "Plan", "Retries"]
+__all__ = ["FramePlan", "Pace", "Plan", "Retries"]
 
+#: Long against what a task costs, and short against what its loss would.
+TASK_S = 25.0
+#: Tasks that are remembered: later frames may take longer than the first.
+_REMEMBERED = 16
 #: Before the second try, s; doubled before each further one.
 _FIRST_PAUSE_S = 1.0
 
@@ -22,7 +25,7 @@ class Plan(Protocol):
     #: The frames that cannot be made, and why.
     failed: "dict[int, str]"
 
-    def next(self, slots: int, now: float) -> Optional[Task]:
+    def next(self, workers: int, now: float) -> Optional[Task]:
         """The next task for one of so many workers, or None as long as there is none."""
         ...
 
@@ -89,6 +92,28 @@ class Retries:
         heapq.heappush(self._waiting, (when, self._count, task))
 
 
+class Pace:
+    """Seconds that units of work take: frames, or samples of one."""
+
+    def __init__(self) -> None:
+        self._tasks: "deque[tuple[int, float]]" = deque(maxlen=_REMEMBERED)
+
+    def add(self, units: int, seconds: float) -> None:
+        """A task of so many units has taken so long."""
+        if units > 0:
+            self._tasks.append((units, seconds))
+
+    def units(self, left: int, workers: int, least: int = 1) -> int:
+        """Units for the next task, of those that are left for so many workers: few at first, as nothing is known, and at
+        last, so that all workers end together."""
+        if not self._tasks:
+            return min(least, left)
+        per_unit_s = sum(seconds for _, seconds in self._tasks) / sum(units for units, _ in self._tasks)
+        wanted = int(TASK_S / max(per_unit_s, 1e-6))
+        fair = -(-left // (2 * max(workers, 1)))
+        return min(max(min(wanted, fair), least), left)
+
+
 class FramePlan:
     """Tasks of whole frames."""
 
@@ -99,11 +124,11 @@ class FramePlan:
         self._retries = Retries(retries)
         self._pace = Pace()
 
-    def next(self, slots: int, now: float) -> Optional[Task]:
+    def next(self, workers: int, now: float) -> Optional[Task]:
         again = self._retries.next(now)
         if again is not None:
             return again
-        count = self._pace.units(len(self._fresh), slots)
+        count = self._pace.units(len(self._fresh), workers)
         return Task([self._fresh.popleft() for _ in range(count)]) if count else None
 
     def done(self, task: Task, outcome: Outcome, now: float) -> None:

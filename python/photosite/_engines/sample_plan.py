@@ -1,4 +1,4 @@
-"""What is left to do of pictures that are traced in parts, each some samples of every pixel."""
+"""What is left to do of images that are traced in parts, each some samples of every pixel."""
 
 from __future__ import annotations
 
@@ -6,13 +6,12 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Optional
 
-from .pace import Pace
-from .plan import Retries
+from .plan import Pace, Retries
 from .task import Outcome, Task
 
 __all__ = ["SamplePlan"]
 
-#: Parts of a picture, about: each takes as much disk as the film of the whole.
+#: Parts of an image, about: each takes as much disk as the film of the whole.
 _MOST_PARTS = 16
 
 
@@ -49,7 +48,7 @@ class SamplePlan:
         for number in frames:
             self._merge_if_whole(number)
 
-    def next(self, slots: int, now: float) -> Optional[Task]:
+    def next(self, workers: int, now: float) -> Optional[Task]:
         again = self._retries.next(now)
         if again is not None:
             return again
@@ -57,7 +56,7 @@ class SamplePlan:
             return self._merges.popleft()
         for frame in self._frames.values():
             if frame.begun or frame.gaps:
-                taken = frame.begun.popleft() if frame.begun else self._cut(frame, slots)
+                taken = frame.begun.popleft() if frame.begun else self._cut(frame, workers)
                 frame.under_way.add(taken)
                 return Task([frame.number], samples=list(taken))
         return None
@@ -94,14 +93,14 @@ class SamplePlan:
     def progress(self) -> "tuple[int, int]":
         return self._all - sum(map(self._left, self._frames.values())), self._all
 
-    def _cut(self, frame: _Frame, slots: int) -> "tuple[int, int]":
+    def _cut(self, frame: _Frame, workers: int) -> "tuple[int, int]":
         """Cuts the next range off the first gap."""
         first, end = frame.gaps.popleft()
         left = sum(end - first for frame in self._frames.values() for first, end in frame.gaps) + end - first
-        # Few pictures for many workers take more parts each.
-        parts = max(_MOST_PARTS, 2 * slots // len(self._frames))
+        # Few images for many workers take more parts each.
+        parts = max(_MOST_PARTS, 2 * workers // len(self._frames))
         least = -(-self._samples // parts)
-        cut = first + self._pace.units(left, slots, least)
+        cut = first + self._pace.units(left, workers, least)
         if cut + least > end:
             return first, end
         frame.gaps.appendleft((cut, end))

@@ -30,7 +30,7 @@ class Sample:
     Attributes:
         facts: camera, frame, ``time_s``, ``stamp_ns``, pose, camera matrix and lens, as the program reads them from
             ``capture.json``: of the middle of the exposure, on the pixels of the image.
-        picture: its folder.
+        image: its folder.
     """
 
     facts: "dict[str, Any]"

@@ -6,7 +6,7 @@ use std::path::Path;
 pub(super) struct Case {
     /// The kind of difference; empty where the export is refused whatever is allowed.
     pub(super) kind: &'static str,
-    /// What the message names.
+    /// Words that the message names.
     pub(super) names: &'static str,
     /// The geometry: `triangle.obj`, or a file of `tests/gltf`.
     pub(super) file: &'static str,
@@ -46,7 +46,7 @@ const OTHERS: [(&str, &str); 4] = [
     ("hole.obj", "mtllib hole.mtl\nusemtl hole\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n"),
     ("hole.mtl", "newmtl hole\nd 0.5\n"),
 ];
-const PICTURES: [&str; 5] = [
+const IMAGES: [&str; 5] = [
     "mitsuba/geometry/colours.png",
     "mitsuba/geometry/bumps.png",
     "mitsuba/geometry/venice.hdr",
@@ -98,8 +98,12 @@ pub(super) const CASES: &[Case] = &[
     ),
     case("Stops", "[lens]", &[("[lens]", "[lens]\nstops = [{ distance_mm = 10, radius_mm = 5.0 }]")]),
     case("MaxAngle", "[lens]", &[("[lens]", "[lens]\nmax_angle_deg = 40")]),
-    case("HexagonalCells", "[sensor]", &[("[sensor]", "[sensor]\ncells = \"hexagonal\"\npixel_pitch_um = [4, 3.464]")]),
-    case("ImageCircle", "[sensor]", &[("[sensor]", "[sensor]\nimage_circle_mm = 0.04")]),
+    case(
+        "Sensor",
+        "hexagonal cells of [sensor]",
+        &[("[sensor]", "[sensor]\ncells = \"hexagonal\"\npixel_pitch_um = [4, 3.464]")],
+    ),
+    case("Sensor", "image_circle_mm of [sensor]", &[("[sensor]", "[sensor]\nimage_circle_mm = 0.04")]),
     case("PixelsNotSquare", "not square", &[("[sensor]", "[sensor]\npixel_pitch_um = [4, 5]")]),
     case("PrincipalPoint", "", &[("[lens]", "[lens]\nintrinsics = { fx = 1000, fy = 1000, cx = 9, cy = 6 }")]),
     case("Hole", "[lens]", &[("focus_distance_m = 3", "type = \"hole\"\ndiameter_mm = 0.3\nimage_distance_mm = 16")]),
@@ -148,8 +152,8 @@ pub(super) const CASES: &[Case] = &[
         )],
     ),
     case("SkyBeyondItsTables", "", &[(SURROUNDINGS, "{ sky = { sun_elevation_deg = 35 } }"), INFRARED]),
-    case("PictureBeyondCie", "", &[(SURROUNDINGS, "{ image = \"venice.hdr\", nit_per_unit = 100 }"), INFRARED]),
-    case("PictureColours", "", &[(SURROUNDINGS, "{ image = \"venice.hdr\", nit_per_unit = 100 }")]),
+    case("ImageBeyondCie", "", &[(SURROUNDINGS, "{ image = \"venice.hdr\", nit_per_unit = 100 }"), INFRARED]),
+    case("ImageColours", "", &[(SURROUNDINGS, "{ image = \"venice.hdr\", nit_per_unit = 100 }")]),
     case(
         "QuadricUvs",
         "sphere \"ball\"",
@@ -171,13 +175,13 @@ pub(super) const CASES: &[Case] = &[
     ),
     gltf("CoarseNormals", "mesh \"ball\"", "plain.gltf", &[UNPAINTED]),
     gltf("EmissionTexture", "material \"ball\"", "two-uv-sets.gltf", &[UNPAINTED]),
-    case("HolesOfLamp", "material \"paint\"", &[UNPAINTED, ("Kd 0.5 0.5 0.5", "Kd 0.5 0.5 0.5\nKe 1 1 1\nd 0.5")]),
+    case("HolesOfEmitter", "material \"paint\"", &[UNPAINTED, ("Kd 0.5 0.5 0.5", "Kd 0.5 0.5 0.5\nKe 1 1 1\nd 0.5")]),
     case(
-        "LampOfTwoSides",
+        "EmitterOfTwoSides",
         "material \"paint\"",
         &[(PAINT, "type = \"diffuse\"\nreflectance = 0.5\nemission = { illuminant = \"D65\", luminance_nit = 10 }")],
     ),
-    gltf("SmoothLamp", "material \"ball\"", "emissive-strength.gltf", &[UNPAINTED]),
+    gltf("SmoothEmitter", "material \"ball\"", "emissive-strength.gltf", &[UNPAINTED]),
     gltf("UvsOfTheirOwn", "material \"ball\"", "two-uv-sets.gltf", &[UNPAINTED]),
     case(
         "NormalsFromBehind",
@@ -304,7 +308,7 @@ impl Case {
     /// Writes the capture into a folder with all that captures here may name.
     pub(super) fn write(&self, folder: &Path) {
         let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests");
-        for name in PICTURES {
+        for name in IMAGES {
             let from = here.join(name);
             std::fs::copy(&from, folder.join(from.file_name().expect("a file"))).expect("copied");
         }

@@ -22,7 +22,7 @@ macro_rules! features {
         impl Feature {
             pub(super) const ALL: &[Self] = &[$(Self::$name),*];
 
-            /// What is said of it; `None` where Mitsuba has it.
+            /// Message about it; `None` where Mitsuba has it.
             pub(super) fn said(self) -> Option<&'static str> {
                 match self { $(Self::$name => [$($said)?].first().copied(),)* }
             }
@@ -37,7 +37,7 @@ features! {
     GaussianBeam = "of the type gaussian-beam",
     ColouredEmission, SpectralEmission,
     // Surroundings.
-    ConstantEnvironment, SkyWithSun, SkyWithoutSun, PictureOfNits, PictureOfLux, TurnedPicture,
+    ConstantEnvironment, SkyWithSun, SkyWithoutSun, ImageOfNits, ImageOfLux, TurnedImage,
     // Surfaces.
     Matt, Mirror, RoughConductor = "the correlated shadowing", Grooves = "the correlated shadowing",
     Glass, GroundGlass = "the correlated shadowing", FurtherBounces = "light that bounces more than once", Dispersive = "the dispersion of", Pane,
@@ -49,7 +49,7 @@ features! {
     SpecularColour = "the specular colour of", SpecularFactor = "the specular factor of",
     NormalReflectance = "the reflectance of 1 before the specular colour",
     // What surfaces have beside a model.
-    NormalMap, ScaledNormalMap, Lamp, LampOfTwoSides = "on both sides", EmissionTexture = "the emission texture",
+    NormalMap, ScaledNormalMap, Lamp, EmitterOfTwoSides = "on both sides", EmissionTexture = "the emission texture",
     Mask, Blend, OpacityOfNumber, OpacityOfTexture,
     // Colours and textures.
     Rgb, Spectral, Textured, TextureTimesRgb, TextureTimesSpectrum = "the spectrum that scales the texture",
@@ -157,13 +157,13 @@ impl Found {
                 let emission = EmissionDescription { colour: colour.clone(), level: *luminance_nit, texture: None };
                 self.emission(&emission);
             }
-            EnvironmentDescription::Picture { image, level, rotation_deg } => {
+            EnvironmentDescription::Image { image, level, rotation_deg } => {
                 self.texels(&image.texels);
                 self.add(match level {
-                    PictureLevel::NitPerUnit(_) => Feature::PictureOfNits,
-                    PictureLevel::HorizontalLux(_) => Feature::PictureOfLux,
+                    ImageLevel::NitPerUnit(_) => Feature::ImageOfNits,
+                    ImageLevel::HorizontalLux(_) => Feature::ImageOfLux,
                 });
-                self.note(Feature::TurnedPicture, *rotation_deg != 0.0);
+                self.note(Feature::TurnedImage, *rotation_deg != 0.0);
             }
             EnvironmentDescription::Sky(SkyConditions { towards_sun: _, turbidity: _, ground_albedo: _, has_sun }) => {
                 self.add(if *has_sun { Feature::SkyWithSun } else { Feature::SkyWithoutSun });
@@ -189,7 +189,7 @@ impl Found {
         }
         if let Some(emission) = emission {
             self.add(Feature::Lamp);
-            self.note(Feature::LampOfTwoSides, *double_sided);
+            self.note(Feature::EmitterOfTwoSides, *double_sided);
             self.emission(emission);
         }
         match alpha {

@@ -86,7 +86,7 @@ fn spectrum_times_texture() -> Described {
             diffuse.reflectance.colour = Colour::Spectrum(Spectrum::constant(0.5));
         }
     }
-    Described::new("a spectrum times a texture", &Capture::of_scene(scene, "").expect("a capture"))
+    Described::new("a spectrum times a texture", &Capture::of_scene(scene, &Capture::builder()).expect("a capture"))
 }
 
 #[test]
@@ -119,7 +119,7 @@ fn each_difference_is_found_in_a_capture_and_names_what_it_is_of() {
     assert_eq!(found, Difference::KINDS.iter().copied().collect());
 }
 
-/// What meets in one scene of the suite.
+/// Features that meet in one scene of the suite.
 const COMBINATIONS: &[&[Feature]] = &[
     &[Feature::Blend, Feature::OpacityOfTexture, Feature::PointLight],
     &[Feature::Blend, Feature::OpacityOfNumber, Feature::PointLight],

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the geometry and the pictures that scenes of the suite share, beside this script. Units are metres.
+"""Writes the geometry and the images that scenes of the suite share, beside this script. Units are metres.
 
     stage.obj     a floor (material "floor"), a wall behind it ("wall"), a lamp above that faces down ("lamp")
     balls.obj     two balls of radius 0.5 side by side on the floor ("left", "right"), without normals
@@ -254,7 +254,7 @@ def lamps():
     for n in range(81):
         x, z, y, half = dice.uniform(-1.8, 1.8), dice.uniform(-1.8, 1.0), dice.uniform(0.3, 2.2), 0.03
         if n == 0:
-            # Out of the picture: its own pixels would outweigh all others.
+            # Out of the image: its own pixels would outweigh all others.
             y, z = 2.4, 0.8
         corners = ((x - half, y, z - half), (x + half, y, z - half), (x + half, y, z + half), (x - half, y, z + half))
         obj.add("bright" if n == 0 else "lamps", *quad(*corners))

@@ -173,21 +173,21 @@ ROWS = [
     Row(
         "Hue, saturation and value, lightness, intensity",
         "V = max, L = (max + min)/2, I = (R + G + B)/3",
-        "photosite develop PICTURE -o hsv.npy --set develop.colour_model=hsv",
+        "photosite develop IMAGE -o hsv.npy --set develop.colour_model=hsv",
         hue_models,
     ),
     Row(
         "CIE XYZ and L*a*b*",
         "L* = 116·f(Y/Yₙ) − 16, a* = 500·(f(X/Xₙ) − f(Y/Yₙ)), b* = 200·(f(Y/Yₙ) − f(Z/Zₙ))",
-        "photosite develop PICTURE -o lab.exr --set develop.colour_model=lab",
+        "photosite develop IMAGE -o lab.exr --set develop.colour_model=lab",
         cielab,
     ),
     Row(
         "Grey by luminance",
         "Y = 0.2126·R + 0.7152·G + 0.0722·B",
-        "photosite develop PICTURE -o grey.pgm --set develop.colour_model=grey",
+        "photosite develop IMAGE -o grey.pgm --set develop.colour_model=grey",
         grey,
     ),
-    Row("Models in files", "", "photosite develop PICTURE -o lab.tiff --set develop.colour_model=lab", files),
+    Row("Models in files", "", "photosite develop IMAGE -o lab.tiff --set develop.colour_model=lab", files),
     Row("White balance by lamp", "(u, v) of a blackbody or of daylight", "lamps.toml", lamps, "lamps.png"),
 ]

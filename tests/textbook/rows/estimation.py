@@ -13,7 +13,7 @@ SIDE = 8
 
 
 def scene(tool):
-    """Pictures of a shaded scene with a fixed pattern and smoothed noise; gives them as they are in the files."""
+    """Images of a shaded scene with a fixed pattern and smoothed noise; gives them as they are in the files."""
     random = np.random.default_rng(5)
     rows, columns = np.indices(SIZE)
     pattern = random.normal(0, 3, SIZE)
@@ -179,7 +179,7 @@ def rounding(tool):
 
 ROWS = [
     Row(
-        "Several pictures: EST_NOISE",
+        "Several images: EST_NOISE",
         "σ(i, j)² = Σ_k (E_k − Ē)²/(N − 1), σ̄ and max σ",
         "photosite noise a.png b.png …",
         several,

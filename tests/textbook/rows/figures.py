@@ -56,7 +56,7 @@ def view(tool):
         Figure("angle of view down, °", found["angle_of_view_deg"][1], angle(size), 1e-9),
         Figure("angle of view of the diagonal, °", found["angle_of_view_deg"][2], angle(size * math.sqrt(2)), 1e-9),
         Figure("field at the focus distance, m", found["field_at_focus_m"][0], size * U / V, 1e-12),
-        Figure("scale of the picture", found["magnification"], V / U, 1e-12),
+        Figure("scale of the image", found["magnification"], V / U, 1e-12),
         Figure("a pixel at the focus distance, mm", found["pixel_at_focus_mm"][0], 1e3 * PITCH * U / V, 1e-12),
         Figure("pixel pitch, µm", report["sensor"]["pixel_pitch_um"][0], 10, 1e-9),
     ]

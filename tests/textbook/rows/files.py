@@ -10,7 +10,7 @@ COMMENTED = "{}\n# by hand # twice\n5 # columns\n#\n 3\n"
 
 
 def netpbm(kind, numbers, maximum):
-    """A picture of 5 × 3 pixels with comments in its header."""
+    """An image of 5 × 3 pixels with comments in its header."""
     header = COMMENTED.format(kind).encode()
     if kind == "P4":
         return header + numpy.packbits(numbers == 0, axis=1).tobytes()
@@ -99,18 +99,18 @@ def density(tool):
 
 
 ROWS = [
-    Row("PBM, PGM and PPM", "P1–P6, maximum 1–65535", "photosite develop PICTURE.pgm -o picture.npy", read_netpbm),
-    Row("Pictures for other programs", "", "photosite develop PICTURE -o picture.png", written),
+    Row("PBM, PGM and PPM", "P1–P6, maximum 1–65535", "photosite develop IMAGE.pgm -o image.npy", read_netpbm),
+    Row("Images for other programs", "", "photosite develop IMAGE -o image.png", written),
     Row(
         "Quality of JPEG",
         "S = 5000/q below 50, else 200 − 2q",
-        "photosite develop PICTURE -o picture.jpg --set develop.jpeg_quality=50",
+        "photosite develop IMAGE -o image.jpg --set develop.jpeg_quality=50",
         jpeg,
     ),
     Row(
         "Shape of pixels in PNG",
         "pHYs",
-        "photosite develop PICTURE -o picture.png --set develop.square_pixels=false",
+        "photosite develop IMAGE -o image.png --set develop.square_pixels=false",
         density,
     ),
 ]

@@ -237,38 +237,38 @@ ROWS = [
     Row(
         "Gaussian kernel in integers",
         "G(i, j) = e^−(i² + j²)/(2σ²), 5 × 5, σ = 1",
-        "photosite develop PICTURE --set develop.noise_filter=gaussian --set develop.noise_radius_px=2 --set develop.noise_sigma_px=1",
+        "photosite develop IMAGE --set develop.noise_filter=gaussian --set develop.noise_radius_px=2 --set develop.noise_sigma_px=1",
         integer_gaussian,
     ),
-    Row("Gaussian filter", "I_G = I ∗ G", "photosite develop PICTURE --set develop.noise_filter=gaussian", gaussian),
+    Row("Gaussian filter", "I_G = I ∗ G", "photosite develop IMAGE --set develop.noise_filter=gaussian", gaussian),
     Row(
-        "Separability", "I ∗ G = (I ∗ g_x) ∗ g_y", "photosite develop PICTURE --set develop.kernel=[[…]]", separability
+        "Separability", "I ∗ G = (I ∗ g_x) ∗ g_y", "photosite develop IMAGE --set develop.kernel=[[…]]", separability
     ),
-    Row("Mean filter", "A = 1/m² · 1, σ' = σ/m", "photosite develop PICTURE --set develop.noise_filter=mean", mean),
+    Row("Mean filter", "A = 1/m² · 1, σ' = σ/m", "photosite develop IMAGE --set develop.noise_filter=mean", mean),
     Row(
         "Median filter and salt and pepper",
         "P = 2·Σ_{k≥5} C(9, k)·qᵏ·(1 − q)⁹⁻ᵏ",
-        "photosite develop PICTURE --set develop.noise_filter=median",
+        "photosite develop IMAGE --set develop.noise_filter=median",
         median,
         "filters.png",
     ),
     Row(
         "Bilateral filter",
         "w = e^−|Δ|²/(2σ_s²) · e^−d²/(2σ_r²)",
-        "photosite develop PICTURE --set develop.noise_filter=bilateral --set develop.noise_sigma_range=0.12",
+        "photosite develop IMAGE --set develop.noise_filter=bilateral --set develop.noise_sigma_range=0.12",
         bilateral,
     ),
     Row(
         "Any kernel",
         "f(x, y) = Σ k(i, j)·I(x + i, y + j)",
-        "photosite develop PICTURE --set develop.kernel=[[-1,0,1],[-2,0,2],[-1,0,1]]",
+        "photosite develop IMAGE --set develop.kernel=[[-1,0,1],[-2,0,2],[-1,0,1]]",
         kernels,
     ),
-    Row("Thresholding", "B = 1 where I > t", "photosite develop PICTURE --set develop.threshold=otsu", thresholds),
+    Row("Thresholding", "B = 1 where I > t", "photosite develop IMAGE --set develop.threshold=otsu", thresholds),
     Row(
         "Resizing, digital zoom",
         "s = (i + ½)·d − ½",
-        "photosite develop PICTURE --set develop.resize_px=[640,480] --set develop.resize_filter=lanczos",
+        "photosite develop IMAGE --set develop.resize_px=[640,480] --set develop.resize_filter=lanczos",
         resizing,
     ),
 ]

@@ -14,7 +14,7 @@ ELECTRONS = ['output.noise=["photo_electrons_e"]', 'output.noise_formats=["npy"]
 
 
 def bandwidth(tool):
-    """Autocovariance along rows of a picture of even light, whose noise a narrow line has passed."""
+    """Autocovariance along rows of an image of even light, whose noise a narrow line has passed."""
     bandwidth_mhz, clock_mhz = 2, 14.75
     settings = [f"sensor.video.bandwidth_mhz={bandwidth_mhz}", f"sensor.video.pixel_clock_mhz={clock_mhz}"]
     # Little light, whose shot noise is far above what is left of the noise of rendering.
@@ -117,9 +117,9 @@ def gain_control(tool):
     told = json.loads((folder / "capture.json").read_text())["sensor"]
     reached = (level.mean() - told["black_level_dn"]) / (told["white_level_dn"] - told["black_level_dn"])
     return [
-        Figure("error of the second picture over the first's", float(missing[1] / missing[0]), 1 - attack, 0.005),
-        Figure("time constant of the attack, pictures", float(-1 / fit[0]), -1 / math.log(1 - attack), 0.12),
-        Figure("mean of the last picture", float(reached), 0.5, 0.01),
+        Figure("error of the second image over the first's", float(missing[1] / missing[0]), 1 - attack, 0.005),
+        Figure("time constant of the attack, images", float(-1 / fit[0]), -1 / math.log(1 - attack), 0.12),
+        Figure("mean of the last image", float(reached), 0.5, 0.01),
     ]
 
 
@@ -146,6 +146,6 @@ ROWS = [
     Row("Bandwidth of the video line", "ρ(k) = exp(−2π·k·f_c/f_p)", FLAT, bandwidth, "bandwidth.png"),
     Row("Samples that are not the pixels", "x = (o_x − x_im)·s_x;  f_x = f/s_x", DOTS, sampling, "frame-grabber.png"),
     Row("Amplitude quantisation", "⟨e²⟩ = q²/12,  q = R/(L − 1)", BALL, quantisation, "quantisation.png"),
-    Row("Automatic gain control", "error of picture n: (1 − attack)ⁿ, dB", FLAT, gain_control),
+    Row("Automatic gain control", "error of image n: (1 − attack)ⁿ, dB", FLAT, gain_control),
     Row("Sensor curve", "i = g^γ·(b + n)^γ", BALL, gamma),
 ]

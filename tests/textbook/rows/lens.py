@@ -129,7 +129,7 @@ def close_up(tool):
     found, _ = electrons(tool, folder)
     return [
         Figure("in focus, m before the close-up lens", lens["focus_distance_m"] - pupil, 0.5, 1e-9),
-        of_width("width of the lamp's picture, px", found, 0, LAMP_MM * 50 / 500, 0.005),
+        of_width("width of the lamp's image, px", found, 0, LAMP_MM * 50 / 500, 0.005),
     ]
 
 

@@ -1,4 +1,4 @@
-"""Noise: what is added to a picture, and what a sensor adds by itself.
+"""Noise: what is added to an image, and what a sensor adds by itself.
 
 Tolerances are 5 standard errors of the figure, derived beside each.
 """
@@ -22,7 +22,7 @@ MOMENTS = {"gaussian": (3, 15, 105), "laplacian": (6, 90, 2520), "uniform": (9 /
 
 
 def add(tool, picture, *changes, output="noisy.npy", seed=0, options=()):
-    """A picture with noise, read back."""
+    """An image with noise, read back."""
     source = tool.scratch / "source.npy"
     np.save(source, np.asarray(picture, np.float32))
     keys = [part for change in changes for part in ("--set", change)]
@@ -191,7 +191,7 @@ def channels(tool):
 
 
 def expose(tool, light, *changes, unit=("electrons",), one=1, frames=1):
-    """Raw numbers that the plain sensor makes of even light, less the black level, in electrons: a picture a frame."""
+    """Raw numbers that the plain sensor makes of even light, less the black level, in electrons: an image a frame."""
     np.save(tool.scratch / "light.npy", np.asarray(light, np.float32))
     keys = [part for change in changes for part in ("--set", change)]
     time = [] if any(change.startswith("exposure.time_s") for change in changes) else ["--set", "exposure.time_s=0.01"]
@@ -223,7 +223,7 @@ def shot_noise(tool):
 
 
 def whole_sensor(tool):
-    """A picture of irradiance, exposed: photons, quantum efficiency, Poisson and read noise, gain."""
+    """An image of irradiance, exposed: photons, quantum efficiency, Poisson and read noise, gain."""
     irradiance, wavelength, time, read = 5e-3, 550, 0.02, 12.0
     planck, light = 6.62607015e-34, 299792458.0
     photons = irradiance * (5e-6) ** 2 * time * wavelength * 1e-9 / (planck * light)
@@ -240,7 +240,7 @@ def whole_sensor(tool):
 
 
 def lux(tool):
-    """A picture of an illuminance of D65 on a sensor that sees 400 to 700 nm."""
+    """An image of an illuminance of D65 on a sensor that sees 400 to 700 nm."""
     illuminance, time = 2.0, 0.01
     (tool.scratch / "qe.csv").write_text("wavelength_nm,value\n300,0\n399,0\n400,0.6\n700,0.6\n701,0\n1100,0\n")
     efficiency = 'sensor.channels.Y.quantum_efficiency={ file = "qe.csv" }'
@@ -326,7 +326,7 @@ def quantisation(tool):
 
 
 def kinds(tool):
-    """The picture: each kind on a ramp."""
+    """The image: each kind on a ramp."""
     ramp = np.tile(np.linspace(0, 255, 180), (84, 1))
     shown = [
         ("gaussian", ["gaussian.sigma=20"]),
@@ -385,13 +385,13 @@ ROWS = [
     Row("Colour channels", "ρ(n_R, n_G) = 0 or 1", COMMAND + "channels=common", channels),
     Row("Photon noise", "σ² = μ", EXPOSE, shot_noise),
     Row(
-        "A picture on a whole sensor",
+        "An image on a whole sensor",
         "μ = η·E·A·t·λ/(hc), σ² = μ + σ_r² + q²/12",
         "photosite expose light.npy --unit irradiance",
         whole_sensor,
     ),
     Row(
-        "A picture of an illuminance",
+        "An image of an illuminance",
         "E_v = 683·∫V·E dλ, μ = ∫η·E·A·t·λ/(hc) dλ",
         "photosite expose light.npy --unit lux",
         lux,

@@ -88,7 +88,9 @@ def draw(folder, raw, path):
 
 def hexagonal_sampling(tool):
     """The lattice of cells, from what each sees of a wall, and the area of a cell, from what it counts."""
-    folder = tool.render(DOTS, "lattice", *HEXAGONS, 'output.truth=["position"]', 'output.truth_formats=["npy"]')
+    # Truth is in the pixels of the image, which has the sensor's rows only if it is not brought to square pixels.
+    as_cells = ["develop.square_pixels=false", 'output.truth=["position"]', 'output.truth_formats=["npy"]']
+    folder = tool.render(DOTS, "lattice", *HEXAGONS, *as_cells)
     square = tool.render(DOTS, "square")
     seen = numpy.load(folder / "truth-position.npy")
     seen = seen if seen.shape[-1] == 3 else numpy.moveaxis(seen, 0, -1)

@@ -24,7 +24,7 @@ def rig(tool):
 
 
 def corners(tool, folder, node):
-    """The board's corners in both pictures without distortion, and in the coordinates of the left camera, m."""
+    """The board's corners in both images without distortion, and in the coordinates of the left camera, m."""
     pixels, world = [], None
     for i, camera in ((1, "left"), (2, "right")):
         report = tool.report(folder / camera / "000000")

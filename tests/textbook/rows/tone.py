@@ -116,19 +116,19 @@ ROWS = [
     Row(
         "Logarithmic curve (Drago)",
         "L_d = log₁₀(L + 1)/log₁₀(L_max + 1) · ln 10/ln(2 + 8·(L/L_max)^(ln b/ln ½))",
-        "photosite develop hdr.exr -o picture.png --set develop.tone_curve=log",
+        "photosite develop hdr.exr -o image.png --set develop.tone_curve=log",
         drago,
     ),
     Row(
         "Filmic curve",
         "x·(2.51x + 0.03)/(x·(2.43x + 0.59) + 0.14)",
-        "photosite develop hdr.exr -o picture.png --set develop.tone_curve=filmic",
+        "photosite develop hdr.exr -o image.png --set develop.tone_curve=filmic",
         filmic,
     ),
     Row(
         "Local curve by a bilateral base",
         "log L_d = γ·(B − max B) + (log L − B)",
-        "photosite develop hdr.exr -o picture.png --set develop.tone_curve=local",
+        "photosite develop hdr.exr -o image.png --set develop.tone_curve=local",
         local,
     ),
 ]

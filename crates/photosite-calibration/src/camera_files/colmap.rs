@@ -8,31 +8,31 @@ use super::{CalibratedCamera, opencv_pose};
 use photosite_core::Invalid;
 use photosite_core::projection::{BrownConrady, CalibrationModel, Intrinsics};
 
-/// A picture that a camera took.
+/// Image that a camera took.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColmapImage {
     /// File name relative to the folder of images.
     pub name: String,
-    /// Which of the cameras, counted from 0.
+    /// Index of the camera.
     pub camera: usize,
     /// Camera → world with the axes of glTF, m.
     pub to_world: DAffine3,
-    /// What is seen of points: where, in photosite's pixels, and which, by its number.
+    /// Observed points: pixel in photosite's coordinates, and number of the point.
     pub points: Vec<(DVec2, usize)>,
 }
 
-/// A point that pictures show.
+/// Point that images show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColmapPoint {
-    /// Its number.
+    /// Number of the point.
     pub number: usize,
-    /// In the world, m.
+    /// Position in the world, m.
     pub world: DVec3,
-    /// The images that show it and which of their points it is, both counted from 0.
+    /// Track: index of each image that shows the point, and index of the point among that image's observations.
     pub track: Vec<(usize, usize)>,
 }
 
-/// `cameras.txt`: cameras are numbered from 1.
+/// Text of `cameras.txt`; cameras are numbered from 1.
 pub fn colmap_cameras(cameras: &[CalibratedCamera]) -> Result<String, Invalid> {
     let mut text = "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n".to_owned();
     for (i, camera) in cameras.iter().enumerate() {
@@ -63,7 +63,7 @@ pub fn colmap_cameras(cameras: &[CalibratedCamera]) -> Result<String, Invalid> {
     Ok(text)
 }
 
-/// `images.txt`: images are numbered from 1.
+/// Text of `images.txt`; images are numbered from 1.
 pub fn colmap_images(images: &[ColmapImage]) -> String {
     let mut text =
         "# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME, then a line of X, Y, POINT3D_ID\n".to_owned();
@@ -80,7 +80,7 @@ pub fn colmap_images(images: &[ColmapImage]) -> String {
     text
 }
 
-/// `points3D.txt`: grey points without error.
+/// Text of `points3D.txt`: grey points without error.
 pub fn colmap_points(points: &[ColmapPoint]) -> String {
     let mut text = "# POINT3D_ID, X, Y, Z, R, G, B, ERROR, TRACK[] as (IMAGE_ID, POINT2D_IDX)\n".to_owned();
     for ColmapPoint { number, world: DVec3 { x, y, z }, track } in points {

@@ -1,20 +1,20 @@
-//! From disparity to depth and back, as Q of `cv2.stereoRectify` and `cv2.reprojectImageTo3D` have it.
+//! Conversion between disparity and depth, as by Q of `cv2.stereoRectify` and `cv2.reprojectImageTo3D`.
 
 use super::StereoPair;
 use photosite_core::Invalid;
 
-/// Z = f·b/(d + c): how far away what appears d pixels farther left (or above) in the second of two rectified pictures
-/// is, along their common axis.
+/// Scale between disparity and depth, Z = f·b/(d + c): the depth along the common axis of a point that appears d pixels
+/// farther left (or above) in the second of two rectified images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DisparityScale {
-    /// f·b, px·m; below 0 where the second camera stands left of the first.
+    /// Product f·b, px·m; below 0 where the second camera stands left of the first.
     focal_times_baseline: f64,
-    /// c, px: c_x of the second picture less that of the first. 0 where both have the same.
+    /// Offset c, px: c_x of the second image less that of the first. 0 where both have the same.
     offset_px: f64,
 }
 
 impl DisparityScale {
-    /// Of pictures with these f, b and c; b is below 0 where the second camera stands left of the first.
+    /// Scale for images with these f, b and c; b is below 0 where the second camera stands left of the first.
     pub fn new(focal_length_px: f64, baseline_m: f64, offset_px: f64) -> Result<Self, Invalid> {
         let refused = |key: &str, x: f64, range: &str| Err(Invalid::new(key, format!("{x} is not {range}")));
         if !(focal_length_px.is_finite() && focal_length_px > 0.0) {
@@ -29,13 +29,13 @@ impl DisparityScale {
         Ok(Self { focal_times_baseline: focal_length_px * baseline_m, offset_px })
     }
 
-    /// Z, m. `None` of what would be infinitely far away, or behind the cameras.
+    /// Depth Z, m; `None` for a disparity of a point at infinity, or behind the cameras.
     pub fn depth_m(&self, disparity_px: f64) -> Option<f64> {
         let depth = self.focal_times_baseline / (disparity_px + self.offset_px);
         (depth.is_finite() && depth > 0.0).then_some(depth)
     }
 
-    /// d, px. `None` of what is infinitely far away, or not before the cameras.
+    /// Disparity d, px; `None` for a depth that is infinite, or not in front of the cameras.
     pub fn disparity_px(&self, depth_m: f64) -> Option<f64> {
         let disparity = self.focal_times_baseline / depth_m - self.offset_px;
         (depth_m > 0.0 && depth_m.is_finite() && disparity.is_finite()).then_some(disparity)
@@ -43,7 +43,7 @@ impl DisparityScale {
 }
 
 impl StereoPair<'_> {
-    /// That of the rectified pictures.
+    /// Scale of disparity in the rectified images.
     pub fn disparity_scale(&self) -> DisparityScale {
         DisparityScale { focal_times_baseline: self.focal_length_px * self.baseline_m(), offset_px: 0.0 }
     }

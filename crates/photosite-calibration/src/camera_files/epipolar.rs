@@ -1,35 +1,36 @@
-//! Epipolar geometry: what the picture of a point in one camera says of where it appears in the other
+//! Epipolar geometry: the line in one camera's image on which a point of the other camera's image must lie
 //! ([OpenCv](photosite_core::references#opencv)).
 //!
 //! Pixels are homogeneous, x = (column, row, 1), without distortion and whole at their centres. A point that both
-//! cameras see fulfils x₂ᵀ·F·x₁ = 0: it lies on the line F·x₁ of the second picture, and on Fᵀ·x₂ of the first. All
-//! lines of a picture go through its epipole, where the other camera appears.
+//! cameras see fulfils x₂ᵀ·F·x₁ = 0: it lies on the line F·x₁ of the second image, and on Fᵀ·x₂ of the first. All
+//! lines of an image go through its epipole, where the other camera appears.
 
 use glam::{DMat3, DVec3};
 
 use super::{CalibratedCamera, StereoPair};
 
 impl StereoPair<'_> {
-    /// E = \[T\]ₓ·R in metres: directions in the cameras' coordinates fulfil d₂ᵀ·E·d₁ = 0.
+    /// Essential matrix E = \[T\]ₓ·R in metres: directions in the cameras' coordinates fulfil d₂ᵀ·E·d₁ = 0.
     pub fn essential(&self) -> DMat3 {
         let (r, t) = (self.from_first.matrix3, self.from_first.translation);
         DMat3::from_cols(t.cross(r.x_axis), t.cross(r.y_axis), t.cross(r.z_axis))
     }
 
-    /// F = K₂⁻ᵀ·E·K₁⁻¹.
+    /// Fundamental matrix F = K₂⁻ᵀ·E·K₁⁻¹.
     pub fn fundamental(&self) -> DMat3 {
         let [to_first, to_second] = self.cameras.map(|camera| matrix(camera).inverse());
         to_second.transpose() * self.essential() * to_first
     }
 
-    /// Where each camera's picture shows the other one: F·e₁ = 0 and Fᵀ·e₂ = 0. Homogeneous, with the depth in metres
-    /// in the last place: e/e_z is a pixel, and one at infinity has e_z = 0.
+    /// Epipoles: the position in each camera's image at which the other camera appears, F·e₁ = 0 and Fᵀ·e₂ = 0.
+    /// Homogeneous, with the depth in metres in the last place: e/e_z is a pixel, and one at infinity has e_z = 0.
     pub fn epipoles(&self) -> [DVec3; 2] {
         let [first, second] = self.cameras.map(matrix);
         [first * self.from_first.inverse().translation, second * self.from_first.translation]
     }
 
-    /// H = P·R·K⁻¹ without the last column of P: from pixels without distortion to those of the rectified picture.
+    /// Homographies H = P·R·K⁻¹ without the last column of P: from pixels without distortion to those of the rectified
+    /// image.
     pub fn homographies(&self) -> [DMat3; 2] {
         let (f, c) = (self.focal_length_px, self.centre_px);
         let projection = DMat3::from_cols(DVec3::X * f, DVec3::Y * f, c.extend(1.0));
@@ -37,7 +38,7 @@ impl StereoPair<'_> {
     }
 }
 
-/// K.
+/// Camera matrix K.
 fn matrix(camera: &CalibratedCamera) -> DMat3 {
     DMat3::from_cols_array(&camera.matrix()).transpose()
 }

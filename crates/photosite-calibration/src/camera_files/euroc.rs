@@ -7,8 +7,8 @@ use super::{CalibratedCamera, four, opencv_pose, rows};
 use photosite_core::Invalid;
 use photosite_core::projection::CalibrationModel;
 
-/// `body` takes the body's coordinates to those of the world; `T_BS` takes those of the sensor (x right, y down, z
-/// forward) to the body's.
+/// Text of `sensor.yaml`. `body` takes the body's coordinates to those of the world; `T_BS` takes those of the sensor
+/// (x right, y down, z forward) to the body's.
 pub fn euroc(camera: &CalibratedCamera, body: &DAffine3, rate_hz: f64) -> Result<String, Invalid> {
     let no_model = || camera.no_model("EuRoC", "take k1, k2, p1 and p2 of brown-conrady, or kannala-brandt");
     let (model, coefficients) = match camera.projection.calibration_model() {

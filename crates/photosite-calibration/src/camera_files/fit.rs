@@ -1,7 +1,7 @@
-//! The model of calibration tools that comes nearest to a lens that is traced.
+//! Fit of a calibration tool's model to a lens that is traced.
 //!
-//! The chief rays of a lens from a prescription follow no formula, and do not meet in one point. A calibration finds the
-//! model by which it errs least, and so does this: by least squares over the picture, of points at the distance that the lens is focused on.
+//! The chief rays of a lens from a prescription follow no formula, and do not meet in one point. As in a calibration,
+//! the model of least squared error over the image is chosen, for points at the distance that the lens is focused on.
 
 use glam::{DVec2, DVec3};
 
@@ -9,19 +9,21 @@ use photosite_core::math::linear::least_squares;
 use photosite_core::projection::{BrownConrady, Intrinsics, Projection};
 use photosite_transport::optics::Camera;
 
-/// Columns and rows of the grid of places, its edges being those of the picture.
+/// Columns and rows of the grid of positions, whose border is that of the image.
 const PLACES: [u32; 2] = [97, 73];
-/// The first model is taken that is nowhere farther from the lens than this, px: no calibration tells them apart.
+/// Tolerance of the choice, px: the first model that is nowhere farther from the lens is taken, as no calibration tells
+/// closer ones apart.
 const SAME_PX: f64 = 0.02;
-/// Rounds in which the squares of a fraction's own error are weighed right.
+/// Rounds of reweighting, after which the squares of a fraction's own error are weighted right.
 const ROUNDS: usize = 8;
 
-/// Which models there are to choose from, from few coefficients to many. All are OpenCV's.
+/// Models to choose from, from few coefficients to many. All are OpenCV's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Models {
-    /// k₁ k₂, k₁ k₂ k₃ or k₁ … k₆; a fisheye for a lens that sees too much for these. As OpenCV, ROS and COLMAP have them.
+    /// Brown–Conrady's k₁ k₂, k₁ k₂ k₃ or k₁ … k₆, or a fisheye for a lens that sees too much for these: the models of
+    /// OpenCV, ROS and COLMAP.
     Rational,
-    /// k₁ k₂ or a fisheye, as Kalibr and EuRoC have them.
+    /// Brown–Conrady's k₁ k₂, or a fisheye: the models of Kalibr and EuRoC.
     Radtan,
 }
 
@@ -41,29 +43,29 @@ impl Models {
 
 #[derive(Clone, Copy)]
 enum Form {
-    /// Coefficients of Brown and Conrady's model above and below the line of the fraction.
+    /// Brown and Conrady's model, with the numbers of coefficients above and below the fraction bar.
     Radial { over: usize, under: usize },
-    /// Kannala and Brandt's.
+    /// Kannala and Brandt's model.
     Fisheye,
 }
 
-/// A model in place of a lens, and how far it is from it.
+/// Model fitted to a traced lens, and its distance from it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FittedLens {
-    /// In photosite's coordinates, where the centre of the first pixel is 0.5, 0.5.
+    /// Intrinsics in photosite's coordinates, where the centre of the first pixel is 0.5, 0.5.
     pub intrinsics: Intrinsics,
-    /// The model.
+    /// Projection of the model.
     pub projection: Projection,
-    /// Root of the mean square of the distances between places by the model and by the lens, over the picture, px.
+    /// Root mean square of the distances between positions by the model and by the lens, over the image, px.
     pub rms_px: f64,
-    /// The largest of these distances, px.
+    /// Largest of the distances between positions by the model and by the lens, px.
     pub largest_px: f64,
-    /// How far from the camera's origin the points are that it holds for, m: along the axis, or of a lens that sees a half-space or
-    /// more, by distance. Infinite for a lens focused at infinity.
+    /// Distance from the camera's origin of the points that the model was fitted to, m: along the axis, or the
+    /// Euclidean distance for a lens that sees a half-space or more. Infinite for a lens focused at infinity.
     pub distance_m: f64,
 }
 
-/// What a place of the picture looks at.
+/// Position in the image, and the direction from which its light comes.
 struct Sighting {
     pixel: DVec2,
     /// Unit vector from the camera's origin in OpenCV's axes, to the point at the distance of the focus.
@@ -73,7 +75,7 @@ struct Sighting {
 }
 
 impl FittedLens {
-    /// The model nearest to the lens of a camera; `None` where none of them shows all that the lens shows of its picture.
+    /// Fit to the lens of a camera; `None` where no model shows all that the lens shows of its image.
     pub fn new(camera: &Camera, models: Models) -> Option<Self> {
         let distance_m = Some(camera.focus_distance_m()).filter(|distance| *distance > 0.0).unwrap_or(f64::INFINITY);
         let is_flat = camera.projection().is_flat();
@@ -92,7 +94,7 @@ impl FittedLens {
     }
 }
 
-/// The places of a grid over the picture to which light comes.
+/// Positions of a grid over the image that light reaches.
 fn sightings(camera: &Camera, distance_m: f64, is_flat: bool) -> Vec<Sighting> {
     let [width, height] = camera.resolution().map(f64::from);
     let [columns, rows] = PLACES;
@@ -110,7 +112,7 @@ fn sightings(camera: &Camera, distance_m: f64, is_flat: bool) -> Vec<Sighting> {
 }
 
 impl Form {
-    /// The coefficients that err least. A lens is the same all about its axis, and so is the model.
+    /// Model with the coefficients of least error. A lens is rotationally symmetric, and so is the model.
     fn fitted(self, near: Intrinsics, sightings: &[Sighting], distance_m: f64) -> Option<FittedLens> {
         let (over, under) = match self {
             Self::Radial { over, under } => (over + 1, under),
@@ -154,14 +156,14 @@ impl Form {
     }
 }
 
-/// y = Σ aᵢ·q^(2i + 1)/(1 + Σ bⱼ·q^(2j)) with q = x over the largest x.
+/// Fraction y = Σ aᵢ·q^(2i + 1)/(1 + Σ bⱼ·q^(2j)) with q = x over the largest x.
 struct Fraction {
     over: Vec<f64>,
     under: Vec<f64>,
 }
 
 impl Fraction {
-    /// Those of x in place of q, over that of x itself.
+    /// Coefficients of the fraction in x in place of q, divided by that of x itself.
     fn coefficients(&self, largest: f64) -> Vec<f64> {
         let power = |i: usize| largest.powi(2 * (i as i32 + 1));
         let over = self.over.iter().skip(1).enumerate().map(|(i, a)| a / self.over[0] / power(i));
@@ -170,8 +172,8 @@ impl Fraction {
     }
 }
 
-/// The fraction that errs least, by linear least squares of y·(1 + Σ bⱼ·q^(2j)) − Σ aᵢ·q^(2i + 1), each point over the
-/// value below the line of the round before, so that it is y that counts in the end.
+/// Fraction of least error, by linear least squares of y·(1 + Σ bⱼ·q^(2j)) − Σ aᵢ·q^(2i + 1), each point divided by the
+/// denominator of the round before, so that the error of y counts in the end.
 fn fraction(points: &[(f64, f64)], largest: f64, over: usize, under: usize) -> Option<Fraction> {
     let mut below = vec![1.0; points.len()];
     let mut found = None;
@@ -220,7 +222,7 @@ mod tests {
         Projection::BrownConrady(BrownConrady { k, ..BrownConrady::default() })
     }
 
-    /// A lens that is one of the models is found again, in each of them.
+    /// Test: a lens that is one of the models is found again, in each of them.
     #[test]
     fn models_find_themselves() {
         for (projection, models) in [

@@ -5,8 +5,8 @@ use super::{CalibratedCamera, four, opencv_pose, rows};
 use photosite_core::Invalid;
 use photosite_core::projection::CalibrationModel;
 
-/// The cameras of a rig, in order: each but the first with the pose from the one before it, `T_cn_cnm1`, which takes
-/// points from that camera's coordinates to its own.
+/// Text of `camchain.yaml`: the cameras of a rig, in order. Each but the first has the pose from the one before it,
+/// `T_cn_cnm1`, which takes points from that camera's coordinates to its own.
 pub fn kalibr(cameras: &[CalibratedCamera]) -> Result<String, Invalid> {
     let mut text = String::new();
     for (i, camera) in cameras.iter().enumerate() {

@@ -1,5 +1,5 @@
-//! Files that tell other tools of a camera: its matrix, its lens and its pose. In: a [`CalibratedCamera`]. Out: text; a
-//! lens that a format has no words for is an error.
+//! Files that describe a camera to other tools: its matrix, its lens and its pose. In: a [`CalibratedCamera`]. Out:
+//! text; a lens that a format cannot express is an error.
 //!
 //! | format | lenses | coordinates of pixels | pose |
 //! |---|---|---|---|
@@ -9,9 +9,9 @@
 //! | COLMAP `cameras.txt`, `images.txt`, `points3D.txt` | PINHOLE, OPENCV, FULL_OPENCV, OPENCV_FISHEYE | centres at halves | world → camera |
 //! | EuRoC `sensor.yaml` | pinhole with radial-tangential or equidistant | centres at whole numbers | sensor → body |
 //!
-//! Of a rig, Kalibr has the way from each camera to the next; ROS and OpenCV have pairs, each of the rig's first
-//! camera, the reference, with another one ([`StereoPair`]). A [`RectifiedView`] says where the pixels of a rectified
-//! picture are found, and a [`DisparityScale`] how far away things are.
+//! For a rig, Kalibr has the transform from each camera to the next; ROS and OpenCV have pairs, each of the rig's first
+//! camera, the reference, with another one ([`StereoPair`]). A [`RectifiedView`] maps pixels between a rectified image
+//! and the camera's, and a [`DisparityScale`] converts between disparity and depth.
 
 mod colmap;
 mod disparity;
@@ -44,23 +44,23 @@ use photosite_core::Invalid;
 use photosite_core::image_grid::ImageGrid;
 use photosite_transport::optics::{BrownConrady, Camera, Intrinsics, Projection};
 
-/// A camera as other tools know it.
+/// Calibrated camera: name, intrinsics, projection, size and pose, as files describe it to other tools.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CalibratedCamera {
-    /// What files call it.
+    /// Name of the camera in files.
     pub name: String,
-    /// In photosite's coordinates, where the centre of the first pixel is 0.5, 0.5.
+    /// Intrinsics in photosite's coordinates, where the centre of the first pixel is 0.5, 0.5.
     pub intrinsics: Intrinsics,
-    /// Its lens.
+    /// Projection of the lens.
     pub projection: Projection,
-    /// Columns and rows.
+    /// Columns and rows of the image.
     pub resolution: [u32; 2],
     /// Camera → world, with the axes of glTF (x right, y up, z backward), m.
     pub to_world: DAffine3,
 }
 
 impl CalibratedCamera {
-    /// What `camera` is, under a name.
+    /// Calibration of `camera`, under a name.
     pub fn new(name: impl Into<String>, camera: &Camera) -> Self {
         Self {
             name: name.into(),
@@ -71,30 +71,30 @@ impl CalibratedCamera {
         }
     }
 
-    /// The same camera with a model in place of its lens.
+    /// Camera with a fitted model in place of its lens.
     #[must_use]
     pub fn with_fitted(self, fitted: &FittedLens) -> Self {
         Self { intrinsics: fitted.intrinsics, projection: fitted.projection, ..self }
     }
 
-    /// This camera as an image of these pixels shows it.
+    /// Camera as an image of these pixels shows it.
     #[must_use]
     pub fn on_grid(self, grid: &ImageGrid) -> Self {
         Self { intrinsics: grid.intrinsics(&self.intrinsics), resolution: grid.resolution, ..self }
     }
 
-    /// World → camera with the axes of OpenCV (x right, y down, z forward).
+    /// Transform world → camera with the axes of OpenCV (x right, y down, z forward).
     pub fn from_world(&self) -> DAffine3 {
         opencv_pose(&self.to_world).inverse()
     }
 
-    /// fx, fy, cx, cy with the centre of the first pixel at 0, 0.
+    /// Intrinsics fx, fy, cx, cy with the centre of the first pixel at 0, 0.
     pub fn at_centres(&self) -> [f64; 4] {
         let Intrinsics { fx, fy, cx, cy, .. } = self.intrinsics;
         [fx, fy, cx - 0.5, cy - 0.5]
     }
 
-    /// fx, 0, cx; 0, fy, cy; 0, 0, 1 in OpenCV's coordinates, with the skew in the first row.
+    /// Camera matrix fx, 0, cx; 0, fy, cy; 0, 0, 1 in OpenCV's coordinates, with the skew in the first row.
     pub fn matrix(&self) -> [f64; 9] {
         let [fx, fy, cx, cy] = self.at_centres();
         [fx, self.intrinsics.skew, cx, 0.0, fy, cy, 0.0, 0.0, 1.0]
@@ -109,7 +109,7 @@ impl CalibratedCamera {
         Err(Invalid::new("lens.intrinsics.skew", message).help("make it 0, or choose another format"))
     }
 
-    /// The error for a lens that a format has no model for.
+    /// Error for a lens that a format has no model for.
     pub(super) fn no_model(&self, format: &str, instead: &str) -> Invalid {
         let name = self.projection.name();
         let message =
@@ -121,7 +121,7 @@ impl CalibratedCamera {
         Invalid::new("lens", message).help(help)
     }
 
-    /// What to write to get the fisheye with coefficients that comes nearest to a classical one in this image.
+    /// Advice that names the fisheye with coefficients which comes nearest to a classical one in this image.
     fn nearest_fisheye(&self) -> Option<String> {
         let Projection::ClassicalFisheye(law) = self.projection else { return None };
         let (k, error) = law.kannala_brandt(self.largest_angle()?)?;
@@ -145,23 +145,23 @@ impl CalibratedCamera {
     }
 }
 
-/// The same pose with the axes of OpenCV in place of those of glTF.
+/// Pose with the axes of OpenCV in place of those of glTF.
 pub(super) fn opencv_pose(to_world: &DAffine3) -> DAffine3 {
     *to_world * DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)))
 }
 
-/// k₁ k₂ p₁ p₂ of a distortion that has no more than these.
+/// Coefficients k₁ k₂ p₁ p₂ of a distortion that has no more than these.
 fn four(distortion: &BrownConrady) -> Option<[f64; 4]> {
     let BrownConrady { k: [k1, k2, rest @ ..], p: [p1, p2], s } = *distortion;
     (rest == [0.0; 4] && s == [0.0; 4]).then_some([k1, k2, p1, p2])
 }
 
-/// A matrix row by row. Adding zero makes zeros of negative ones.
+/// Matrix row by row. Adding zero makes zeros of negative ones.
 fn by_rows(matrix: &DMat3) -> [f64; 9] {
     matrix.transpose().to_cols_array().map(|x| x + 0.0)
 }
 
-/// The matrix of a pose, row by row.
+/// Matrix of a pose, row by row.
 pub(super) fn rows(pose: &DAffine3) -> [[f64; 4]; 4] {
     let m = glam::DMat4::from(*pose).transpose().to_cols_array_2d();
     // Adding zero makes zeros of negative ones.

@@ -5,8 +5,8 @@ use super::{CalibratedCamera, StereoPair, by_rows};
 use photosite_core::Invalid;
 use photosite_core::projection::CalibrationModel;
 
-/// Matrix, coefficients and pose (x_camera = R·x_world + t). `distortion_model` names the functions that take the
-/// coefficients: `calib3d`, `fisheye` or `omnidir`, the last with `xi`.
+/// Text of a camera: matrix, coefficients and pose (x_camera = R·x_world + t). `distortion_model` names the functions
+/// that take the coefficients: `calib3d`, `fisheye` or `omnidir`, the last with `xi`.
 pub fn opencv(camera: &CalibratedCamera) -> Result<String, Invalid> {
     let (model, xi) = match camera.projection.calibration_model() {
         Some(CalibrationModel::Pinhole | CalibrationModel::BrownConrady(_)) => ("calib3d", None),
@@ -34,9 +34,9 @@ pub fn opencv(camera: &CalibratedCamera) -> Result<String, Invalid> {
     ))
 }
 
-/// A pair as `stereoCalibrate` and `stereoRectify` give it, under the names of OpenCV's sample: matrices and
-/// coefficients of both cameras (M1, D1, M2, D2), R and T from the first to the second, E and F, R1, R2, P1, P2 and Q.
-/// `distortion_model` is that of both. Beside these stand the epipoles e1 and e2 and the homographies H1 and H2 of
+/// Text of a stereo pair as `stereoCalibrate` and `stereoRectify` give it, under the names of OpenCV's sample: matrices
+/// and coefficients of both cameras (M1, D1, M2, D2), R and T from the first to the second, E and F, R1, R2, P1, P2 and
+/// Q. `distortion_model` is that of both. Added are the epipoles e1 and e2 and the homographies H1 and H2 of
 /// rectification ([`StereoPair::epipoles`], [`StereoPair::homographies`]); F, e1, e2, H1 and H2 are those of pixels
 /// without distortion, cv2.undistortPoints(…, P = M). F is what its definition gives; stereoCalibrate divides it by its
 /// last element.

@@ -1,6 +1,6 @@
-//! Two cameras of a rig turned, in thought, until they look the same way across the line between them, so that a point
-//! appears in the same row of both pictures (in the same column, where they stand one above the other): Bouguet's rule,
-//! as `cv2.stereoRectify` has it with `CALIB_ZERO_DISPARITY` and alpha = −1
+//! Stereo rectification: two cameras of a rig are turned virtually until they look the same way across the line between
+//! them, so that a point appears in the same row of both images (in the same column, where they stand one above the
+//! other). The method is Bouguet's, as in `cv2.stereoRectify` with `CALIB_ZERO_DISPARITY` and alpha = −1
 //! ([OpenCv](photosite_core::references#opencv)).
 //!
 //! Coordinates are OpenCV's: x right, y down, z forward, whole numbers at the centres of pixels, metres.
@@ -10,30 +10,32 @@ use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3};
 use super::CalibratedCamera;
 use photosite_core::Invalid;
 
-/// A pair of cameras and how it is rectified.
+/// Stereo pair: two cameras and their rectification.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StereoPair<'a> {
-    /// The cameras: the reference and the other one.
+    /// Cameras: the reference and the other one.
     pub cameras: [&'a CalibratedCamera; 2],
-    /// From the coordinates of the reference to those of the other one: R and T of `cv2.stereoCalibrate`.
+    /// Transform from the coordinates of the reference to those of the other camera: R and T of `cv2.stereoCalibrate`.
     pub from_first: DAffine3,
-    /// R₁ and R₂, from each camera's coordinates to its rectified ones.
+    /// Rotations R₁ and R₂, from each camera's coordinates to its rectified ones.
     pub rotations: [DMat3; 2],
-    /// f and c of the picture that both are to show, c with the centre of the first pixel at 0, 0.
+    /// Focal length f and principal point c of both rectified images, c with the centre of the first pixel at 0, 0.
     pub focal_length_px: f64,
-    /// See there.
+    /// Principal point c of both rectified images, px, with the centre of the first pixel at 0, 0.
     pub centre_px: DVec2,
-    /// From the first to the second camera in rectified coordinates, m: but for rounding along one axis alone.
+    /// Translation from the first to the second camera in rectified coordinates, m: but for rounding along one axis
+    /// alone.
     baseline_m: DVec3,
-    /// Whether they stand one above the other.
+    /// Whether the cameras stand one above the other.
     pub is_vertical: bool,
 }
 
 impl<'a> StereoPair<'a> {
-    /// Both cameras turn by half of what they differ in, and then together until their line is that of the rows, or
-    /// that of the columns if that is nearer. f is the mean of the focal lengths across the line. c is the mean over
-    /// both cameras of what brings the mean of the corners, without distortion, to the centre of the picture; of a
-    /// fisheye, whose corners a plane need not have, the middle of the sensor stands for them.
+    /// Rectifies two cameras. Both turn by half of the rotation between them, and then together until their line is
+    /// that of the rows, or that of the columns if that is nearer. f is the mean of the focal lengths across the line.
+    /// c is the mean over both cameras of the principal points that bring the mean of the corners, without distortion,
+    /// to the centre of the image; for a fisheye, whose corners a plane need not have, the middle of the sensor takes
+    /// their place.
     pub fn new(first: &'a CalibratedCamera, second: &'a CalibratedCamera) -> Result<Self, Invalid> {
         let cameras = [first, second];
         let from_first = second.from_world() * first.from_world().inverse();
@@ -72,8 +74,8 @@ impl<'a> StereoPair<'a> {
         Ok(Self { cameras, from_first, rotations, focal_length_px, centre_px, baseline_m, is_vertical })
     }
 
-    /// P₁ and P₂ row by row: f, 0, c_x, T_x; 0, f, c_y, T_y; 0, 0, 1, 0. The last column is that of the baseline times
-    /// f in the second, so that T_x = −f·b of a camera that stands b to the right of the first.
+    /// Projection matrices P₁ and P₂ row by row: f, 0, c_x, T_x; 0, f, c_y, T_y; 0, 0, 1, 0. The last column of P₂ is
+    /// the translation times f, so that T_x = −f·b where the second camera is b to the right of the first.
     pub fn projections(&self) -> [[f64; 12]; 2] {
         let (f, c) = (self.focal_length_px, self.centre_px);
         let [x, y] = self.offset();
@@ -81,7 +83,8 @@ impl<'a> StereoPair<'a> {
         [matrix(0.0, 0.0), matrix(x, y)]
     }
 
-    /// Q row by row: from column, row and disparity to the point in the rectified coordinates of the first camera.
+    /// Matrix Q row by row: from column, row and disparity to the point in the rectified coordinates of the first
+    /// camera.
     pub fn disparity_to_depth(&self) -> [f64; 16] {
         let (f, c, b) = (self.focal_length_px, self.centre_px, self.baseline_m());
         [[1.0, 0.0, 0.0, -c.x], [0.0, 1.0, 0.0, -c.y], [0.0, 0.0, 0.0, f], [0.0, 0.0, 1.0 / b, 0.0]]
@@ -90,21 +93,21 @@ impl<'a> StereoPair<'a> {
             .unwrap_or([0.0; 16])
     }
 
-    /// How far the second camera stands to the right of the first, or below it, in rectified coordinates, m: b in
-    /// d = f·b/Z, where d is the place in the first picture less that in the second.
+    /// Baseline b in d = f·b/Z, m: distance of the second camera to the right of the first, or below it, in rectified
+    /// coordinates. d is the position in the first image less that in the second.
     pub fn baseline_m(&self) -> f64 {
         -if self.is_vertical { self.baseline_m.y } else { self.baseline_m.x }
     }
 
-    /// The last column of P₂, px·m.
+    /// Last column of P₂, px·m.
     fn offset(&self) -> [f64; 2] {
         let f = self.focal_length_px;
         if self.is_vertical { [0.0, f * self.baseline_m.y] } else { [f * self.baseline_m.x, 0.0] }
     }
 }
 
-/// Where the corners of a picture, or the middle of that of a fisheye, lie on average on the plane z = 1 of a camera
-/// that is turned.
+/// Mean position of the corners of an image, or of the middle of that of a fisheye, on the plane z = 1 of a camera that
+/// is turned.
 fn mean_direction(camera: &CalibratedCamera, rotation: DMat3) -> Option<DVec2> {
     let reach = camera.projection.reach(None);
     let last = DVec2::from_array(camera.resolution.map(|n| f64::from(n) - 1.0));
@@ -146,8 +149,7 @@ mod tests {
         })
     }
 
-    /// In the world a point has one place; on the rectified pictures it lies in one row (column), farther apart by
-    /// f·b/Z.
+    /// Case: a point of the world lies in one row (column) of both rectified images, at positions f·b/Z apart.
     #[rstest]
     #[case::side_by_side(DVec3::new(0.12, 0.0, 0.0), DVec3::ZERO, false)]
     #[case::turned(DVec3::new(0.12, 0.01, -0.02), DVec3::new(0.05, -0.1, 0.03), false)]
@@ -200,7 +202,7 @@ mod tests {
         let pair = StereoPair::new(&first, &second).expect("a pair");
         assert!(pair.rotations.iter().all(|r| r.abs_diff_eq(DMat3::IDENTITY, 1e-15)));
         let [p1, p2] = pair.projections();
-        // f = fy; c keeps the middle of the picture, (319.5, 239.5), where the corners' mean has been: with square
+        // f = fy; c keeps the middle of the image, (319.5, 239.5), where the corners' mean has been: with square
         // pixels that would be the principal point itself.
         let scale = 505.0 / 500.0;
         let expected = [319.5 - (319.5 - 324.5) * scale, 237.5];

@@ -1,5 +1,5 @@
-//! The picture of one camera of a pair as rectification shows it: where its pixels are found in the camera's own, as
-//! `cv2.initUndistortRectifyMap` says it, and the other way.
+//! Rectified image of one camera of a pair: the mapping of its pixels to those of the camera, as by
+//! `cv2.initUndistortRectifyMap`, and the inverse.
 //!
 //! Positions are continuous, counted from the corner of the first pixel.
 
@@ -8,25 +8,25 @@ use glam::{DMat3, DVec2, DVec3};
 use super::{CalibratedCamera, StereoPair, opencv_pose};
 use photosite_core::projection::{Intrinsics, Projection, Reach};
 
-/// The picture of one camera, rectified.
+/// Rectified image of one camera.
 #[derive(Clone, Copy, Debug)]
 pub struct RectifiedView<'a> {
     camera: &'a CalibratedCamera,
-    /// From the camera's coordinates to the rectified ones.
+    /// Rotation from the camera's coordinates to the rectified ones.
     rotation: DMat3,
-    /// Of the rectified picture.
+    /// Intrinsics of the rectified image.
     intrinsics: Intrinsics,
     resolution: [u32; 2],
     reach: Reach,
 }
 
 impl<'a> StereoPair<'a> {
-    /// Columns and rows of both rectified pictures: those of the first camera.
+    /// Columns and rows of both rectified images: those of the first camera.
     pub fn resolution(&self) -> [u32; 2] {
         self.cameras[0].resolution
     }
 
-    /// Both pictures.
+    /// Views of both cameras.
     pub fn views(&self) -> [RectifiedView<'a>; 2] {
         let (f, c) = (self.focal_length_px, self.centre_px + 0.5);
         [0, 1].map(|i| RectifiedView {
@@ -38,8 +38,8 @@ impl<'a> StereoPair<'a> {
         })
     }
 
-    /// The direction, in rectified coordinates, of the epipolar plane of a row (a column of cameras one above the
-    /// other), at an angle within the plane, from −π/2 to π/2; 0 is across the baseline.
+    /// Direction, in rectified coordinates, within the epipolar plane of a row (a column for cameras one above the
+    /// other), at an angle from −π/2 to π/2; 0 is across the baseline.
     pub fn in_epipolar_plane(&self, line: f64, angle: f64) -> DVec3 {
         let (sin, cos) = angle.sin_cos();
         let c = self.centre_px + 0.5;
@@ -50,30 +50,30 @@ impl<'a> StereoPair<'a> {
 }
 
 impl RectifiedView<'_> {
-    /// What a position of the rectified picture looks at, in the camera's coordinates; 1 long along the axis of the
-    /// rectified ones.
+    /// Direction that a position of the rectified image looks at, in the camera's coordinates; its component along the
+    /// rectified axis is 1.
     pub fn direction(&self, position: DVec2) -> DVec3 {
         self.rotation.transpose() * self.intrinsics.place(position).extend(1.0)
     }
 
-    /// Where a position of the rectified picture is found in the camera's; `None` where the camera does not see it.
+    /// Position in the camera's image of a position of the rectified one; `None` where the camera does not see it.
     pub fn source_px(&self, position: DVec2) -> Option<DVec2> {
-        self.in_picture(self.direction(position))
+        self.in_image(self.direction(position))
     }
 
-    /// Where a direction in rectified coordinates is found in the camera's picture.
+    /// Position in the camera's image of a direction in rectified coordinates.
     pub fn source_of(&self, direction: DVec3) -> Option<DVec2> {
-        self.in_picture(self.rotation.transpose() * direction)
+        self.in_image(self.rotation.transpose() * direction)
     }
 
-    /// Of a direction in the camera's coordinates.
-    fn in_picture(&self, direction: DVec3) -> Option<DVec2> {
+    /// Position in the camera's image of a direction in the camera's coordinates.
+    fn in_image(&self, direction: DVec3) -> Option<DVec2> {
         let source = self.camera.intrinsics.pixel(self.camera.projection.project(direction, &self.reach)?);
         let size = DVec2::from_array(self.camera.resolution.map(f64::from));
         (source.cmpge(DVec2::ZERO).all() && source.cmplt(size).all()).then_some(source)
     }
 
-    /// The unit vector of what a position of the camera's picture looks at, in the camera's coordinates.
+    /// Unit vector that a position of the camera's image looks at, in the camera's coordinates.
     pub fn seen_from(&self, source: DVec2) -> Option<DVec3> {
         let place = self.camera.intrinsics.place(source);
         self.camera.projection.unproject(place, &self.reach).map(|seen| seen.direction)
@@ -84,15 +84,15 @@ impl RectifiedView<'_> {
         (self.rotation * point).z
     }
 
-    /// Where a position of the camera's picture appears in the rectified one; `None` where a plane cannot show it.
+    /// Position in the rectified image of a position of the camera's; `None` where a plane cannot show it.
     pub fn place_px(&self, source: DVec2) -> Option<DVec2> {
         let seen = self.rotation * self.seen_from(source)?;
         (seen.z > 0.0).then(|| self.intrinsics.pixel(seen.truncate() / seen.z))
     }
 
-    /// The rectangle of pixels that the camera sees all of, column, row, width and height, as `cv2.stereoRectify`
-    /// gives it: between the innermost places of the pixels along each edge of the camera's picture. `None` where
-    /// there is none.
+    /// Rectangle of rectified pixels that are all within the camera's image: column, row, width and height, as
+    /// `cv2.stereoRectify` gives it, between the innermost positions of the pixels along each edge of the camera's
+    /// image. `None` where there is none.
     pub fn valid_region_px(&self) -> Option<[u32; 4]> {
         let [columns, rows] = self.camera.resolution;
         let along = |n: u32, place: &dyn Fn(f64) -> DVec2| -> Vec<DVec2> {
@@ -126,7 +126,7 @@ impl RectifiedView<'_> {
         Some(region)
     }
 
-    /// A camera that takes the rectified picture: that of the same name at the same place, turned, with a pinhole.
+    /// Camera that takes the rectified image: of the same name at the same place, turned, with a pinhole.
     pub fn rectified_camera(&self) -> CalibratedCamera {
         let to_world = (glam::DAffine3::from_mat3(self.rotation) * self.camera.from_world()).inverse();
         CalibratedCamera {
@@ -199,7 +199,7 @@ mod tests {
         let all = |pair: &StereoPair<'_>| [pair.projections().as_flattened(), &pair.disparity_to_depth()].concat();
         let differs = all(&pair).iter().zip(all(&again)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(differs < 1e-9, "{differs}");
-        // A row, or column, of the rectified picture is what a plane through both cameras shows in either.
+        // A row, or column, of the rectified image is what a plane through both cameras shows in either.
         for (view, angle) in views.iter().flat_map(|view| [-0.2, 0.0, 0.15].map(|angle| (view, angle))) {
             let Some(source) = view.source_of(pair.in_epipolar_plane(20.5, angle)) else { continue };
             let place = view.place_px(source).expect("a plane shows it");

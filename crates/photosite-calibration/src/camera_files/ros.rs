@@ -7,23 +7,22 @@ use super::{CalibratedCamera, StereoPair, by_rows};
 use photosite_core::Invalid;
 use photosite_core::projection::{BrownConrady, CalibrationModel};
 
-/// The camera on its own: rectification is the identity, and the projection matrix is the camera's.
+/// File of a single camera: rectification is the identity, and the projection matrix is the camera's.
 pub fn ros(camera: &CalibratedCamera) -> Result<String, Invalid> {
     let [fx, fy, cx, cy] = camera.at_centres();
     let projection = [fx, 0.0, cx, 0.0, 0.0, fy, cy, 0.0, 0.0, 0.0, 1.0, 0.0];
     camera_info(camera, &DMat3::IDENTITY, &projection)
 }
 
-/// The files of both cameras of a pair: the rectification rotation and the projection matrix of each, of which the
-/// second has Tx = −fx'·b (or Ty of cameras one above the other) in its last column.
+/// Files of both cameras of a pair: the rectification rotation and the projection matrix of each, of which the second
+/// has Tx = −fx'·b (or Ty for cameras one above the other) in its last column.
 pub fn ros_pair(pair: &StereoPair<'_>) -> Result<[String; 2], Invalid> {
     let [first, second] = pair.projections();
     let info = |i: usize, projection| camera_info(pair.cameras[i], &pair.rotations[i], projection);
     Ok([info(0, &first)?, info(1, &second)?])
 }
 
-/// What ROS calls the model of a lens, and its coefficients: 5 of `plumb_bob`, 8 of `rational_polynomial`, 4 of
-/// `equidistant`.
+/// ROS name of a lens model, and its coefficients: 5 of `plumb_bob`, 8 of `rational_polynomial`, 4 of `equidistant`.
 pub fn ros_distortion(camera: &CalibratedCamera) -> Result<(&'static str, Vec<f64>), Invalid> {
     let model = match camera.projection.calibration_model() {
         Some(CalibrationModel::Pinhole) => "plumb_bob",
@@ -40,7 +39,7 @@ pub fn ros_distortion(camera: &CalibratedCamera) -> Result<(&'static str, Vec<f6
     Ok((model, camera.projection.coefficients()))
 }
 
-/// A name as topics and files of ROS have them: letters, digits and underscores only.
+/// Name as topics and files of ROS have it: letters, digits and underscores only.
 pub fn ros_name(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }

@@ -1,9 +1,9 @@
-//! What the files say, read back by hand where the judges of the command line do not.
+//! Tests of the camera files, read back by hand where the judges of the command line do not.
 
 use glam::{DQuat, DVec3};
 
 use super::*;
-use photosite_core::projection::FisheyeLaw;
+use photosite_core::projection::FisheyeProjection;
 
 fn camera(projection: Projection) -> CalibratedCamera {
     CalibratedCamera {
@@ -38,9 +38,9 @@ fn formats_refuse_what_they_have_no_words_for() {
         (mirror, [true, false, true, false, false]),
         (Projection::Polynomial { k: [0.1, 0.0] }, [false; 5]),
         (Projection::Division { lambda: -0.1 }, [false; 5]),
-        (Projection::ClassicalFisheye(FisheyeLaw::Equisolid), [false; 5]),
-        (Projection::ClassicalFisheye(FisheyeLaw::Stereographic), [false; 5]),
-        (Projection::ClassicalFisheye(FisheyeLaw::Orthographic), [false; 5]),
+        (Projection::ClassicalFisheye(FisheyeProjection::Equisolid), [false; 5]),
+        (Projection::ClassicalFisheye(FisheyeProjection::Stereographic), [false; 5]),
+        (Projection::ClassicalFisheye(FisheyeProjection::Orthographic), [false; 5]),
         (Projection::Equirectangular, [false; 5]),
     ] {
         assert_eq!(all(&camera(projection)), can, "{projection:?}");
@@ -74,7 +74,7 @@ fn pairs_are_told_of_lenses_that_their_formats_know() {
 
 #[test]
 fn a_classical_fisheye_is_refused_with_the_series_that_comes_nearest() {
-    for law in [FisheyeLaw::Equisolid, FisheyeLaw::Stereographic, FisheyeLaw::Orthographic] {
+    for law in [FisheyeProjection::Equisolid, FisheyeProjection::Stereographic, FisheyeProjection::Orthographic] {
         let exact = CalibratedCamera {
             intrinsics: Intrinsics { fx: 200.0, fy: 200.0, cx: 320.5, cy: 240.0, skew: 0.0 },
             ..camera(Projection::ClassicalFisheye(law))

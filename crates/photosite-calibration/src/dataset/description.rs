@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::PlaceDescription;
+use photosite_core::keys::Keys;
 use photosite_core::schema_range::{above, within};
 use photosite_transport::geometry::Interpolation;
 
@@ -17,7 +18,7 @@ pub struct DatasetDescription {
     /// Number of frames. Left out: as many as the poses ask for, else 1.
     #[schemars(transform = within(1.0..))]
     pub frames: Option<u32>,
-    /// Seed of everything that is random. Left out: 0. The seed of each picture is made from it, the number of the
+    /// Seed of everything that is random. Left out: 0. The seed of each image is made from it, the number of the
     /// frame, the camera and `render.seed` of the capture, which gives other noise in the same frames.
     pub seed: Option<u32>,
     /// Changes to keys of the capture, for all frames, as overrides have them: "render.samples_per_pixel=64". Unless
@@ -45,7 +46,7 @@ pub struct DatasetDescription {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SamplingDescription {
-    /// Each by itself, whatever other frames have. A longer set begins with the frames of a shorter one.
+    /// Independent draws for each frame. A longer set begins with the frames of a shorter one.
     #[default]
     Independent,
     /// Latin hypercube: the range of every number that is drawn is cut into as many equally likely parts as there are
@@ -126,11 +127,11 @@ fn straight() -> Vec<f64> {
 }
 
 /// Views of a target, or of a point, drawn evenly from these ranges. The middle of the target is sent all over the
-/// picture, as near to its border as the whole target allows.
+/// image, as near to its border as the whole target allows.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RandomPoses {
-    /// Name of a target of the capture: all of its points stay in the pictures of all cameras.
+    /// Name of a target of the capture: all of its points stay in the images of all cameras.
     pub target: Option<String>,
     /// Point in place of a target that does so, m.
     pub look_at_m: Option<[f64; 3]>,
@@ -164,13 +165,13 @@ pub struct TrajectoryPoses {
 }
 
 /// Interpolation of a trajectory from one pose to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(rename_all = "kebab-case")]
 pub enum InterpolationName {
     /// Straight at constant speed, turning evenly.
     #[default]
     Linear,
-    /// On a spline, whose velocity and angular velocity do not jump at any pose between the first and the last.
+    /// Spline, whose velocity and angular velocity do not jump at any pose between the first and the last.
     Spline,
 }
 
@@ -201,7 +202,7 @@ pub struct TimedPoseDescription {
     pub focal_length_mm: Option<f64>,
 }
 
-/// Keys that differ from frame to frame, by one of these laws.
+/// Keys that differ from frame to frame, by one of these distributions.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct VariationDescription {
@@ -239,7 +240,7 @@ pub struct VariationDescription {
     /// Colours as displayed (sRGB), for keys such as `reflectance` and `rgb`.
     pub hsv: Option<HsvDescription>,
     /// Least and largest number of the keys that a pattern stands for which are true, and the others false. How many is
-    /// drawn, then which: of "lights.*.on", how many lamps are lit.
+    /// drawn, then which: of "lights.*.on", how many lights are on.
     pub count: Option<[u32; 2]>,
     /// Whether all keys that a pattern stands for have the same value. Left out: false.
     #[serde(default)]
@@ -253,7 +254,7 @@ pub struct VariationDescription {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SphereDescription {
-    /// Its middle, m. Left out: [0, 0, 0].
+    /// Middle of the sphere, m. Left out: [0, 0, 0].
     pub center_m: Option<[f64; 3]>,
     /// Least and largest radius, m; between two that differ, points are drawn evenly over the volume. Left out: [1, 1].
     #[schemars(transform = within(0.0..=1e18))]

@@ -1,4 +1,4 @@
-//! The random numbers of a variation in a frame, and how those of all frames lie together.
+//! Random numbers of a variation in a frame, and their joint distribution over all frames.
 
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
@@ -8,27 +8,27 @@ use photosite_core::math::hash::hash64;
 use photosite_core::math::normal;
 use photosite_core::math::philox::Philox;
 
-/// The numbers that one value of a variation is made of in a frame, one after the other. They follow from the seed of
-/// the value and the number of the frame, so that any frame can be made alone.
+/// Random numbers for one value of a variation in a frame, one after the other. They follow from the seed of the value
+/// and the number of the frame, so that any frame can be made alone.
 #[derive(Clone, Debug)]
 pub(super) struct Draws {
     random: Philox,
     strata: Option<Strata>,
 }
 
-/// A Latin hypercube ([McKay79](photosite_core::references#mckay79)): along each dimension the range from 0 to 1 is cut
+/// Latin hypercube ([McKay79](photosite_core::references#mckay79)): along each dimension the range from 0 to 1 is cut
 /// into as many parts as there are frames, and each part is that of one frame.
 #[derive(Clone, Debug)]
 struct Strata {
     seed: u64,
     frame: u32,
     frames: u32,
-    /// How many dimensions were asked for.
+    /// Number of dimensions drawn so far.
     dimensions: u64,
 }
 
 impl Draws {
-    /// Those of a seed in a frame of so many.
+    /// Random numbers of a seed in frame `frame` of `frames`.
     pub(super) fn new(sampling: SamplingDescription, seed: u64, frame: u32, frames: u32) -> Self {
         let strata = match sampling {
             SamplingDescription::Independent => None,
@@ -37,7 +37,7 @@ impl Draws {
         Self { random: Philox::new(seed, u64::from(frame)), strata }
     }
 
-    /// A number from 0 up to, but without, 1.
+    /// Draws a uniform number in [0, 1).
     pub(super) fn unit(&mut self) -> f64 {
         const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
         let within: f64 = self.random.random();
@@ -47,7 +47,7 @@ impl Draws {
         }
     }
 
-    /// A number from the standard normal distribution.
+    /// Draws from the standard normal distribution.
     pub(super) fn normal(&mut self) -> f64 {
         match self.strata {
             None => StandardNormal.sample(&mut self.random),
@@ -56,7 +56,7 @@ impl Draws {
         }
     }
 
-    /// One of so many things.
+    /// Draws an index below `count`.
     pub(super) fn index(&mut self, count: usize) -> usize {
         match self.strata {
             None => self.random.random_range(0..count),
@@ -64,7 +64,8 @@ impl Draws {
         }
     }
 
-    /// So many of a number of things, whether each is among them. Which ones is no dimension of a Latin hypercube.
+    /// Draws a subset of `wanted` out of `of` elements, as flags of membership. The choice is no dimension of a Latin
+    /// hypercube.
     pub(super) fn subset(&mut self, wanted: usize, of: usize) -> Vec<bool> {
         let mut order: Vec<usize> = (0..of).collect();
         let mut is_chosen = vec![false; of];
@@ -77,16 +78,16 @@ impl Draws {
 }
 
 impl Strata {
-    /// The part of the next dimension that is the frame's.
+    /// Stratum of the frame in the next dimension.
     fn next(&mut self) -> u64 {
         self.dimensions += 1;
         permuted(u64::from(self.frame), u64::from(self.frames.max(1)), hash64(self.seed, self.dimensions))
     }
 }
 
-/// Where a number below `count` comes to stand in the permutation of them that belongs to a key: a Feistel network
-/// ([LubyRackoff88](photosite_core::references#lubyrackoff88)) over the next power of four, gone through again until it
-/// leads below `count`.
+/// Position of `number` in the permutation of the numbers below `count` that belongs to `key`: a Feistel network
+/// ([LubyRackoff88](photosite_core::references#lubyrackoff88)) over the next power of four, repeated until it leads
+/// below `count`.
 fn permuted(number: u64, count: u64, key: u64) -> u64 {
     const ROUNDS: u64 = 8;
     let half = (u64::BITS - (count - 1).leading_zeros()).div_ceil(2);
@@ -113,7 +114,8 @@ mod tests {
 
     use super::*;
 
-    /// Of the tests of this file, at fixed seeds, none may fail by chance: a p-value below this is a mistake.
+    /// Significance level of the tests of this file: at fixed seeds none may fail by chance, so a smaller p-value is a
+    /// mistake.
     const LEAST_P: f64 = 1e-4;
 
     fn p_of_counts(observed: &[f64]) -> f64 {

@@ -2,14 +2,14 @@
 //! conditions.
 //!
 //! In: a [`DatasetDescription`], the cameras of the rig as their captures make them, the points that must stay in the
-//! picture. Out: for each frame and camera the changes to the capture, as overrides. Each frame is a function of
+//! image. Out: for each frame and camera the changes to the capture, as overrides. Each frame is a function of
 //! the description and its number alone, so that any of them can be made by anyone, in any order.
 
 mod description;
+mod distribution;
 mod draws;
-mod law;
 mod origin;
-mod place;
+mod placement;
 mod plan;
 mod poses;
 mod rig;
@@ -21,7 +21,9 @@ pub use description::{
     RigCameraDescription, RotationDescription, SamplingDescription, SphereDescription, TimedPoseDescription,
     TrajectoryPoses, VariationDescription,
 };
-pub use place::{BinDescription, CountDescription, PlaceDescription, PlaceMethod, PlaceRotation, RegionDescription};
+pub use placement::{
+    BinDescription, CountDescription, PlaceDescription, PlaceMethod, PlaceRotation, RegionDescription,
+};
 pub use plan::{CALIBRATION_FOLDER, Plan};
 pub use poses::Subject;
 pub use rig::{RigCamera, RigPlace};

@@ -1,11 +1,11 @@
-//! Which key of a data set file asks for a change to the capture.
+//! Origin of a change to the capture: the key of the data set file that asks for it.
 
 use super::DatasetDescription;
 use photosite_core::key_path::{path_matches, split_change};
 
 impl DatasetDescription {
-    /// The key that asks for a change (`key=value`) to the capture of the camera of that number in the rig. `None` for
-    /// changes that every data set makes.
+    /// Key that asks for a change (`key=value`) to the capture of camera `camera` of the rig; `None` for changes that
+    /// every data set makes.
     pub fn key_of(&self, camera: usize, change: &str) -> Option<String> {
         let key = split_change(change).map_or(change, |(key, _)| key);
         let of_rig = self.cameras.get(camera);
@@ -35,7 +35,7 @@ impl DatasetDescription {
         }
     }
 
-    /// The key that says where the rig is.
+    /// Key that sets the pose of the rig.
     fn key_of_pose(&self) -> Option<String> {
         let poses = self.poses.as_ref()?;
         let kinds = [

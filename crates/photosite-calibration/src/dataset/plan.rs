@@ -1,10 +1,10 @@
-//! What each frame of a data set is.
+//! Plan of a data set: the changes to the capture in each frame.
 
 use std::collections::BTreeSet;
 
 use glam::{DAffine3, DVec3};
 
-use super::poses::{Poses, Way};
+use super::poses::{CameraPath, Poses};
 use super::rig::{RigCamera, RigPlace};
 use super::toml_value::{self, list, number, toml};
 use super::variation::{Found, Variation};
@@ -13,14 +13,14 @@ use photosite_core::Invalid;
 use photosite_core::math::hash::hash64;
 use photosite_transport::scene::description::looking;
 
-/// The folder beside those of the cameras that is kept for what is known of all of them; no camera is called so.
+/// Folder of the calibration files of all cameras, beside those of the cameras; no camera may have this name.
 pub const CALIBRATION_FOLDER: &str = "calibration";
 
-/// What is set in all frames before anything else: pictures keep the distortion of the lens and the grid of the sensor,
-/// so that they show things where ground truth has them.
+/// Changes of all frames, made before all others: images keep the distortion of the lens and the grid of the sensor, so
+/// that points are where ground truth has them.
 const AS_TAKEN: [&str; 2] = ["develop.distortion=false", "develop.square_pixels=false"];
 
-/// Everything that frames are made from.
+/// Plan: everything that frames are made from.
 #[derive(Clone, Debug)]
 pub struct Plan {
     seed: u64,
@@ -29,12 +29,12 @@ pub struct Plan {
     /// Whether the capture's own camera pose is kept.
     keeps_pose: bool,
     variations: Vec<Variation>,
-    /// Whether these say when the scene is seen.
+    /// Whether the variations set the time at which the scene is seen.
     varies_time: bool,
     frames: u32,
 }
 
-/// What of the description a seed is for.
+/// Purpose of a seed.
 #[derive(Clone, Copy)]
 enum Purpose {
     Light,
@@ -44,8 +44,8 @@ enum Purpose {
 }
 
 impl Plan {
-    /// Checks a description against the rig and what there is to look at. `start` is camera → world of the capture,
-    /// `found` what the patterns of each variation stand for.
+    /// Checks a description against the rig and its subjects, and plans it. `start` is camera → world of the capture,
+    /// `found` the matches of each variation's patterns.
     pub fn new(
         description: &DatasetDescription,
         cameras: Vec<RigCamera>,
@@ -87,28 +87,28 @@ impl Plan {
         })
     }
 
-    /// How many frames there are.
+    /// Number of frames.
     pub fn frames(&self) -> u32 {
         self.frames
     }
 
-    /// The rig.
+    /// Cameras of the rig.
     pub fn cameras(&self) -> &[RigCamera] {
         &self.cameras
     }
 
-    /// The keys that vary, each once.
+    /// Varied keys, each once.
     pub fn varied_keys(&self) -> BTreeSet<&str> {
         self.variations.iter().flat_map(Variation::keys).collect()
     }
 
-    /// When a frame is taken, from the start of the first, s; along a trajectory alone.
+    /// Time of a frame from the start of the first, s; along a trajectory alone.
     pub fn time_s(&self, number: u32) -> Option<f64> {
         self.poses.time_s(number)
     }
 
-    /// A frame: for each camera of the rig, all overrides of the capture. Those of `arguments` come after what
-    /// the description says, and before what makes the picture one of its own: serial number, seed, the next frame.
+    /// Plans a frame: for each camera of the rig, all overrides of the capture. Those of `arguments` come after those
+    /// of the description, and before those that make the image unique: serial number, seed, the next frame.
     pub fn frame(&self, number: u32, arguments: &[String]) -> Result<Vec<Vec<String>>, Invalid> {
         let now = self.described(number)?;
         let flows = self.cameras.iter().any(|camera| camera.flows);
@@ -123,7 +123,7 @@ impl Plan {
                     after.map_or("false".to_owned(), |changes| toml(&changes.into()))
                 ));
             }
-            // A camera alone is the specimen that its capture says.
+            // A camera alone has the serial number that its capture says.
             let is_alone = self.cameras.len() == 1;
             let varies = self.variations.iter().any(|variation| variation.keys().any(|key| key == SERIAL));
             if !is_alone && (!varies || arguments.iter().any(|argument| names_serial(argument))) {
@@ -135,20 +135,20 @@ impl Plan {
         Ok(now.into_iter().enumerate().map(of_camera).collect())
     }
 
-    /// Light and temporal noise of their own for each picture, in as many bits as a JSON number holds. What the capture
-    /// states makes other ones.
+    /// Seed of an image's light and temporal noise, in as many bits as a JSON number holds. Another seed in the capture
+    /// makes other ones.
     fn seed_of(&self, camera: usize, number: u32) -> u64 {
         let seed = hash64(self.seed_for(Purpose::Light, camera), u64::from(number));
         let stated = self.cameras[camera].seed;
         (if stated == 0 { seed } else { hash64(seed, stated) }) >> 11
     }
 
-    /// The seed of the places that a table of `[[place]]` gives in a frame.
+    /// Seed of the places that a `[[place]]` table gives in a frame.
     pub fn places_seed(&self, table: usize, number: u32) -> u64 {
         hash64(self.seed_for(Purpose::Places, table), u64::from(number))
     }
 
-    /// What the description says of a frame: the same keys in the same order in each.
+    /// Overrides of a frame by the description: the same keys in the same order in each frame.
     fn described(&self, number: u32) -> Result<Vec<Vec<String>>, Invalid> {
         let poses_seed = self.seed_for(Purpose::Poses, 0);
         let rig = self.poses.pose(poses_seed, number, &self.cameras).map_err(|e| e.within("poses"))?;
@@ -183,18 +183,18 @@ impl Plan {
     }
 }
 
-/// The key of when the scene is seen.
+/// Key of the time at which the scene is seen.
 const TIME: &str = "scene.time_s";
-/// The end of those of when animations are.
+/// End of the keys that set the time of an animation.
 const ANIMATION_TIME: &str = "animation_time_s";
-/// The key that zoom changes.
+/// Key that zoom changes.
 const FOCAL_LENGTH: &str = "lens.focal_length_mm";
-/// The key of the number that fixed pattern belongs to.
+/// Key of the serial number, which the fixed pattern follows from.
 const SERIAL: &str = "sensor.serial";
-/// Seed of light and temporal noise.
+/// Key of the seed of light and temporal noise.
 const SEED: &str = "render.seed";
 
-/// Refuses keys that cannot be varied so.
+/// Refuses variations of keys that cannot be varied so.
 fn check_variations(variations: &[Variation], cameras: &[RigCamera]) -> Result<(), Invalid> {
     let is_pair = cameras.iter().any(|camera| camera.place.partner.is_some());
     let keys = |(i, variation)| Variation::keys(variation).map(move |key| (i, variation, key));
@@ -203,11 +203,15 @@ fn check_variations(variations: &[Variation], cameras: &[RigCamera]) -> Result<(
             Err(Invalid::new(format!("vary[{i}].{of_table}"), format!("{key}: {message}")).help(help))
         };
         if key == SEED {
-            let message = "every picture has a seed of its own, made from the data set's";
+            let message = "every image has a seed of its own, made from the data set's";
             return refuse("key", message, "remove it; for other noise write seed = 1, without a table");
         }
         if key == SERIAL && cameras.len() > 1 && !variation.is_per_camera() {
-            return refuse("per_camera", "all cameras of the rig would be the same specimen", "add per_camera = true");
+            return refuse(
+                "per_camera",
+                "all cameras of the rig would have the same serial number",
+                "add per_camera = true",
+            );
         }
         let decides_geometry =
             ["lens.", "sensor.resolution_px", "sensor.pixel_pitch_um", "sensor.format", "sensor.preset"];
@@ -220,8 +224,8 @@ fn check_variations(variations: &[Variation], cameras: &[RigCamera]) -> Result<(
     Ok(())
 }
 
-/// The changes that make a capture that of another frame, as far as flow goes: what differs of `next` from `now`, and
-/// those of the arguments, which come after, that speak of the same tables.
+/// Changes that turn a capture into that of the next frame, as far as flow is concerned: the changes in `next` that
+/// differ from `now`, and those of the arguments, which come after, to the same tables.
 fn changes(now: &[String], next: &[String], arguments: &[String]) -> Vec<String> {
     let table = |argument: &String| argument.split(['.', '=']).next().unwrap_or_default().trim().to_owned();
     let is_in_view = |argument: &&String| {
@@ -248,7 +252,7 @@ fn names_serial(argument: &str) -> bool {
 }
 
 impl DatasetDescription {
-    /// The cameras of the rig and their places; names are checked.
+    /// Cameras of the rig with their places; names are checked.
     pub fn rig(&self) -> Result<Vec<RigPlace>, Invalid> {
         let set_in_all = || AS_TAKEN.into_iter().map(str::to_owned).chain(self.set.iter().cloned());
         if self.cameras.is_empty() {
@@ -304,7 +308,7 @@ impl DatasetDescription {
     }
 }
 
-/// A pose as the keys that say it, with their values in TOML.
+/// Keys of a pose, with their values in TOML.
 fn pose_keys(to_world: &DAffine3) -> [(&'static str, String); 3] {
     let DAffine3 { matrix3, translation } = *to_world;
     [
@@ -314,8 +318,8 @@ fn pose_keys(to_world: &DAffine3) -> [(&'static str, String); 3] {
     ]
 }
 
-/// The way of a camera from the start of a frame to the end of the next.
-fn on_the_way(way: &Way, frame: u32, camera: &RigCamera) -> [String; 2] {
+/// Trajectory keys of a camera from the start of a frame to the end of the next.
+fn on_the_way(way: &CameraPath, frame: u32, camera: &RigCamera) -> [String; 2] {
     // Between two of these the camera goes straight. On its turns it is off its way by (angle)²/8 of the distance to
     // the middle of the rig: a millionth where it turns by a twentieth of a radian.
     const STEPS: u32 = 32;

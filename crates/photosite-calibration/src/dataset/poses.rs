@@ -1,4 +1,4 @@
-//! Where the rig is in a frame.
+//! Poses of the rig in each frame.
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use rand::RngExt;
@@ -11,25 +11,25 @@ use photosite_core::math::philox::Philox;
 use photosite_transport::geometry::{TimedPose, Trajectory};
 use photosite_transport::scene::description::{look_at, looking};
 
-/// What poses are taken around.
+/// Subject that poses are taken around.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    /// Its name in the capture.
+    /// Name of the subject in the capture.
     pub name: String,
-    /// Its own frame (x right, y down, z into the sheet, metres) → world.
+    /// Pose of the subject: its own frame (x right, y down, z into the sheet, metres) → world.
     pub to_world: DAffine3,
-    /// The points that must stay in the picture, in the world, m.
+    /// Points that must stay in the image, in the world, m.
     pub points: Vec<DVec3>,
 }
 
 impl Subject {
-    /// A point that is looked at along the world's −z.
+    /// Subject that is a point, looked at along the world's −z.
     fn point(position: DVec3) -> Self {
         let to_world = DAffine3::from_translation(position) * DAffine3::from_scale(DVec3::new(1.0, -1.0, -1.0));
         Self { name: String::new(), to_world, points: vec![position] }
     }
 
-    /// The middle of the box around its points, along its own axes; in the world, m.
+    /// Middle of the box around the subject's points, along its own axes; in the world, m.
     fn middle(&self) -> DVec3 {
         let inverse = self.to_world.inverse();
         let own = self.points.iter().map(|p| inverse.transform_point3(*p));
@@ -39,7 +39,7 @@ impl Subject {
         self.to_world.transform_point3((low + high) / 2.0)
     }
 
-    /// Unit direction in the world towards those who look at its front.
+    /// Unit direction in the world from the subject towards viewers of its front.
     fn front(&self) -> DVec3 {
         -self.to_world.matrix3.z_axis.normalize()
     }
@@ -48,14 +48,14 @@ impl Subject {
 /// Rig → world in each frame.
 #[derive(Clone, Debug)]
 pub(super) enum Poses {
-    /// The same in all.
+    /// One pose for all frames.
     Fixed(DAffine3),
-    /// One after the other, again and again.
+    /// Poses one after the other, repeated from the first.
     List(Vec<DAffine3>),
-    /// At random.
+    /// Random views.
     Random(Around),
-    /// Along a way.
-    Trajectory(Way),
+    /// Poses along a trajectory.
+    Trajectory(CameraPath),
 }
 
 /// Ranges of views of a subject.
@@ -68,20 +68,20 @@ pub(super) struct Around {
     margin_px: f64,
 }
 
-/// A way in time.
+/// Trajectory in time.
 #[derive(Clone, Debug)]
-pub(super) struct Way {
+pub(super) struct CameraPath {
     pub(super) motion: Trajectory,
     pub(super) frame_rate_hz: f64,
-    /// From the first pose to the last.
+    /// Duration from the first pose to the last, s.
     length_s: f64,
     pub(super) moving: bool,
-    /// Focal length in mm by time in s; empty where the lens stays as it is.
+    /// Zoom: focal length in mm by time in s; empty where it is constant.
     zoom: Vec<(f64, f64)>,
 }
 
 impl Poses {
-    /// Checks a description. `start` is where the capture's own camera is.
+    /// Checks a description. `start` is the pose of the capture's own camera.
     pub(super) fn new(d: &PosesDescription, subjects: &[Subject], start: DAffine3) -> Result<Self, Invalid> {
         let given = [
             ("list", d.list.is_some()),
@@ -109,12 +109,12 @@ impl Poses {
             return Around::new(random, subjects).map(Self::Random).map_err(|invalid| invalid.within("random"));
         }
         if let Some(trajectory) = &d.trajectory {
-            return Way::new(trajectory).map(Self::Trajectory).map_err(|invalid| invalid.within("trajectory"));
+            return CameraPath::new(trajectory).map(Self::Trajectory).map_err(|invalid| invalid.within("trajectory"));
         }
         Ok(Self::Fixed(start))
     }
 
-    /// How many frames it has by itself.
+    /// Number of frames that the poses determine by themselves.
     pub(super) fn count(&self) -> Option<usize> {
         match self {
             Self::List(poses) => Some(poses.len()),
@@ -123,7 +123,7 @@ impl Poses {
         }
     }
 
-    /// The time of a frame from the start of the first, where there is such, s.
+    /// Time of a frame from the start of the first, s; `None` where frames have no times.
     pub(super) fn time_s(&self, frame: u32) -> Option<f64> {
         match self {
             Self::Trajectory(way) => Some(f64::from(frame) / way.frame_rate_hz),
@@ -131,7 +131,7 @@ impl Poses {
         }
     }
 
-    /// The focal length in a frame, where it is one along a way with zoom, mm.
+    /// Focal length in a frame, mm; `None` where the poses do not zoom.
     pub(super) fn focal_length_mm(&self, frame: u32) -> Option<f64> {
         match self {
             Self::Trajectory(way) => way.focal_length_mm(frame),
@@ -139,7 +139,7 @@ impl Poses {
         }
     }
 
-    /// Rig → world in a frame. `seed` is that of poses alone.
+    /// Rig → world in a frame. `seed` is used for poses alone.
     pub(super) fn pose(&self, seed: u64, frame: u32, cameras: &[RigCamera]) -> Result<DAffine3, Invalid> {
         match self {
             Self::Fixed(pose) => Ok(*pose),
@@ -150,7 +150,7 @@ impl Poses {
     }
 }
 
-/// The subject that is named, or a point.
+/// Subject by the name of a target, or a point.
 fn subject(target: Option<&String>, look_at_m: Option<[f64; 3]>, subjects: &[Subject]) -> Result<Subject, Invalid> {
     match (target, look_at_m) {
         (Some(_), Some(_)) => Err(Invalid::new("look_at_m", "cannot be combined with target").help("keep one of them")),
@@ -222,8 +222,8 @@ impl Around {
         })
     }
 
-    /// A view drawn at random. The middle of the subject is sent to a point of the first camera's picture, moved
-    /// towards its middle until all points are in all pictures; points of successive frames are spread evenly
+    /// Draws a view at random. The middle of the subject is sent to a point of the first camera's image, moved towards
+    /// its middle until all points are in all images; points of successive frames are spread evenly
     /// ([Roberts18](photosite_core::references#roberts18)).
     fn pose(&self, seed: u64, frame: u32, cameras: &[RigCamera]) -> Result<DAffine3, Invalid> {
         const VIEWS: usize = 1000;
@@ -271,7 +271,7 @@ impl Around {
     }
 }
 
-impl Way {
+impl CameraPath {
     fn new(d: &TrajectoryPoses) -> Result<Self, Invalid> {
         if !(d.frame_rate_hz.is_finite() && d.frame_rate_hz > 0.0) {
             return Err(Invalid::new("frame_rate_hz", format!("must be above 0, got {}", d.frame_rate_hz)));
@@ -292,7 +292,7 @@ impl Way {
         })
     }
 
-    /// The focal length at the start of a frame, mm; `None` where the lens stays as it is.
+    /// Focal length at the start of a frame, mm; `None` where the trajectory does not zoom.
     pub(super) fn focal_length_mm(&self, frame: u32) -> Option<f64> {
         let time_s = f64::from(frame) / self.frame_rate_hz;
         let next = self.zoom.partition_point(|(time, _)| *time <= time_s);
@@ -303,7 +303,7 @@ impl Way {
     }
 }
 
-/// The focal lengths of poses, of which all have one or none.
+/// Focal lengths of a trajectory's poses, which either all have one or none.
 fn zoom(poses: &[TimedPoseDescription]) -> Result<Vec<(f64, f64)>, Invalid> {
     let Some(first) = poses.iter().position(|pose| pose.focal_length_mm.is_some()) else { return Ok(Vec::new()) };
     let at = |(i, pose): (usize, &TimedPoseDescription)| match pose.focal_length_mm {

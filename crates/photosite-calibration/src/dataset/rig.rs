@@ -1,37 +1,37 @@
-//! The cameras of a data set's rig.
+//! Cameras of a data set's rig.
 
 use glam::DAffine3;
 
 use photosite_transport::optics::Camera;
 
-/// What a description says of a camera of the rig.
+/// Camera of the rig as described.
 #[derive(Clone, Debug)]
 pub struct RigPlace {
-    /// What its folder is called.
+    /// Name of the camera's folder.
     pub name: String,
-    /// Camera → rig.
+    /// Transform camera → rig.
     pub in_rig: DAffine3,
     /// Index of the camera that disparity leads to.
     pub partner: Option<usize>,
     /// Changes to the capture for this camera, in all frames.
     pub set: Vec<String>,
-    /// Whether its own changes name its serial number.
+    /// Whether the camera's own changes name its serial number.
     pub is_numbered: bool,
 }
 
-/// A camera of the rig.
+/// Camera of the rig.
 #[derive(Clone, Debug)]
 pub struct RigCamera {
-    /// Its place, as stated.
+    /// Description of the camera's place in the rig.
     pub place: RigPlace,
-    /// The camera, wherever it stands, as the capture makes it.
+    /// Camera as the capture makes it, whatever its pose.
     pub camera: Camera,
-    /// Serial number of its sensor.
+    /// Serial number of the camera's sensor.
     pub serial: u64,
-    /// The seed that its capture states.
+    /// Seed that the camera's capture states.
     pub seed: u64,
-    /// Whether flow of ground truth is asked of it.
+    /// Whether flow of ground truth is requested of the camera.
     pub flows: bool,
-    /// Whether anything in its scene moves by itself.
+    /// Whether anything in the camera's scene moves by itself.
     pub scene_moves: bool,
 }

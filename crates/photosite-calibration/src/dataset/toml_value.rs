@@ -2,17 +2,17 @@
 
 use serde_json::Value;
 
-/// A number as TOML has it, with all digits that tell it from others.
+/// Number as TOML, with all digits that tell it from others.
 pub(super) fn number(x: f64) -> String {
     format!("{x:?}")
 }
 
-/// Numbers in brackets. There is no negative 0 among them.
+/// List of numbers in brackets, without a negative 0.
 pub(super) fn list(numbers: impl IntoIterator<Item = f64>) -> String {
     format!("[{}]", numbers.into_iter().map(|x| number(x + 0.0)).collect::<Vec<_>>().join(", "))
 }
 
-/// A value as TOML writes it in a line.
+/// Value as TOML in a single line.
 pub fn toml(value: &Value) -> String {
     match value {
         // Null cannot come from TOML.
@@ -27,7 +27,7 @@ pub fn toml(value: &Value) -> String {
     }
 }
 
-/// JSON's strings are TOML's basic ones.
+/// Text in quotes: JSON's strings are TOML's basic ones.
 fn text_in_quotes(text: &str) -> String {
     Value::from(text).to_string()
 }

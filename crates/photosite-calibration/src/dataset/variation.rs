@@ -1,27 +1,27 @@
-//! The values of the keys that a `[[vary]]` speaks of, in a frame.
+//! Variations: the values of the keys of a `[[vary]]` in each frame.
 
+use super::distribution::VariationDistribution;
 use super::draws::Draws;
-use super::law::Law;
 use super::toml_value::toml;
 use super::{SamplingDescription, VariationDescription};
 use photosite_core::Invalid;
 use photosite_core::key_path;
 use photosite_core::math::hash::hash64;
 
-/// What a pattern of a `[[vary]]` stands for in the capture and on the disk.
+/// Matches of a `[[vary]]` pattern in the capture and on disk.
 #[derive(Clone, Debug, Default)]
 pub struct Found {
-    /// The keys that its key stands for, which are one where it is no pattern.
+    /// Keys that the variation's key matches: one, where it is no pattern.
     pub keys: Vec<String>,
-    /// The files of its pattern of files, relative to the capture.
+    /// Files that match the variation's pattern of files, relative to the capture.
     pub files: Vec<String>,
 }
 
-/// Keys with the law of their values.
+/// Keys with the distribution of their values.
 #[derive(Clone, Debug)]
 pub(super) struct Variation {
     keys: Vec<String>,
-    law: Law,
+    distribution: VariationDistribution,
     sampling: SamplingDescription,
     /// Whether each key has a value of its own.
     is_of_pattern: bool,
@@ -29,7 +29,7 @@ pub(super) struct Variation {
 }
 
 impl VariationDescription {
-    /// The keys that it names, as they are written.
+    /// Keys of the variation, as they are written.
     pub fn keys(&self) -> impl Iterator<Item = &str> {
         let of_tables = self.choices.iter().flatten().next().into_iter().flat_map(|table| table.keys());
         self.key.as_deref().into_iter().chain(of_tables.map(String::as_str)).map(str::trim)
@@ -39,7 +39,7 @@ impl VariationDescription {
 impl Variation {
     /// Checks a description.
     pub(super) fn new(d: &VariationDescription, found: &Found, sampling: SamplingDescription) -> Result<Self, Invalid> {
-        let law = Law::new(d, &found.files)?;
+        let distribution = VariationDistribution::new(d, &found.files)?;
         let refuse = |key: &str, message: &str, help: &str| Err(Invalid::new(key, message).help(help));
         match (&d.key, &d.choices) {
             (None, None) => {
@@ -56,11 +56,11 @@ impl Variation {
         }
         let is_pattern =
             d.key.as_ref().is_some_and(|key| key_path::keys(key).iter().any(|key| key_path::is_pattern(key)));
-        if d.together && !(is_pattern && matches!(law, Law::Value(_))) {
+        if d.together && !(is_pattern && matches!(distribution, VariationDistribution::Value(_))) {
             let message = "only applies with a key that matches several, such as \"materials.paint-*.roughness\"";
             return refuse("together", message, "remove it");
         }
-        if let Law::Count([_, most]) = law {
+        if let VariationDistribution::Count([_, most]) = distribution {
             let keys = found.keys.len();
             if !is_pattern {
                 let message = "only applies with a key that matches several, such as \"lights.*.on\"";
@@ -71,14 +71,14 @@ impl Variation {
                 return refuse("count", &message, "write a number up to that");
             }
         }
-        let keys = match &law {
-            Law::Choices(choice) => choice.things()[0].keys().cloned().collect(),
-            Law::Value(_) | Law::Count(_) => found.keys.clone(),
+        let keys = match &distribution {
+            VariationDistribution::Choices(choice) => choice.things()[0].keys().cloned().collect(),
+            VariationDistribution::Value(_) | VariationDistribution::Count(_) => found.keys.clone(),
         };
-        Ok(Self { keys, law, sampling, is_of_pattern: is_pattern && !d.together, per_camera: d.per_camera })
+        Ok(Self { keys, distribution, sampling, is_of_pattern: is_pattern && !d.together, per_camera: d.per_camera })
     }
 
-    /// The keys that vary.
+    /// Keys that vary.
     pub(super) fn keys(&self) -> impl Iterator<Item = &str> {
         self.keys.iter().map(|key| key.trim())
     }
@@ -88,25 +88,25 @@ impl Variation {
         self.per_camera
     }
 
-    /// `key=value` of each key in a frame of so many, for a camera. `seed` is this variation's own.
+    /// Draws `key=value` of each key in frame `frame` of `frames`, for a camera. `seed` is this variation's own.
     pub(super) fn set(&self, seed: u64, frame: u32, frames: u32, camera: usize) -> Vec<String> {
         let seed = hash64(seed, if self.per_camera { camera as u64 + 1 } else { 0 });
         let draws = |seed| Draws::new(self.sampling, seed, frame, frames);
-        match &self.law {
-            Law::Choices(choice) => {
+        match &self.distribution {
+            VariationDistribution::Choices(choice) => {
                 let table = choice.draw(&mut draws(seed));
                 table.iter().map(|(key, value)| format!("{key}={}", toml(value))).collect()
             }
-            Law::Count([least, most]) => {
+            VariationDistribution::Count([least, most]) => {
                 let mut draws = draws(seed);
                 let count = *least as usize + draws.index((most - least) as usize + 1);
                 let is_chosen = draws.subset(count, self.keys.len());
                 self.keys.iter().zip(is_chosen).map(|(key, is_chosen)| format!("{key}={is_chosen}")).collect()
             }
-            Law::Value(law) => {
+            VariationDistribution::Value(distribution) => {
                 // A key that comes to be, as of another material, leaves the values of the others as they are.
                 let seed_of = |key: &str| if self.is_of_pattern { hash64(seed, hash_of(key)) } else { seed };
-                let value = |key: &String| law.draw(&mut draws(seed_of(key)), frame, frames);
+                let value = |key: &String| distribution.draw(&mut draws(seed_of(key)), frame, frames);
                 self.keys.iter().map(|key| format!("{key}={}", value(key))).collect()
             }
         }
@@ -135,7 +135,8 @@ mod tests {
         Variation::new(&described(d), &found(keys), SamplingDescription::Independent).expect("a variation")
     }
 
-    /// What the first version with data sets drew for a set of seed 5 and three frames: sets keep their pictures.
+    /// Reference: draws of the first version with data sets, for a set of seed 5 and three frames, so that sets keep
+    /// their images.
     #[test]
     fn draws_stay_what_they_were() {
         let cases = [
@@ -149,9 +150,9 @@ mod tests {
             (json!({ "choice": ["D65", "A", "D50"], "per_camera": true }), 0, ["\"D65\"", "\"A\"", "\"D65\""]),
             (json!({ "sweep": [2, 4] }), 0, ["2.0", "3.0", "4.0"]),
         ];
-        for (i, (mut law, camera, golden)) in cases.into_iter().enumerate() {
-            law["key"] = "k".into();
-            let variation = variation(law, &["k"]);
+        for (i, (mut distribution, camera, golden)) in cases.into_iter().enumerate() {
+            distribution["key"] = "k".into();
+            let variation = variation(distribution, &["k"]);
             let seed = hash64(hash64(5, 2), i as u64);
             let drawn = [0, 1, 2].map(|frame| variation.set(seed, frame, 3, camera));
             assert_eq!(drawn, golden.map(|value| vec![format!("k={value}")]));

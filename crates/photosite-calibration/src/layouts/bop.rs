@@ -1,4 +1,4 @@
-//! The layout of the BOP data sets ([Bop](photosite_core::references#bop)):
+//! Layout of the BOP data sets ([Bop](photosite_core::references#bop)):
 //!
 //! ```text
 //! models/{models_info.json, obj_000001.ply}
@@ -13,24 +13,24 @@
 //! from the world, whose y points up.
 //!
 //! Depth is along the axis, in steps of `depth_scale` of 0.1 mm or the smallest power of ten times that which 16 bits
-//! can hold; 0 is nothing. A mask is all that would be seen of the object if nothing stood before it, `mask_visib` what
-//! is. As in the toolkit's `calc_gt_info.py`, `px_count_all` and `bbox_obj` count what lies beyond the picture as well,
-//! on a canvas of three times its width and height, and the width of a box is the difference of its last and its first
-//! column. What is seen is taken from the instance layer, exactly, and not from depths.
+//! can hold; 0 is no surface. A mask is the object without its occluders, `mask_visib` its visible part. As in the
+//! toolkit's `calc_gt_info.py`, `px_count_all` and `bbox_obj` count what lies beyond the image as well, on a canvas of
+//! three times its width and height, and the width of a box is the difference of its last and its first column.
+//! Visibility is taken from the instance layer, exactly, and not from depths.
 //!
 //! Ground and backdrop are no objects here.
 //!
-//! The format has no distortion, and one pose a picture: lenses with distortion, and rows that are taken one after the
-//! other while something moves, are refused.
+//! The format has no distortion, and one pose per image: lenses with distortion, and rolling shutters while something
+//! moves, are refused.
 
 use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use serde_json::{Map, Value, json};
 
+use super::image_set::{ImageSet, LayoutFiles, Shot};
 use super::models::Model;
 use super::objects::{SceneObject, object_of_pixel};
-use super::picture_set::{LayoutFiles, PictureSet, Shot};
 use super::silhouette::Silhouette;
 use crate::truth::TruthLayer;
 use photosite_core::image::Planes;
@@ -40,7 +40,7 @@ use photosite_core::{Invalid, Result};
 use photosite_transport::scene::description::{InstanceDescription, SceneDescription, rigid};
 use photosite_transport::scene::{self, Scene};
 
-pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()> {
+pub(super) fn write(set: &ImageSet, files: &mut dyn LayoutFiles) -> Result<()> {
     set.shots.iter().try_for_each(check).map_err(|invalid| set.error(invalid))?;
     let mut models: Vec<Model> = Vec::new();
     let mut built: Option<Built> = None;
@@ -70,7 +70,7 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
     files.write_text("models/models_info.json", &by_line(&info))
 }
 
-/// What the format has no words for.
+/// Refuses lenses and exposures that the format cannot express.
 fn check(shot: &Shot) -> Result<(), Invalid> {
     match shot.calibrated.projection.calibration_model() {
         Some(CalibrationModel::Pinhole) => {}
@@ -88,33 +88,33 @@ fn check(shot: &Shot) -> Result<(), Invalid> {
     }
     if shot.is_skewed {
         let message = format!("the rows of {} are exposed one after another while something moves", shot.folder);
-        let help = "BOP files have one pose for each picture: make a data set with sensor.shutter = \"global\"";
+        let help = "BOP files have one pose for each image: make a data set with sensor.shutter = \"global\"";
         return Err(Invalid::new("sensor.shutter", message).help(help));
     }
     Ok(())
 }
 
-/// A JSON object with a line for each key.
+/// JSON object with a line for each key.
 fn by_line(entries: &Map<String, Value>) -> String {
     let lines: Vec<String> = entries.iter().map(|(key, value)| format!("  {}: {value}", json!(key))).collect();
     format!("{{\n{}\n}}\n", lines.join(",\n"))
 }
 
-/// The geometry of the objects, each on its own.
+/// Geometry of the objects, each in a scene of its own.
 struct Built {
     description: Arc<SceneDescription>,
     objects: Vec<BuiltObject>,
 }
 
 struct BuiltObject {
-    /// Its index among the objects of the pictures.
+    /// Index among the objects of the images.
     index: usize,
     scene: Scene,
-    /// Points between which it lies, in the world, m.
+    /// Points in the world that enclose the object, m.
     corners: Vec<DVec3>,
-    /// Number of its model.
+    /// Number of the object's model.
     model: usize,
-    /// Model → world, m.
+    /// Pose: model → world, m.
     to_world: DAffine3,
 }
 
@@ -129,7 +129,7 @@ impl Built {
         };
         if let Some(instance) = description.instances.iter().find(|instance| moves(instance)) {
             let message =
-                format!("{} moves while the picture is taken, and BOP files have one pose for it", instance.name);
+                format!("{} moves while the image is taken, and BOP files have one pose for it", instance.name);
             return Err(Invalid::new("scene", message).help("make a data set without animation, or motion of objects"));
         }
         let found = SceneObject::of_scene(&description);
@@ -137,7 +137,7 @@ impl Built {
             a.name == b.name && a.numbers == b.numbers && a.to_world.abs_diff_eq(b.to_world, 1e-9)
         };
         if found.len() != objects.len() || !found.iter().zip(objects).all(is_same) {
-            let message = "the geometry files have changed since the pictures were made";
+            let message = "the geometry files have changed since the images were made";
             return Err(Invalid::new("", message).help("put the files back, or make the data set again"));
         }
         let quadric = |i: &InstanceDescription| {
@@ -170,7 +170,7 @@ impl Built {
     }
 }
 
-/// The scene of nothing but an object.
+/// Scene that holds an object alone.
 fn alone(object: &SceneObject, description: &SceneDescription) -> Scene {
     let mut part = SceneDescription {
         images: description.images.clone(),
@@ -185,7 +185,7 @@ fn alone(object: &SceneObject, description: &SceneDescription) -> Scene {
     scene::build(part, &Spectrum::constant(1.0))
 }
 
-/// The files of a scene folder, as far as they have come.
+/// Files of a scene folder, as far as they have been gathered.
 #[derive(Default)]
 struct SceneFiles {
     cameras: Map<String, Value>,
@@ -205,7 +205,7 @@ impl SceneFiles {
         let image = format!("{:06}", shot.frame);
         let key = shot.frame.to_string();
         let colours = if files.is_grey(shot)? { "gray" } else { "rgb" };
-        files.copy_picture(&format!("{folder}/{colours}/{image}.png"), shot)?;
+        files.copy_image(&format!("{folder}/{colours}/{image}.png"), shot)?;
         let size = shot.calibrated.resolution;
         let depth = truth.plane("depth").unwrap_or_default();
         let scale_mm = depth_scale_mm(depth);
@@ -236,25 +236,25 @@ impl SceneFiles {
     }
 }
 
-/// The rotation row by row, and the translation in mm.
+/// Rotation row by row, and translation in mm.
 fn rotation_and_mm(pose: &DAffine3) -> [Value; 2] {
     let rotation: DMat3 = pose.matrix3.transpose();
     // Adding zero makes zeros of negative ones.
     [json!(rotation.to_cols_array().map(|x| x + 0.0)), json!((pose.translation * 1e3).to_array().map(|x| x + 0.0))]
 }
 
-/// 0.1 mm, or the smallest power of ten times that with which 16 bits hold all depths.
+/// Depth step: 0.1 mm, or the smallest power of ten times that with which 16 bits hold all depths.
 fn depth_scale_mm(depth: &[f32]) -> f64 {
     let largest_mm = f64::from(depth.iter().copied().filter(|metres| metres.is_finite()).fold(0.0, f32::max)) * 1e3;
     [0.1, 1.0, 10.0, 100.0].into_iter().find(|scale| largest_mm / scale <= f64::from(u16::MAX)).unwrap_or(1000.0)
 }
 
-/// 0 is for nothing: what is there is at least a step away.
+/// Code of a depth; 0 means no surface, so that a surface has 1 at least.
 fn depth_code(metres: f32, scale_mm: f64) -> u16 {
     if metres.is_finite() && metres > 0.0 { (f64::from(metres) * 1e3 / scale_mm).round().max(1.0) as u16 } else { 0 }
 }
 
-/// What is found of an object in a picture.
+/// Masks of an object in an image, and its entry in `scene_gt_info.json`.
 struct Found {
     mask: Vec<bool>,
     visible: Vec<bool>,
@@ -262,7 +262,8 @@ struct Found {
 }
 
 impl Found {
-    /// `None` where the object would not be seen even by a larger sensor. `seen` says which object each pixel sees.
+    /// Masks of an object in an image; `None` where the object would not be seen even by a larger sensor. `seen` names
+    /// the object that each pixel sees.
     fn new(
         silhouette: &Silhouette,
         seen: &[Option<usize>],
@@ -303,7 +304,7 @@ impl Found {
     }
 }
 
-/// How many pixels there are, and between which columns and rows.
+/// Number of pixels, and the columns and rows that enclose them.
 #[derive(Default)]
 struct Extent {
     count: usize,

@@ -1,4 +1,4 @@
-//! COCO's annotations of instances and key points ([Coco](photosite_core::references#coco)):
+//! Layout of COCO's annotations of instances and key points ([Coco](photosite_core::references#coco)):
 //!
 //! ```text
 //! images/CAMERA/000000.png
@@ -9,23 +9,23 @@
 //! lengths, column by column, with their count as the area; `iscrowd` is 0, as each is one object. Boxes are x, y,
 //! width, height, where 0, 0, 1, 1 encloses the first pixel.
 //!
-//! The points of a target, and the key points of an object, are key points of its category, x, y, v each, with integer coordinates at pixel centres, as
-//! COCO's annotations have them: v is 2 for one that is visible, 1 for one that is hidden, and all three are 0 for one
-//! beyond the picture. What no pixel sees is not annotated.
+//! The points of a target, and the key points of an object, are key points of its category, x, y, v each, with integer
+//! coordinates at pixel centres, as in COCO's annotations: v is 2 for a visible point, 1 for a hidden one, and all
+//! three are 0 for a point beyond the image. Objects that no pixel sees are not annotated.
 
 use serde_json::{Value, json};
 
+use super::image_set::{ImageSet, LayoutFiles, SeenPoint, SeenTarget, Shot};
 use super::objects::{SceneObject, object_of_pixel};
-use super::picture_set::{LayoutFiles, PictureSet, SeenPoint, SeenTarget, Shot};
 use crate::truth::TruthLayer;
 use photosite_core::Result;
 
-pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()> {
+pub(super) fn write(set: &ImageSet, files: &mut dyn LayoutFiles) -> Result<()> {
     let mut categories: Vec<Category> = Vec::new();
     let (mut images, mut annotations) = (Vec::new(), Vec::new());
     for (image, shot) in (1..).zip(&set.shots) {
         let name = format!("{}/{:06}.png", set.cameras[shot.camera], shot.frame);
-        files.copy_picture(&format!("images/{name}"), shot)?;
+        files.copy_image(&format!("images/{name}"), shot)?;
         let [width, height] = shot.calibrated.resolution;
         images.push(json!({ "id": image, "width": width, "height": height, "file_name": name }));
         let truth = files.truth(shot, &[TruthLayer::Instance])?;
@@ -58,7 +58,7 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
         }
     }
     let categories: Vec<Value> = (1..).zip(&categories).map(|(id, category)| category.json(id)).collect();
-    let description = format!("Synthetic pictures, made by photosite {}", env!("CARGO_PKG_VERSION"));
+    let description = format!("Synthetic images, made by photosite {}", env!("CARGO_PKG_VERSION"));
     let whole = json!({
         "info": { "description": description },
         "licenses": [],
@@ -69,7 +69,7 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
     files.write_text("annotations/instances.json", &format!("{whole}\n"))
 }
 
-/// Whole numbers as such.
+/// Number as JSON, without a decimal point where it is an integer.
 fn short(x: f64) -> Value {
     if x.fract() == 0.0 { json!(x as i64) } else { json!(x) }
 }
@@ -90,7 +90,7 @@ fn key_point(point: &SeenPoint, shot: &Shot) -> [f64; 3] {
     }
 }
 
-/// What objects of one kind are: of one category, or else of one name.
+/// Category: objects of one category, or else of one name.
 #[derive(PartialEq)]
 struct Category {
     name: String,
@@ -116,15 +116,15 @@ impl Category {
     }
 }
 
-/// The pixels of an object.
+/// Region: the pixels of an object.
 #[derive(Clone, Default)]
 struct Region {
-    /// Lengths of the runs without and within by turns, column by column.
+    /// Run lengths, outside and inside by turns, column by column.
     runs: Vec<u32>,
-    /// Where the last of them ends.
+    /// Index behind the last run.
     end: u32,
     area: u32,
-    /// Left, top, right, bottom, all within.
+    /// Left, top, right and bottom pixel, inclusive.
     bounds: Option<[u32; 4]>,
 }
 

@@ -1,4 +1,5 @@
-//! COLMAP's sparse model as text with its pictures ([Colmap](photosite_core::references#colmap), "Output Format"):
+//! Layout of COLMAP's sparse model as text with its images ([Colmap](photosite_core::references#colmap), "Output
+//! Format"):
 //!
 //! ```text
 //! images/CAMERA/000000.png
@@ -13,10 +14,10 @@ use std::collections::BTreeMap;
 use super::super::camera_files::{
     CalibratedCamera, ColmapImage, ColmapPoint, colmap_cameras, colmap_images, colmap_points,
 };
-use super::picture_set::{LayoutFiles, PictureSet, is_same_lens};
+use super::image_set::{ImageSet, LayoutFiles, is_same_lens};
 use photosite_core::Result;
 
-pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()> {
+pub(super) fn write(set: &ImageSet, files: &mut dyn LayoutFiles) -> Result<()> {
     let mut cameras: Vec<(usize, CalibratedCamera)> = Vec::new();
     let mut points = BTreeMap::new();
     let mut images = Vec::new();
@@ -53,7 +54,7 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
     points.sort_by_key(|point| point.number);
     files.write_text("sparse/0/points3D.txt", &colmap_points(&points))?;
     for (shot, image) in set.shots.iter().zip(&images) {
-        files.copy_picture(&format!("images/{}", image.name), shot)?;
+        files.copy_image(&format!("images/{}", image.name), shot)?;
     }
     Ok(())
 }

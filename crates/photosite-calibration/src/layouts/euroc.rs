@@ -1,4 +1,4 @@
-//! The layout of the EuRoC data sets, also called ASL ([Euroc](photosite_core::references#euroc)):
+//! Layout of the EuRoC data sets, also called ASL ([Euroc](photosite_core::references#euroc)):
 //!
 //! ```text
 //! mav0/body.yaml
@@ -6,17 +6,17 @@
 //! mav0/state_groundtruth_estimate0/{data.csv, sensor.yaml}
 //! ```
 //!
-//! Pictures are 8-bit grey and named by their time stamps. The body B is the first camera, so that its `T_BS` is the
+//! Images are 8-bit grey and named by their time stamps. The body B is the first camera, so that its `T_BS` is the
 //! identity. The state is that of the body in the world at the stamps of the first camera: p_RS_R and q_RS lead from
 //! the body to the world, v_RS_R is its velocity; the biases are those of no instrument and 0.
 
 use glam::DQuat;
 
 use super::super::camera_files::{euroc, opencv_pose};
-use super::picture_set::{LayoutFiles, PictureSet};
+use super::image_set::{ImageSet, LayoutFiles};
 use photosite_core::Result;
 
-pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()> {
+pub(super) fn write(set: &ImageSet, files: &mut dyn LayoutFiles) -> Result<()> {
     let rig = set.rig().map_err(|invalid| set.error(invalid))?;
     let Some(body) = rig.first().map(|camera| opencv_pose(&camera.to_world)) else { return Ok(()) };
     let sensors: Vec<String> = rig
@@ -31,7 +31,7 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
         for shot in set.of_camera(i) {
             let name = format!("{}.png", shot.stamp_ns);
             list += &format!("{},{name}\n", shot.stamp_ns);
-            files.write_grey_picture(&format!("mav0/cam{i}/data/{name}"), shot)?;
+            files.write_grey_image(&format!("mav0/cam{i}/data/{name}"), shot)?;
         }
         files.write_text(&format!("mav0/cam{i}/data.csv"), &list)?;
     }
@@ -45,7 +45,7 @@ const STATE: &str = "#timestamp, p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_
     v_RS_R_x [m s^-1], v_RS_R_y [m s^-1], v_RS_R_z [m s^-1], b_w_RS_S_x [rad s^-1], b_w_RS_S_y [rad s^-1], \
     b_w_RS_S_z [rad s^-1], b_a_RS_S_x [m s^-2], b_a_RS_S_y [m s^-2], b_a_RS_S_z [m s^-2]\n";
 
-fn states(set: &PictureSet) -> String {
+fn states(set: &ImageSet) -> String {
     let mut text = STATE.to_owned();
     for shot in set.of_camera(0) {
         let pose = opencv_pose(&shot.calibrated.to_world);
@@ -60,8 +60,8 @@ fn states(set: &PictureSet) -> String {
     text
 }
 
-/// Frames a second, from the first and the last of them.
-fn rate_hz(set: &PictureSet) -> f64 {
+/// Frame rate from the first and the last time stamp, Hz; 1 for a single frame.
+fn rate_hz(set: &ImageSet) -> f64 {
     let stamps: Vec<u64> = set.of_camera(0).map(|shot| shot.stamp_ns).collect();
     match stamps.as_slice() {
         [first, .., last] if last > first => (stamps.len() - 1) as f64 * 1e9 / (last - first) as f64,

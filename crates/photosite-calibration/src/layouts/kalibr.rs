@@ -1,4 +1,4 @@
-//! What `kalibr_bagcreater` makes a bag of, with what a calibration of it shall find
+//! Input of `kalibr_bagcreater`, with the results that a calibration of the bag should find
 //! ([Kalibr](photosite_core::references#kalibr), "Bag format", "Calibration targets", "YAML formats"):
 //!
 //! ```text
@@ -7,7 +7,7 @@
 //! target-NAME.yaml
 //! ```
 //!
-//! Pictures are 8-bit grey and named by their time stamps. There is a file for each target of a kind that Kalibr
+//! Images are 8-bit grey and named by their time stamps. There is a file for each target of a kind that Kalibr
 //! detects: aprilgrid, checkerboard (whose rows and columns count inner corners), symmetric circle grid.
 
 use std::collections::BTreeMap;
@@ -15,10 +15,10 @@ use std::collections::BTreeMap;
 use super::super::camera_files::kalibr;
 use super::super::camera_files::yaml::number;
 use super::super::targets::TargetDescription;
-use super::picture_set::{LayoutFiles, PictureSet};
+use super::image_set::{ImageSet, LayoutFiles};
 use photosite_core::Result;
 
-pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()> {
+pub(super) fn write(set: &ImageSet, files: &mut dyn LayoutFiles) -> Result<()> {
     let rig = set.rig().map_err(|invalid| set.error(invalid))?;
     let chain = kalibr(&rig).map_err(|invalid| set.error(invalid))?;
     files.write_text("camchain.yaml", &chain)?;
@@ -26,13 +26,13 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
         files.write_text(&name, &text)?;
     }
     for shot in &set.shots {
-        files.write_grey_picture(&format!("cam{}/{}.png", shot.camera, shot.stamp_ns), shot)?;
+        files.write_grey_image(&format!("cam{}/{}.png", shot.camera, shot.stamp_ns), shot)?;
     }
     Ok(())
 }
 
-/// The files of targets by their names.
-fn targets(set: &PictureSet) -> BTreeMap<String, String> {
+/// Target files by name.
+fn targets(set: &ImageSet) -> BTreeMap<String, String> {
     let all = set.shots.iter().flat_map(|shot| &shot.targets);
     let file = |target: &super::SeenTarget| {
         let plain: String = target.name.chars().map(|c| if c.is_alphanumeric() { c } else { '_' }).collect();
@@ -41,7 +41,7 @@ fn targets(set: &PictureSet) -> BTreeMap<String, String> {
     all.filter_map(file).collect()
 }
 
-/// `None` for a target that Kalibr does not detect.
+/// Kalibr's description of a target; `None` for a target that Kalibr does not detect.
 fn target_file(target: &TargetDescription) -> Option<String> {
     let metres = |mm: f64| number(mm / 1e3);
     match target {

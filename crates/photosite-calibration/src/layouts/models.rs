@@ -8,15 +8,15 @@ use serde_json::{Value, json};
 use super::SceneObject;
 use photosite_transport::scene::description::{SceneDescription, rigid};
 
-/// The triangles of an object in a frame that is only turned and moved against the world.
+/// Model: the triangles of an object in a frame that is only rotated and translated against the world.
 #[derive(Clone, Debug)]
 pub(super) struct Model {
-    /// Three corners each, m.
+    /// Triangles, three corners each, m.
     triangles: Vec<[DVec3; 3]>,
 }
 
 impl Model {
-    /// The model of an object, whose instances must be those of the scene.
+    /// Model of an object, whose instances must be those of the scene.
     pub(super) fn new(object: &SceneObject, scene: &SceneDescription) -> Self {
         let from_world = rigid(&object.to_world).inverse();
         let mut triangles = Vec::new();
@@ -30,7 +30,7 @@ impl Model {
         Self { triangles }
     }
 
-    /// Whether two models are the same but for rounding, m.
+    /// Whether two models are the same within 1 µm.
     pub(super) fn is_same(&self, other: &Self) -> bool {
         let near = |(a, b): (&[DVec3; 3], &[DVec3; 3])| (0..3).all(|i| a[i].abs_diff_eq(b[i], 1e-6));
         self.triangles.len() == other.triangles.len() && self.triangles.iter().zip(&other.triangles).all(near)
@@ -46,7 +46,7 @@ impl Model {
         [low, self.corners().fold(DVec3::NEG_INFINITY, DVec3::max)]
     }
 
-    /// Eight points between which the model lies, m.
+    /// Eight corners of a box that encloses the model, m.
     pub(super) fn box_corners(&self) -> [DVec3; 8] {
         let [low, high] = self.bounds();
         std::array::from_fn(|i| {
@@ -55,7 +55,7 @@ impl Model {
         })
     }
 
-    /// The largest distance between any two corners, m.
+    /// Diameter: the largest distance between any two corners, m.
     fn diameter(&self) -> f64 {
         let corners: Vec<DVec3> = self.corners().collect();
         let middle = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
@@ -78,7 +78,7 @@ impl Model {
         largest
     }
 
-    /// What `models_info.json` says of it, in mm.
+    /// Entry of the model in `models_info.json`, mm.
     pub(super) fn info(&self) -> Value {
         let [low, high] = self.bounds().map(|corner| corner * 1e3);
         let size = high - low;
@@ -89,7 +89,7 @@ impl Model {
         })
     }
 
-    /// PLY as text, mm, each triangle with its normal.
+    /// PLY file as text, mm, each triangle with its normal.
     pub(super) fn ply(&self) -> String {
         let (vertices, faces) = (3 * self.triangles.len(), self.triangles.len());
         let mut text = format!(

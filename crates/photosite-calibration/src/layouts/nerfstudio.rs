@@ -1,4 +1,4 @@
-//! What Nerfstudio reads ([Nerfstudio](photosite_core::references#nerfstudio)):
+//! Nerfstudio's layout ([Nerfstudio](photosite_core::references#nerfstudio)):
 //!
 //! ```text
 //! transforms.json
@@ -8,31 +8,31 @@
 //!
 //! `transform_matrix` leads from the camera (x right, y up, looking along −z) to a world whose z points up, which
 //! `applied_transform` makes of glTF's. Lengths are metres. Pixels are counted from the corner of the first one. Lenses
-//! are stated once where all pictures have the same, else with each picture. Depth is along the axis, in mm, 0 where
-//! nothing is; it is there where the pictures have ground truth of it.
+//! are stated once where all images have the same, else with each image. Depth is along the axis, in mm, 0 for no
+//! surface; it is written where the images have ground truth of it.
 //!
-//! Of a camera that moves while its rows are taken one after the other, `transform_matrix` is of the middle of the
-//! picture, as ground truth is. `transform_matrix_start` and `transform_matrix_end` are of the middle of the exposure of
-//! the top and of the bottom row. With `rolling_shutter`, a, b, c, d, these are the keys of instant-ngp
+//! For a camera that moves while its rows are exposed one after the other, `transform_matrix` is the pose of the middle
+//! of the image, as in ground truth. `transform_matrix_start` and `transform_matrix_end` are the poses in the middle of
+//! the exposure of the top and of the bottom row. With `rolling_shutter`, a, b, c, d, these are the keys of instant-ngp
 //! ([InstantNgp](photosite_core::references#instantngp)), which NVIDIA's loaders for 3DGUT
-//! ([Gut3d](photosite_core::references#gut3d)) take over: at u, v from 0 to 1 across the picture and a random number r the
-//! pose is that of the part a + b·u + c·v + d·r of the way from start to end. `shutter_type` is a name of the shutters of
-//! 3DGUT, to which gsplat gives start and end as `viewmats` and `viewmats_rs`.
+//! ([Gut3d](photosite_core::references#gut3d)) take over: at u, v from 0 to 1 across the image and a random number r
+//! the pose is that of the part a + b·u + c·v + d·r of the way from start to end. `shutter_type` is a name of the
+//! shutters of 3DGUT, to which gsplat gives start and end as `viewmats` and `viewmats_rs`.
 
 use glam::{DAffine3, DMat3, DVec3};
 use serde_json::{Map, Value, json};
 
 use super::super::camera_files::{CalibratedCamera, rows};
-use super::picture_set::{LayoutFiles, PictureSet, RollingShutter, Shot, is_same_lens};
+use super::image_set::{ImageSet, LayoutFiles, RollingShutter, Shot, is_same_lens};
 use crate::truth::TruthLayer;
 use photosite_core::projection::{BrownConrady, CalibrationModel, Intrinsics};
 use photosite_core::{Invalid, Result};
 
-/// y up → z up.
+/// Rotation from y up to z up.
 const TO_Z_UP: DMat3 =
     DMat3::from_cols(DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.0, 0.0, 1.0), DVec3::new(0.0, -1.0, 0.0));
 
-pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()> {
+pub(super) fn write(set: &ImageSet, files: &mut dyn LayoutFiles) -> Result<()> {
     let Some(first) = set.shots.first() else { return Ok(()) };
     let mut lenses = Vec::new();
     for shot in &set.shots {
@@ -41,7 +41,7 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
     let model = lenses[0].model;
     if let Some(i) = lenses.iter().position(|lens| lens.model != model) {
         let message = format!(
-            "Nerfstudio has one camera_model for all pictures, but {} is {}, {} {model}",
+            "Nerfstudio has one camera_model for all images, but {} is {}, {} {model}",
             set.shots[i].calibrated.name, lenses[i].model, first.calibrated.name,
         );
         return Err(
@@ -51,17 +51,17 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
     let is_one = set.shots.iter().all(|shot| is_same_lens(&shot.calibrated, &first.calibrated));
     let has_depth = files.has_truth(first, &[TruthLayer::Depth])?;
     let shutters: Vec<Option<[f64; 4]>> = set.shots.iter().map(rolling_shutter).collect();
-    // One for all pictures, in instant-ngp as well.
+    // One for all images, in instant-ngp as well.
     let shutter = shutters[0].filter(|_| shutters.iter().all(|other| other == &shutters[0]));
     if shutter.is_none() && set.shots.iter().any(|shot| shot.is_skewed) {
         files.warn(if set.shots.iter().any(|shot| shot.shutter.as_ref().is_some_and(|shutter| !shutter.is_downwards)) {
-            "the sensor takes its rows from the middle outwards, which transforms.json cannot describe: each picture has \
+            "the sensor takes its rows from the middle outwards, which transforms.json cannot describe: each image has \
              but one pose"
         } else if shutters.iter().any(Option::is_none) {
             "things move while rows are exposed one after another, and transforms.json tells of cameras that do so in all \
-             pictures alone: the pictures have one pose for all of their rows, or no rolling_shutter"
+             images alone: the images have one pose for all of their rows, or no rolling_shutter"
         } else {
-            "exposure times differ from picture to picture: transforms.json is without rolling_shutter, which is one for all"
+            "exposure times differ from image to image: transforms.json is without rolling_shutter, which is one for all"
         });
     }
     let mut frames = Vec::new();
@@ -69,7 +69,7 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
         let name = format!("{}-{:06}", shot.calibrated.name, shot.frame);
         let mut frame = Map::new();
         let image = format!("images/{name}.png");
-        files.copy_picture(&image, shot)?;
+        files.copy_image(&image, shot)?;
         frame.insert("file_path".to_owned(), image.into());
         if has_depth {
             let depth = format!("depths/{name}.npy");
@@ -110,7 +110,7 @@ pub(super) fn write(set: &PictureSet, files: &mut dyn LayoutFiles) -> Result<()>
     files.write_text("transforms.json", &(text + "\n"))
 }
 
-/// A lens in the words of the format.
+/// Lens in the keys of the format.
 struct Lens {
     model: &'static str,
     keys: Map<String, Value>,
@@ -141,12 +141,13 @@ fn lens(camera: &CalibratedCamera) -> Result<Lens, Invalid> {
     Ok(Lens { model, keys })
 }
 
-/// Camera → world with z up, row by row.
+/// Camera → world matrix with z up, row by row.
 fn matrix(to_world: &DAffine3) -> [[f64; 4]; 4] {
     rows(&(DAffine3::from_mat3(TO_Z_UP) * *to_world))
 }
 
-/// a, b, c, d. Row y of n is at v = (y + ½)/n, and its middle at the part y/(n − 1) of the way.
+/// Coefficients a, b, c, d of `rolling_shutter`. Row y of n is at v = (y + ½)/n, and its middle at the part y/(n − 1)
+/// of the way.
 fn rolling_shutter(shot: &Shot) -> Option<[f64; 4]> {
     let shutter = shot.shutter.as_ref().filter(|shutter| shutter.is_downwards)?;
     let rows = f64::from(shot.calibrated.resolution[1]);

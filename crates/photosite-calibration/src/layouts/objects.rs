@@ -1,31 +1,30 @@
-//! What instance numbers of ground truth are numbers of: things that have one number or several.
+//! Objects behind the instance numbers of ground truth, each with one number or several.
 
 use glam::DAffine3;
 
 use photosite_core::image::Planes;
 use photosite_transport::scene::description::{InstanceDescription, SceneDescription};
 
-/// A thing: all that bears the same name in the same place. A target of two inks has two numbers.
+/// Object: everything that bears the same name in the same place. A target of two inks has two numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SceneObject {
-    /// Its name.
+    /// Name of the object.
     pub name: String,
-    /// What kind of object it is, if that is known.
+    /// Category of the object, if known.
     pub category: Option<String>,
-    /// Its own frame → world, as the scene has it, m.
+    /// Pose: the object's own frame → world, as in the scene, m.
     pub to_world: DAffine3,
-    /// Its numbers in ground truth, which count from 1.
+    /// Instance numbers of the object in ground truth, which count from 1.
     pub numbers: Vec<u32>,
 }
 
 impl SceneObject {
-    /// Those of a scene.
+    /// Objects of a scene.
     pub fn of_scene(scene: &SceneDescription) -> Vec<Self> {
         Self::of_numbers(scene.all_objects().into_iter().map(|object| (object.name, object.category, object.to_world)))
     }
 
-    /// The objects that numbers stand for, by their names and places in the order of their numbers. The parts of an
-    /// object follow one another.
+    /// Objects from names and places in the order of their instance numbers. The parts of an object follow one another.
     pub fn of_numbers(numbered: impl IntoIterator<Item = (String, Option<String>, DAffine3)>) -> Vec<Self> {
         let mut objects: Vec<Self> = Vec::new();
         for (number, (name, category, to_world)) in (1..).zip(numbered) {
@@ -39,7 +38,7 @@ impl SceneObject {
 }
 
 impl SceneObject {
-    /// Its instances in the scene that it is of.
+    /// Instances of the object in its scene.
     pub(super) fn instances<'a>(&self, scene: &'a SceneDescription) -> Vec<&'a InstanceDescription> {
         let all = scene.all_objects();
         let objects = self.numbers.iter().filter_map(|&number| all.get(number as usize - 1));
@@ -47,7 +46,7 @@ impl SceneObject {
     }
 }
 
-/// For each pixel, the index of the object that it sees.
+/// Index of the object that each pixel sees.
 pub(super) fn object_of_pixel(truth: &Planes, objects: &[SceneObject]) -> Vec<Option<usize>> {
     let count = objects.iter().flat_map(|object| &object.numbers).max().map_or(0, |&n| n as usize + 1);
     let mut of_number = vec![None; count];

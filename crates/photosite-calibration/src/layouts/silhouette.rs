@@ -1,4 +1,4 @@
-//! Where an object would be seen if nothing stood before it.
+//! Silhouettes: the pixels that would see an object without occluders.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -8,20 +8,20 @@ use photosite_transport::geometry::Ray;
 use photosite_transport::optics::Intrinsics;
 use photosite_transport::scene::Scene;
 
-/// The pixels whose middles see an object, also beyond the picture.
+/// Pixels whose centres see an object, also beyond the image.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Silhouette {
-    /// The first column and row that is looked at; negative where it lies to the left of the picture or above.
+    /// First column and row of the box of pixels that were tested; negative to the left of the image or above.
     pub(super) corner: [i64; 2],
-    /// Columns and rows that are.
+    /// Columns and rows of the box.
     pub(super) size: [usize; 2],
-    /// For each of them, row by row, whether the object is there.
+    /// Whether each of these pixels, row by row, sees the object.
     pub(super) inside: Vec<bool>,
 }
 
 impl Silhouette {
-    /// That of all of a scene through a camera without distortion, on a canvas of three times the picture's width and
-    /// height with the picture in its middle. `corners` are points between which it lies, in the world, m.
+    /// Silhouette of a whole scene through a camera without distortion, on a canvas of three times the image's width
+    /// and height with the image in its middle. `corners` are points in the world that enclose the scene, m.
     pub(super) fn new(scene: &Scene, corners: &[DVec3], camera: &CalibratedCamera) -> Self {
         let [width, height] = camera.resolution.map(i64::from);
         let canvas = [-width, -height, 2 * width, 2 * height];
@@ -42,7 +42,7 @@ impl Silhouette {
         Self { corner: [left, top], size, inside }
     }
 
-    /// The columns and rows of the pixels within.
+    /// Columns and rows of the pixels inside.
     pub(super) fn pixels(&self) -> impl Iterator<Item = [i64; 2]> {
         let (width, [left, top]) = (self.size[0], self.corner);
         let place = move |i: usize| [left + (i % width) as i64, top + (i / width) as i64];
@@ -50,7 +50,7 @@ impl Silhouette {
     }
 }
 
-/// The part of the canvas (left, top, right, bottom) that what lies between points can cover.
+/// Part of the canvas (left, top, right, bottom) that a body enclosed by points can cover.
 fn covered(corners: &[DVec3], camera: &CalibratedCamera, canvas: [i64; 4]) -> [i64; 4] {
     let from_world = camera.from_world();
     let Intrinsics { fx, fy, cx, cy, skew } = camera.intrinsics;

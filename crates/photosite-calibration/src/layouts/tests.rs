@@ -1,4 +1,4 @@
-//! Regions, models and silhouettes against closed forms; the judges of the command line read the files.
+//! Tests of regions, models and silhouettes against closed forms; the judges of the command line read the files.
 
 use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_3;
@@ -34,7 +34,7 @@ struct Memory {
     depths: BTreeMap<String, Vec<u16>>,
     arrays: BTreeMap<String, Vec<f32>>,
     warnings: Vec<String>,
-    pictures: Vec<String>,
+    images: Vec<String>,
     truth: Option<Planes>,
     scene: Arc<SceneDescription>,
 }
@@ -44,12 +44,12 @@ impl LayoutFiles for Memory {
         self.texts.insert(path.to_owned(), text.to_owned());
         Ok(())
     }
-    fn copy_picture(&mut self, path: &str, _: &Shot) -> Result<()> {
-        self.pictures.push(path.to_owned());
+    fn copy_image(&mut self, path: &str, _: &Shot) -> Result<()> {
+        self.images.push(path.to_owned());
         Ok(())
     }
-    fn write_grey_picture(&mut self, path: &str, _: &Shot) -> Result<()> {
-        self.pictures.push(path.to_owned());
+    fn write_grey_image(&mut self, path: &str, _: &Shot) -> Result<()> {
+        self.images.push(path.to_owned());
         Ok(())
     }
     fn is_grey(&mut self, _: &Shot) -> Result<bool> {
@@ -83,7 +83,7 @@ impl LayoutFiles for Memory {
 
 const SIZE: [u32; 2] = [20, 10];
 
-/// A camera at the origin that looks along −z of glTF.
+/// Shot of a camera at the origin that looks along −z of glTF.
 fn shot(frame: u32, camera: usize) -> Shot {
     Shot {
         folder: format!("camera/{frame:06}"),
@@ -107,12 +107,12 @@ fn shot(frame: u32, camera: usize) -> Shot {
     }
 }
 
-fn set(shots: Vec<Shot>) -> PictureSet {
+fn set(shots: Vec<Shot>) -> ImageSet {
     let cameras = shots.iter().map(|shot| shot.camera).max().map_or(0, |last| last + 1);
-    PictureSet { folder: PathBuf::from("set"), cameras: (0..cameras).map(|i| format!("camera{i}")).collect(), shots }
+    ImageSet { folder: PathBuf::from("set"), cameras: (0..cameras).map(|i| format!("camera{i}")).collect(), shots }
 }
 
-/// A rectangle in the plane z = 0 of its own, from the origin on.
+/// Rectangle in the plane z = 0 of its own frame, from the origin on.
 fn rectangle(width: f32, height: f32) -> MeshDescription {
     let corner = |x: f32, y: f32| Vec3::new(x * width, y * height, 0.0);
     MeshDescription {
@@ -195,11 +195,11 @@ fn frames_of_models_have_no_scale() {
 
 #[rstest]
 #[case::in_the_middle(DVec3::new(-0.5, -0.225, -2.0), 10 * 5)]
-#[case::beyond_the_picture(DVec3::new(1.2, -0.225, -2.0), 10 * 5)]
+#[case::beyond_the_image(DVec3::new(1.2, -0.225, -2.0), 10 * 5)]
 // From column 35 to 45, where the canvas ends at 40.
 #[case::half_beyond_the_canvas(DVec3::new(2.5, -0.225, -2.0), 5 * 5)]
 #[case::behind(DVec3::new(-0.5, -0.225, 2.0), 0)]
-fn silhouettes_are_counted_on_a_canvas_of_three_pictures(#[case] place: DVec3, #[case] pixels: usize) {
+fn silhouettes_are_counted_on_a_canvas_of_three_images(#[case] place: DVec3, #[case] pixels: usize) {
     // 1 m by 0.5 m at 2 m with f = 20 px: 10 by 5 pixels.
     let scene = scene_of(&[("sheet", 0, DAffine3::from_translation(place))]);
     let object = &objects_of(&scene)[0];
@@ -297,14 +297,14 @@ fn points_of_a_target_that_has_moved_are_others() {
         ["1 1 0 -1 128 128 128 0 1 0 2 1", "2 0 0 -1 128 128 128 0 2 0 3 0", "3 1.5 0 -1 128 128 128 0 3 1"]
     );
     assert!(files.texts["sparse/0/images.txt"].contains("\n1.5 2.5 1\n"), "{}", files.texts["sparse/0/images.txt"]);
-    assert_eq!(files.pictures.len(), 3);
+    assert_eq!(files.images.len(), 3);
 }
 
 fn transforms(files: &Memory) -> Value {
     serde_json::from_str(&files.texts["transforms.json"]).expect("JSON")
 }
 
-/// x_pixel = fx·x/z + cx of the point in the camera's axes, by what the file says.
+/// Test: the point in the camera's axes projects to x_pixel = fx·x/z + cx by the values in the file.
 #[test]
 fn nerfstudio_sees_points_where_the_camera_does() {
     let to_world = DAffine3::from_rotation_translation(DQuat::from_rotation_y(0.4), DVec3::new(0.3, 1.0, 2.0));
@@ -314,7 +314,7 @@ fn nerfstudio_sees_points_where_the_camera_does() {
     Layout::Nerfstudio.write(&set(shots), &mut files).expect("laid out");
     let file = transforms(&files);
     assert_eq!((&file["camera_model"], &file["cx"], &file["fl_x"]), (&"OPENCV".into(), &10.0.into(), &20.0.into()));
-    assert_eq!(files.pictures, ["images/camera-000000.png", "images/camera-000001.png"]);
+    assert_eq!(files.images, ["images/camera-000000.png", "images/camera-000001.png"]);
     assert!(file["frames"][0]["depth_file_path"].is_null() && file["frames"][0]["fl_x"].is_null());
     let rows = &file["frames"][1]["transform_matrix"];
     let row = |i: usize| DVec3::from_array([0, 1, 2].map(|j| rows[i][j].as_f64().expect("a number")));

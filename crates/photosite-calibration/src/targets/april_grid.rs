@@ -8,13 +8,14 @@ use super::limits::{counts, length, margin};
 use super::markers::{Dictionary, MarkerStyle};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::keys::Keys;
 use photosite_core::schema_range::within;
 
 /// Kalibr's aprilgrid: tags of the family 36h11 with a border of two bits and black squares where their corners meet.
 /// As Kalibr has it, tags are numbered row by row from the bottom left, and the tags stand as AprilTag has them.
 /// The origin is the bottom-left corner of the first tag; y points down all the same, so that the others have a
 /// negative y.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct AprilGrid {
     /// Tags across and down (tagCols, tagRows). Left out: [6, 6].

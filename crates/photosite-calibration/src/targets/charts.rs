@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 use super::limits::{counts, length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::keys::Keys;
 use photosite_core::schema_range::{above, within};
 
 /// Grey steps of even distances in optical density, from light to dark. The origin is the middle.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct GreyWedge {
     /// Number of steps. Left out: 20.
@@ -32,7 +33,7 @@ pub struct GreyWedge {
 }
 
 /// The same reflectance all over. The origin is the middle.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct Flat {
     /// Width and height, mm. Left out: [200, 200].

@@ -8,10 +8,11 @@ use super::limits::{counts, fits, length, margin};
 use super::markers::{Dictionary, MarkerStyle};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::keys::Keys;
 use photosite_core::schema_range::within;
 
 /// A ChArUco board, as OpenCV's CharucoBoard draws it since version 4.6. The origin is its top-left corner.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct Charuco {
     /// Squares across and down. Left out: [8, 6].

@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 use super::limits::{counts, length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::keys::Keys;
 use photosite_core::schema_range::within;
 
 /// A chessboard. The origin is its first inner corner.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct Chessboard {
     /// Squares across and down. OpenCV counts the inner corners, one fewer each. With one number even and the other

@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 use super::limits::{counts, fits, length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::keys::Keys;
 use photosite_core::schema_range::within;
 
 /// Circles in rows and columns. The origin is the first.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct CircleGrid {
     /// Circles across and down. Left out: [9, 7].
@@ -29,7 +30,7 @@ pub struct CircleGrid {
 }
 
 /// Circles in rows, every other of which is shifted by half a spacing of its circles. The origin is the first.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct AsymmetricCircleGrid {
     /// Circles in a row, and rows. Left out: [4, 11].
@@ -48,7 +49,7 @@ pub struct AsymmetricCircleGrid {
 }
 
 /// Many small dots. The origin is the one in the middle.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct DotChart {
     /// Dots across and down, odd numbers. Left out: [25, 17].

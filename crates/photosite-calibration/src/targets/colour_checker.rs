@@ -7,11 +7,12 @@ use serde::{Deserialize, Serialize};
 use super::limits::{length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::keys::Keys;
 use photosite_core::schema_range::within;
 use photosite_core::spectrum::library;
 
 /// 24 patches in four rows of six on a dark board. The origin is the middle.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct ColourChecker {
     /// Side of a patch, mm. Left out: 40.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::limits::{counts, length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::keys::Keys;
 use photosite_core::schema_range::within;
 
 /// Reflectances of the light and the dark side of an edge: the contrast of 4:1 that [ISO
@@ -15,7 +16,7 @@ const LIGHT: f64 = 0.72;
 const DARK: f64 = 0.18;
 
 /// A dark square on a light sheet, turned a little. The origin is its middle.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct SlantedEdge {
     /// Side of the square, mm. Left out: 100.
@@ -32,7 +33,7 @@ pub struct SlantedEdge {
 
 /// Dark squares in rows and columns, each turned a little, with a row of grey steps above and below.
 /// The origin is the middle.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct EsfrChart {
     /// Squares across and down. Left out: [5, 3].
@@ -64,7 +65,7 @@ impl Default for EsfrChart {
     }
 }
 
-/// Names of the corners of a square, clockwise in the picture.
+/// Names of the corners of a square, clockwise in the image.
 const CORNERS: [&str; 4] = ["top-left", "top-right", "bottom-right", "bottom-left"];
 
 impl SlantedEdge {
@@ -130,7 +131,7 @@ impl EsfrChart {
     }
 }
 
-/// Corners of a square, clockwise in the picture from the top left.
+/// Corners of a square, clockwise in the image from the top left.
 fn turned_square(middle: DVec2, side: f64, angle_deg: f64) -> Result<Vec<DVec2>, Invalid> {
     if !(0.5..=44.5).contains(&angle_deg.abs()) {
         let message = format!("must lie between 0.5 and 44.5 either way, got {angle_deg}");

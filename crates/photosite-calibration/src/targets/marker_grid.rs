@@ -8,10 +8,11 @@ use super::limits::{counts, length, margin};
 use super::markers::{Dictionary, MarkerStyle};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::keys::Keys;
 use photosite_core::schema_range::within;
 
 /// Markers in rows and columns, as OpenCV's GridBoard. The origin is the top-left corner of the first.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct MarkerGrid {
     /// Markers across and down. Left out: [5, 7].

@@ -191,7 +191,7 @@ mod tests {
             let n = dictionary.bits;
             let mut seen = std::collections::HashMap::new();
             for id in 0..dictionary.len {
-                let picture = |turn: u32| -> u64 {
+                let image = |turn: u32| -> u64 {
                     (0..n * n).fold(0, |code, i| {
                         let (mut column, mut row) = (i % n, i / n);
                         for _ in 0..turn {
@@ -201,7 +201,7 @@ mod tests {
                     })
                 };
                 for turn in 0..4 {
-                    let other = seen.insert(picture(turn), id);
+                    let other = seen.insert(image(turn), id);
                     // Some of the original markers are the same upside down.
                     assert!(other.is_none_or(|other| other == id), "{}: {id} and {other:?}", dictionary.name);
                 }

@@ -43,7 +43,7 @@ impl Target {
         inks.filter(|(_, mesh)| !mesh.triangles.is_empty()).collect()
     }
 
-    /// Triangles, clockwise in the picture as y points down, with their inks.
+    /// Triangles, clockwise in the image as y points down, with their inks.
     fn triangles(&self) -> Triangles {
         let [low, high] = self.sheet;
         let sheet = vec![low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
@@ -74,7 +74,7 @@ impl Target {
         let triangles = net.inner_faces().map(|face| {
             let [a, b, c] = face.vertices().map(|vertex| vertex.fix().index());
             let middle = (corners[a] + corners[b] + corners[c]) / 3.0;
-            // Counter-clockwise where y points up is clockwise in the picture; the front is towards −z.
+            // Counter-clockwise where y points up is clockwise in the image; the front is towards −z.
             ([a, c, b], index.topmost(&shapes, middle).map_or(0, |shape| self.shapes[shape].ink))
         });
         let triangles = triangles.collect();

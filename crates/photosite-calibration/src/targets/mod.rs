@@ -47,11 +47,26 @@ pub use siemens_star::SiemensStar;
 
 use photosite_core::Invalid;
 
+/// Builders of the tables of targets.
+pub mod keys {
+    pub use super::TargetKeys;
+    pub use super::april_grid::AprilGridKeys;
+    pub use super::charts::{FlatKeys, GreyWedgeKeys};
+    pub use super::charuco::CharucoKeys;
+    pub use super::chessboard::ChessboardKeys;
+    pub use super::circles::{AsymmetricCircleGridKeys, CircleGridKeys, DotChartKeys};
+    pub use super::colour_checker::ColourCheckerKeys;
+    pub use super::edges::{EsfrChartKeys, SlantedEdgeKeys};
+    pub use super::marker_grid::MarkerGridKeys;
+    pub use super::siemens_star::SiemensStarKeys;
+}
+use photosite_core::keys::Keys;
+
 /// Declares the kinds of targets: variant, name, description.
 macro_rules! kinds {
     ($($(#[doc = $doc:literal])* $variant:ident = $name:literal,)*) => {
         /// A calibration target: what it is and how large.
-        #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+        #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
         #[serde(tag = "type")]
         pub enum TargetDescription {
             $($(#[doc = $doc])* #[serde(rename = $name)] $variant($variant),)*
@@ -126,7 +141,7 @@ kinds! {
     DotChart = "dot-chart",
     /// A dark square, turned a little: four slanted edges.
     SlantedEdge = "slanted-edge",
-    /// Slanted edges all over the picture with grey steps above and below, in the manner of ISO 12233's e-SFR chart.
+    /// Slanted edges all over the image with grey steps above and below, in the manner of ISO 12233's e-SFR chart.
     EsfrChart = "esfr-chart",
     /// Siemens star.
     SiemensStar = "siemens-star",

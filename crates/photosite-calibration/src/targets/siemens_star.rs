@@ -9,10 +9,11 @@ use serde::{Deserialize, Serialize};
 use super::limits::{counts, length, margin};
 use super::{Ink, Target};
 use photosite_core::Invalid;
+use photosite_core::keys::Keys;
 use photosite_core::schema_range::within;
 
 /// A Siemens star: black sectors that meet in a point. The origin is there.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(default, deny_unknown_fields)]
 pub struct SiemensStar {
     /// Pairs of black and white sectors. Left out: 36.

@@ -16,8 +16,8 @@ const FIRST_NM: f32 = 380.0;
 /// Distance of neighbouring wavelengths: 64 from 380 to 780 nm, beyond which eyes see next to nothing.
 const STEP_NM: f32 = 6.25;
 
-/// What turns a reflectance into linear sRGB: wavelengths, with the weight of each in X, Y and Z under D65, and XYZ →
-/// RGB.
+/// Quadrature from a reflectance to linear sRGB: wavelengths, with the weight of each in X, Y and Z under D65, and XYZ
+/// → RGB.
 struct Quadrature {
     bundles: Vec<(Wavelengths, [DVec3; 4])>,
     to_rgb: DMat3,

@@ -1,4 +1,5 @@
-//! Where a surface that one camera sees appears to another, or to the same one later.
+//! Correspondence of images: the place at which a surface that one camera sees appears to another, or to the same one
+//! later.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -10,34 +11,34 @@ use photosite_transport::geometry::{Hit, Ray, SurfacePoint};
 use photosite_transport::optics::Camera;
 use photosite_transport::scene::Scene;
 
-/// A picture: what is in front of a camera whose rows may be exposed one after the other, or of a partner that it
-/// carries with it.
+/// View of an image: the scene in front of a camera whose rows may be exposed one after the other, or of a partner that
+/// it carries with it.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a> {
-    /// What is seen.
+    /// Scene in front of the camera.
     pub scene: &'a Scene,
-    /// The camera; of a partner, with the partner's lens.
+    /// Camera of the image; of a partner, with the partner's lens.
     pub camera: &'a Camera,
     /// Partner → camera, in metres; the identity for the camera itself.
     pub place: DAffine3,
     /// Pixels of the image on those of the sensor.
     pub grid: ImageGrid,
-    /// Counts what it was asked of and did not find.
+    /// Count of the points that were asked for and not found.
     pub not_found: Option<&'a NotFound>,
 }
 
-/// How many points were in no row of a picture at the row's own time, although the lens shows them: their places in it are
-/// not known, which is not to say that they have none.
+/// Number of points that were in no row of an image at the row's own time, although the lens shows them: their places
+/// in it are not known, which is not to say that they have none.
 #[derive(Debug, Default)]
 pub struct NotFound(AtomicU64);
 
 impl NotFound {
-    /// How many they are.
+    /// Number of these points.
     pub fn count(&self) -> u64 {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// The warning that says so, if there are any.
+    /// Warning about points that were not found, if there are any.
     pub fn warning(&self) -> Option<String> {
         let count = self.count();
         let points = if count == 1 { "point" } else { "points" };
@@ -55,14 +56,14 @@ impl NotFound {
     }
 }
 
-/// Where a surface point appears in a picture.
+/// Place of a surface point in an image.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Correspondence {
-    /// Continuous pixel coordinates; they may lie beyond the picture.
+    /// Continuous pixel coordinates; they may lie beyond the image.
     pub pixel: DVec2,
     /// Continuous pixel coordinates on the sensor.
     pub on_sensor: DVec2,
-    /// Whether the point is within the part of the picture that sees light, with nothing in front of it.
+    /// Whether the point is within the part of the image that sees light, with nothing in front of it.
     pub visible: bool,
 }
 
@@ -73,7 +74,7 @@ pub fn project(camera: &Camera, point: DVec3, not_found: &NotFound) -> Option<DV
 }
 
 impl Sighting {
-    /// The place, if there is one; a point in no row is counted.
+    /// Place of the point, if there is one; a point in no row is counted.
     fn counted(self, not_found: Option<&NotFound>) -> Option<DVec2> {
         match self {
             Self::At(pixel) => Some(pixel),
@@ -86,15 +87,15 @@ impl Sighting {
     }
 }
 
-/// Partner → world in the middle of the exposure of a row, and which part of the picture's time has gone by then.
+/// Partner → world in the middle of the exposure of a row, and the part of the image's time, 0 to 1, that has gone by
+/// then.
 fn at_row(camera: &Camera, place: &DAffine3, row: f64) -> (DAffine3, f64) {
     let (to_world, time) = camera.pose_at_row(row);
     (to_world * *place, time)
 }
 
-/// Where a point appears that is at `position` at each part of the picture's time: the y that solves
-/// y = project(p(t(y)), camera at t(y)); of a camera that scans, y = ½ of its own line: the line at whose time the point
-/// comes there.
+/// Sighting of a point that is at `position` at each part of the image's time: the y that solves y = project(p(t(y)),
+/// camera at t(y)); of a camera that scans, y = ½ of its own line: the line at whose time the point comes there.
 fn sighting(camera: &Camera, place: &DAffine3, position: impl Fn(f64) -> DVec3) -> Sighting {
     let seen_at_row = |row: f64| {
         let (to_world, time) = at_row(camera, place, row);
@@ -112,19 +113,20 @@ fn sighting(camera: &Camera, place: &DAffine3, position: impl Fn(f64) -> DVec3) 
 }
 
 impl<'a> View<'a> {
-    /// Motion of a camera itself.
+    /// View of a camera itself, rather than of a partner that it carries.
     pub fn of(scene: &'a Scene, camera: &'a Camera, grid: impl Into<ImageGrid>) -> Self {
         Self { scene, camera, place: DAffine3::IDENTITY, grid: grid.into(), not_found: None }
     }
 
-    /// This view, which counts what it does not find.
+    /// The view, counting the points that it does not find.
     #[must_use]
     pub fn counting(self, not_found: &'a NotFound) -> Self {
         Self { not_found: Some(not_found), ..self }
     }
 
-    /// Continuous pixel coordinates of a world point that is seen in the middle of the exposure of its row. `None` where
-    /// the lens does not show it, and where it is in no row at the row's own time, which is [counted](Self::counting).
+    /// Continuous pixel coordinates of a world point that is seen in the middle of the exposure of its row. `None`
+    /// where the lens does not show it, and where it is in no row at the row's own time, which is
+    /// [counted](Self::counting).
     pub fn project(&self, point: DVec3) -> Option<DVec2> {
         self.project_moving(|_| point).map(|place| self.grid.in_image(place))
     }
@@ -137,18 +139,19 @@ impl<'a> View<'a> {
         sighting(self.camera, &self.place, position).counted(self.not_found)
     }
 
-    /// Where a surface point of the scene appears in the picture. `None` where it has no place in it.
+    /// Place of a surface point of the scene in the image. `None` where it has no place in it.
     pub fn correspondence(&self, hit: &Hit) -> Option<Correspondence> {
         let position = |time| self.scene.position(hit, time);
         self.found(position, |eye, time| is_seen(self.scene, &self.scene.point(hit, time as f32), eye))
     }
 
-    /// Place in the picture of a point that is known to lie on a surface.
+    /// Place in the image of a point that is known to lie on a surface.
     pub fn landmark(&self, point: DVec3) -> Option<Correspondence> {
         self.moving_landmark(|_| point)
     }
 
-    /// Place in the picture of a point on a surface that is at `position` when a part of the picture's time, 0 to 1, has gone by.
+    /// Place in the image of a point on a surface that is at `position` when a part of the image's time, 0 to 1, has
+    /// gone by.
     pub fn moving_landmark(&self, position: impl Fn(f64) -> DVec3) -> Option<Correspondence> {
         self.found(&position, |eye, time| {
             let mut ray = Ray::new(eye, position(time).as_vec3() - eye).at_time(time as f32);
@@ -158,7 +161,8 @@ impl<'a> View<'a> {
         })
     }
 
-    /// `is_seen` is asked of where the line of sight leaves the lens and of the part of the picture's time that has gone by.
+    /// Finds the place of a point. `is_seen` is asked of where the line of sight leaves the lens and of the part of the
+    /// image's time that has gone by.
     fn found(&self, position: impl Fn(f64) -> DVec3, is_seen: impl Fn(Vec3, f64) -> bool) -> Option<Correspondence> {
         let on_sensor = self.project_moving(position)?;
         let pixel = self.grid.in_image(on_sensor);

@@ -1,13 +1,13 @@
-//! The box of an object in its frame over the time of a picture.
+//! Extent of an object: its box in its frame over the time of an image.
 //!
-//! In: instances with their meshes, as they go through the world, and the frame that goes along. Out: the least box of the
-//! frame that holds all their vertices at all times, as the scene is [built](photosite_transport::scene::build) of them:
-//! what keeps its shape goes on [`Motion`](photosite_transport::geometry::Motion)s, and the vertices of what does not,
-//! or shines, straight through the world from key to key.
+//! In: instances with their meshes, as they go through the world, and the frame that goes along. Out: the least box of
+//! the frame that holds all their vertices at all times, as the scene is [built](photosite_transport::scene::build) of
+//! them: what keeps its shape goes on [`Motion`](photosite_transport::geometry::Motion)s, and the vertices of what does
+//! not, or emits light, straight through the world from key to key.
 
 use glam::{DAffine3, DVec3, Vec3};
 
-use super::way::{Way, lerp, segment};
+use super::pose_path::{PosePath, lerp, segment};
 use photosite_transport::scene::description::{InstanceDescription, MeshDescription, SceneDescription};
 
 /// Parts between two keys that are looked at. Of the arc of an object that turns by 5° from key to key, as most of them
@@ -26,10 +26,10 @@ impl Extent {
     pub(super) const NONE: Self = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
 
     /// The extent of all instances that make an object.
-    pub(super) fn of_object(frame: &Way, instances: &[InstanceDescription], scene: &SceneDescription) -> Self {
+    pub(super) fn of_object(frame: &PosePath, instances: &[InstanceDescription], scene: &SceneDescription) -> Self {
         let mut all = Self::NONE;
         for instance in instances {
-            let way = Way::new(instance.to_world, instance.later.iter().copied());
+            let way = PosePath::new(instance.to_world, instance.later.iter().copied());
             for mesh in &scene.meshes[instance.meshes.clone()] {
                 if mesh.later_shapes.is_empty() {
                     let shines = scene.materials.get(mesh.material).is_some_and(|material| material.emission.is_some());
@@ -57,8 +57,9 @@ impl Extent {
         })
     }
 
-    /// A mesh that keeps its shape. Most of them stand still in the frame, and their vertices are gone through once.
-    fn add_rigid(&mut self, frame: &Way, way: &Way, shines: bool, mesh: &MeshDescription) {
+    /// Adds a mesh that keeps its shape. Most of them stand still in the frame, and their vertices are gone through
+    /// once.
+    fn add_rigid(&mut self, frame: &PosePath, way: &PosePath, shines: bool, mesh: &MeshDescription) {
         let mut own = Self::NONE;
         own.add_vertices(&DAffine3::IDENTITY, &mesh.positions);
         let corners = own.corners();
@@ -90,8 +91,8 @@ impl Extent {
         }
     }
 
-    /// A mesh that changes its shape. Its vertices go straight through the world from key to key.
-    fn add_deforming(&mut self, frame: &Way, way: &Way, mesh: &MeshDescription) {
+    /// Adds a mesh that changes its shape. Its vertices go straight through the world from key to key.
+    fn add_deforming(&mut self, frame: &PosePath, way: &PosePath, mesh: &MeshDescription) {
         let shapes: Vec<&Vec<Vec3>> =
             [&mesh.positions].into_iter().chain(mesh.later_shapes.iter().map(|shape| &shape.positions)).collect();
         let world_keys = way.parts.max(mesh.later_shapes.len());

@@ -1,6 +1,6 @@
-//! Ground truth: what the chief ray through the centre of each pixel meets first.
+//! Ground truth of the surface that the chief ray through the centre of each pixel meets first.
 //!
-//! In: a picture, as a camera and what is in front of it; the next one for flow, that of a partner for disparity. Out:
+//! In: an image, as a camera and what is in front of it; the next one for flow, that of a partner for disparity. Out:
 //! planes named as in [`TruthLayer::channels`], one value a pixel, without noise, blur or anti-aliasing. Surfaces count
 //! whatever they are made of: glass is what is seen of a window. Holes of a material's alpha let the ray through.
 
@@ -9,13 +9,13 @@ mod correspondence;
 mod extent;
 mod layer;
 mod objects;
+mod pose_path;
 mod row_search;
 mod silhouettes;
 mod trace;
-mod way;
 
 pub use correspondence::{Correspondence, NotFound, View, project};
-pub use layer::TruthLayer;
+pub use layer::{Needs, PngRule, TruthLayer, Values};
 pub use objects::TruthObject;
 pub use silhouettes::{Mask, Silhouettes, silhouettes};
 pub use trace::{TruthJob, truth};

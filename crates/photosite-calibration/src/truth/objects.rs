@@ -3,25 +3,26 @@
 use glam::{DAffine3, DVec3};
 
 use super::extent::Extent;
-use super::way::Way;
+use super::pose_path::PosePath;
 use photosite_transport::scene::description::{ObjectDescription, SceneDescription, rigid};
 
-/// An object. Its frame is turned and moved against the world, and not scaled.
+/// Object of ground truth. Its frame is turned and moved against the world, and not scaled.
 #[derive(Clone, Debug)]
 pub struct TruthObject {
-    /// Its name.
+    /// Name of the object.
     pub name: String,
-    /// What kind of object it is, if that is known.
+    /// Category of the object, if it is known.
     pub category: Option<String>,
-    /// What it is larger by than its file has it, along its axes.
+    /// Scale of the object over that in its file, along its axes.
     pub scale: DVec3,
     /// Frame → world.
-    frame: Way,
-    /// The least box in its frame that holds it, in all shapes and places that its parts go through, m.
+    frame: PosePath,
+    /// Lowest corner of the least box in its frame that holds the object, in all shapes and places that its parts go
+    /// through, m.
     pub low: DVec3,
-    /// Its other corner.
+    /// Corner of the box opposite to `low`, m.
     pub high: DVec3,
-    /// Points of it in its frame, m, by name.
+    /// Keypoints in the object's frame, m, by name.
     pub keypoints: Vec<(String, DVec3)>,
 }
 
@@ -35,7 +36,7 @@ impl TruthObject {
         let frame = rigid(&object.to_world);
         let scaled = frame.inverse() * object.to_world;
         let scale = [scaled.matrix3.x_axis, scaled.matrix3.y_axis, scaled.matrix3.z_axis].map(DVec3::length);
-        let frame = Way::new(frame, object.later.iter().map(rigid));
+        let frame = PosePath::new(frame, object.later.iter().map(rigid));
         let Extent { low, high } = Extent::of_object(&frame, &scene.instances[object.instances.clone()], scene);
         let keypoint = |(name, point): &(String, DVec3)| (name.clone(), scaled.transform_point3(*point));
         Self {
@@ -49,23 +50,25 @@ impl TruthObject {
         }
     }
 
-    /// Frame → world when this part of the picture's time, 0 to 1, has gone by.
+    /// Frame → world when this part of the image's time, 0 to 1, has gone by.
     pub fn to_world(&self, time: f64) -> DAffine3 {
         self.frame.at(time)
     }
 
-    /// Whether it is somewhere else later in the time of the picture.
+    /// Whether the object is somewhere else later in the time of the image.
     pub fn moves(&self) -> bool {
         self.frame.parts > 0
     }
 
-    /// The corners of its box in its frame, m: bit 0 of their number says whether x is the larger one, bit 1 y, bit 2 z.
+    /// The corners of its box in its frame, m: bit 0 of their number says whether x is the larger one, bit 1 y, bit 2
+    /// z.
     pub fn corners(&self) -> [DVec3; 8] {
         let pick = |i: usize, axis: usize| if i >> axis & 1 == 0 { self.low[axis] } else { self.high[axis] };
         std::array::from_fn(|i| DVec3::new(pick(i, 0), pick(i, 1), pick(i, 2)))
     }
 
-    /// Where a point of its frame is in its box, as [`TruthLayer::Nocs`](super::TruthLayer::Nocs) has it.
+    /// Normalised coordinates of a point of the frame in the object's box, as
+    /// [`TruthLayer::Nocs`](super::TruthLayer::Nocs) has them.
     pub fn nocs(&self, point: DVec3) -> DVec3 {
         let (middle, diagonal) = ((self.low + self.high) / 2.0, (self.high - self.low).length());
         // An object without extent is in the middle.
@@ -106,8 +109,8 @@ mod tests {
         assert_eq!([alone.low, alone.high], [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)]);
     }
 
-    /// A part that slides through an object which moves, and an object that grows: points of either, where they are at a
-    /// time, lie in the box at all times.
+    /// A part that slides through an object which moves, and an object that grows: points of either, where they are at
+    /// a time, lie in the box at all times.
     #[test]
     fn a_box_holds_what_animates_in_an_object_that_moves() {
         let at = |x: f64, scale: f64| {

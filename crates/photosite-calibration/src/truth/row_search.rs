@@ -1,37 +1,38 @@
-//! The row of a picture that sees a point while one of both moves: rows see at times of their own, so that where the point
-//! appears depends on the row, and the row on where it appears.
+//! Search for the row of an image that sees a point while one of both moves: rows see at times of their own, so that
+//! where the point appears depends on the row, and the row on where it appears.
 //!
-//! In: how far the point is from a row, and where it appears, at the time of the row. Out: the place at which it is in the
-//! row of that time. What is asked of must be smooth to double precision; where it is not quite, halving intervals still
-//! ends at the place to which it can be told.
+//! In: how far the point is from a row, and where it appears, at the time of the row. Out: the place at which it is in
+//! the row of that time. What is asked of must be smooth to double precision; where it is not quite, halving intervals
+//! still ends at the place to which it can be told.
 
 use glam::DVec2;
 
-/// Where a point that moves appears.
+/// Sighting of a point that moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Sighting {
-    /// At these continuous pixel coordinates.
+    /// Place of the point, continuous pixel coordinates.
     At(DVec2),
-    /// The lens shows it at the time of no row.
+    /// No place: the lens shows the point at the time of no row.
     Unseen,
-    /// The lens shows it, but no row at its own time was found: it runs ahead of the rows, or comes into sight between
-    /// them.
+    /// No row: the lens shows the point, but no row at its own time was found: the point runs ahead of the rows, or
+    /// comes into sight between them.
     InNoRow,
 }
 
-/// Where a point is at the time of a row: how many rows too far below, and the pixel coordinates of its place.
+/// Miss of a row at its time: the number of rows that the point is too far below, and the pixel coordinates of its
+/// place.
 pub(super) type Miss = (f64, DVec2);
 
-/// How near is near enough, px: coordinates of some 10⁴ px have roundings of 1e-12.
+/// Largest miss that ends a search, px: coordinates of some 10⁴ px have roundings of 1e-12.
 const NEAR: f64 = 1e-9;
 
 /// Steps of secants. Where a point moves by a small part of a row in a row's time, three or four are enough.
 const SECANTS: usize = 12;
 
-/// Rows of the picture that are looked at where secants lead nowhere.
+/// Number of rows of the image that are looked at where secants lead nowhere.
 const LOOKS: u32 = 128;
 
-/// Beyond the picture, rows twice as far as the ones before, up to 2 to this power of its height.
+/// Doublings of the distance beyond the image: rows are looked at up to 2 to this power of its height away.
 const DOUBLINGS: i32 = 20;
 
 /// Finds the row, from a step of secants whose second row is `second` of the first one's [`Miss`].
@@ -66,7 +67,7 @@ fn by_secants(first: f64, second: impl Fn(f64, f64) -> f64, miss_at: &impl Fn(f6
     None
 }
 
-/// Looks for two rows of which one is above the point and the other below, the nearest to the middle of the picture.
+/// Finds two rows of which one is above the point and the other below, the nearest to the middle of the image.
 fn by_halving(rows: f64, miss_at: impl Fn(f64) -> Option<Miss>) -> Sighting {
     let missed = |row: f64| miss_at(row).map(|(missed, _)| missed);
     let beyond = |power: i32| rows * 2f64.powi(power);
@@ -103,7 +104,7 @@ fn halved([a, b]: [f64; 2], miss_at: &impl Fn(f64) -> Option<Miss>) -> Option<DV
     miss_at(row).map(|(_, place)| place)
 }
 
-/// Two rows as close together as numbers are, of which the first is like `a` and the second like `b`.
+/// Narrows two rows until they are neighbouring numbers, of which the first is like `a` and the second like `b`.
 fn narrowed([mut a, mut b]: [f64; 2], is_like_a: impl Fn(f64) -> bool) -> [f64; 2] {
     loop {
         let middle = a + (b - a) / 2.0;
@@ -125,7 +126,7 @@ mod tests {
         row_that_sees(ROWS, |row, missed| row + missed, miss_at)
     }
 
-    /// y = a + s·row, and y = row + ½: row = (a − ½)/(1 − s).
+    /// Case: y = a + s·row, and y = row + ½: row = (a − ½)/(1 − s).
     #[test]
     fn what_moves_evenly_is_where_the_equation_says() {
         for speed in [-3.0, -0.9, -0.1, 0.0, 0.3, 0.99, 2.0] {
@@ -137,7 +138,7 @@ mod tests {
         }
     }
 
-    /// Single precision, in which an iteration towards 1e-9 px goes round in circles.
+    /// Case: single precision, in which an iteration towards 1e-9 px goes round in circles.
     #[test]
     fn roundings_do_not_hide_a_point() {
         for i in 0..200 {

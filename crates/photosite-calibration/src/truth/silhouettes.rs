@@ -1,4 +1,4 @@
-//! Which pixels see each object, and which would if nothing else were there.
+//! Silhouettes: the pixels that see each object, and those that would if nothing else were there.
 //!
 //! Rays are those of the other layers: through the whole lens, in the middle of the exposure of each row.
 
@@ -20,7 +20,7 @@ pub struct Mask {
 /// The pixels of an object.
 #[derive(Clone, Debug, Default)]
 pub struct Silhouettes {
-    /// Pixels that see it.
+    /// Pixels that see the object.
     pub visible: Mask,
     /// Pixels that would see it if nothing else were there.
     pub alone: Mask,
@@ -93,12 +93,13 @@ fn meets_box(object: &TruthObject, to_frame: &DAffine3, ray: &Ray) -> bool {
 }
 
 impl Mask {
-    /// How many pixels it has.
+    /// Number of its pixels.
     pub fn count(&self) -> u64 {
         self.runs.iter().map(|(_, columns)| columns.len() as u64).sum()
     }
 
-    /// The first column and row, and how many there are of each up to the last; `None` without any pixel.
+    /// Bounds of the mask: the first column and row, and how many there are of each up to the last; `None` without any
+    /// pixel.
     pub fn bounds(&self) -> Option<[u32; 4]> {
         let (top, bottom) = (self.runs.first()?.0, self.runs.last()?.0);
         let left = self.runs.iter().map(|(_, columns)| columns.start).min()?;
@@ -107,7 +108,7 @@ impl Mask {
     }
 
     /// Lengths of runs down the columns one after the other, outside and inside in turns, outside first: COCO's
-    /// ([Coco](photosite_core::references#coco)), in a picture of so many columns and rows.
+    /// ([Coco](photosite_core::references#coco)), in an image of this size, columns and rows.
     pub fn column_runs(&self, [width, height]: [u32; 2]) -> Vec<u32> {
         let mut inside = vec![false; width as usize * height as usize];
         for (row, columns) in &self.runs {
@@ -133,7 +134,7 @@ mod tests {
 
     #[test]
     fn runs_go_down_the_columns() {
-        // Of a picture of four columns and three rows: . # # . / . # . . / # . . #
+        // Of an image of four columns and three rows: . # # . / . # . . / # . . #
         let mask = Mask { runs: vec![(0, 1..3), (1, 1..2), (2, 0..1), (2, 3..4)] };
         assert_eq!(mask.column_runs([4, 3]), [2, 3, 1, 1, 4, 1]);
         assert_eq!(mask.count(), 5);

@@ -1,4 +1,4 @@
-//! One ray a pixel, and what its surface says of itself.
+//! Tracing of ground truth: one ray a pixel, and the values of the surface that it meets.
 
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 use rayon::prelude::*;
@@ -9,22 +9,22 @@ use photosite_core::image::Planes;
 use photosite_transport::geometry::{Hit, SurfacePoint};
 use photosite_transport::optics::Camera;
 
-/// What truth is asked of.
+/// Job of ground truth: the image and those that it leads to.
 #[derive(Clone, Copy)]
 pub struct TruthJob<'a> {
-    /// The picture.
+    /// The image itself.
     pub view: View<'a>,
     /// The objects of its scene, for layers in their frames.
     pub objects: &'a [TruthObject],
-    /// The next picture, for [`TruthLayer::Flow`]. Its scene may be another, of the [same
+    /// The next image, for [`TruthLayer::Flow`]. Its scene may be another, of the [same
     /// surfaces](photosite_transport::scene::Scene::hit_in).
     pub next: Option<View<'a>>,
-    /// The picture of the partner, for [`TruthLayer::Disparity`].
+    /// The image of the partner, for [`TruthLayer::Disparity`].
     pub partner: Option<View<'a>>,
 }
 
 impl<'a> TruthJob<'a> {
-    /// This view, which counts what it does not find.
+    /// The job, counting the points that its views do not find.
     #[must_use]
     pub fn counting(self, not_found: &'a NotFound) -> Self {
         let counting = |view: View<'a>| view.counting(not_found);
@@ -64,7 +64,7 @@ pub fn truth(job: &TruthJob<'_>, layers: &[TruthLayer]) -> Planes {
     planes
 }
 
-/// What a pixel sees.
+/// Surface that a pixel sees.
 struct Seen<'a> {
     job: &'a TruthJob<'a>,
     camera: &'a Camera,
@@ -116,7 +116,7 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// `sign` times the way from the pixel to where another view has the point, and whether it is visible there.
+    /// Writes `sign` times the way from the pixel to where another view has the point, and whether it is visible there.
     /// Nothing is visible in a view that there is not.
     fn write_way(&self, other: Option<&View<'_>>, sign: f64, to: &mut [f32]) {
         let found = other.and_then(|view| view.correspondence(&self.job.view.scene.hit_in(&self.hit, view.scene)?));
@@ -138,7 +138,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// The sign that makes disparity positive: −1 for the way to a partner that stands to the right, in whose picture
+/// The sign that makes disparity positive: −1 for the way to a partner that stands to the right, in whose image
 /// things lie farther to the left, or below; 1 for one to the left or above. `place` is partner → camera (x right, y
 /// up).
 fn disparity_sign(place: &DAffine3) -> f64 {
@@ -147,7 +147,7 @@ fn disparity_sign(place: &DAffine3) -> f64 {
     if towards < 0.0 { 1.0 } else { -1.0 }
 }
 
-/// A number from 1 on: 0 is for nothing.
+/// Number of an index in a plane: from 1 on, as 0 is for nothing.
 fn number(index: u32) -> f32 {
     (index + 1) as f32
 }

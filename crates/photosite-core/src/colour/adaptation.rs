@@ -1,4 +1,4 @@
-//! Chromatic adaptation: colours seen under one white as they look under another.
+//! Chromatic adaptation: from a colour under one white to the colour that looks the same under another.
 
 use glam::{DMat3, DVec3};
 

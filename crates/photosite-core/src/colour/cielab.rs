@@ -22,7 +22,7 @@ pub fn to_xyz(lab: DVec3, white: DVec3) -> DVec3 {
     white * DVec3::from_array([y + lab.y / 500.0, y, y - lab.z / 200.0].map(inverse))
 }
 
-/// XYZ → (x, y, Y). Black, which has no chromaticity, gets that of `white`.
+/// XYZ → (x, y, Y). Black has no chromaticity and is given that of `white`.
 pub fn xyy_from_xyz(xyz: DVec3, white: DVec3) -> DVec3 {
     let colour = if xyz.element_sum() == 0.0 { white } else { xyz };
     let sum = colour.element_sum();

@@ -1,5 +1,5 @@
-//! HSV, HSL and HSI: RGB in terms of hue. In: RGB from 0 to 1, usually encoded. Out: hue in degrees from 0 to below
-//! 360, 0 for greys; saturation; value, lightness or intensity. All from 0 to 1 but the hue.
+//! HSV, HSL and HSI: RGB in terms of hue. RGB lies in 0 to 1 and is usually encoded. Hue is in degrees from 0 to below
+//! 360, and 0 for greys; saturation, value, lightness and intensity lie in 0 to 1.
 
 use glam::DVec3;
 
@@ -73,7 +73,7 @@ fn hexagonal_hue(rgb: DVec3) -> f64 {
     wrapped(60.0 * sixths)
 }
 
-/// An angle as 0 to below 360°.
+/// Angle in degrees, brought into the range from 0 to below 360.
 fn wrapped(degrees: f64) -> f64 {
     // The remainder of a tiny negative angle rounds to 360.
     let positive = degrees.rem_euclid(360.0);

@@ -1,8 +1,8 @@
-//! Colour: spaces, how colours look under another white, and how far two of them lie apart.
+//! Colour: RGB spaces, chromatic adaptation, and differences between colours.
 //!
-//! In and out: three numbers in double precision. XYZ is relative, Y = 1 for white. RGB is linear or encoded as each
+//! Colours are three numbers in double precision. XYZ is relative, Y = 1 for white. RGB is linear or encoded as each
 //! function says, white at 1. Hues are in degrees. Spectra become XYZ in [`spectrum::cie`](crate::spectrum::cie).
-//! `tests/judges/colours.py` holds all of it against the colour-science package.
+//! `tests/judges/colours.py` checks all of it against the colour-science package.
 
 pub mod adaptation;
 pub mod cielab;

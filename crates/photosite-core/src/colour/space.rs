@@ -2,6 +2,7 @@
 
 use std::sync::OnceLock;
 
+use crate::keys::Keys;
 use glam::{DMat3, DVec3};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,8 +10,8 @@ use serde::{Deserialize, Serialize};
 use super::adaptation::bradford;
 use crate::spectrum::{cie, illuminant, rgb};
 
-/// A colour space for pictures.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+/// A colour space for images.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(rename_all = "kebab-case")]
 pub enum ColourSpace {
     /// sRGB, which screens and browsers expect (IEC 61966-2-1).
@@ -27,10 +28,10 @@ pub enum ColourSpace {
 }
 
 impl ColourSpace {
-    /// All of them.
+    /// All colour spaces.
     pub const ALL: [Self; 5] = [Self::Srgb, Self::DisplayP3, Self::Rec2020, Self::Acescg, Self::Xyz];
 
-    /// As people call it.
+    /// Name for messages, as `sRGB` or `Display P3`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Srgb => "sRGB",
@@ -54,8 +55,8 @@ impl ColourSpace {
         }
     }
 
-    /// XYZ of white with Y = 1. That of D65 is the tabulated illuminant's, of which (0.3127, 0.3290) is the rounded
-    /// form.
+    /// XYZ of white with Y = 1. For D65 these are the tabulated illuminant's, of which (0.3127, 0.3290) is the rounded
+    /// chromaticity.
     pub fn white(self) -> DVec3 {
         // Searches for matrices ask for it a million times.
         static D65: OnceLock<DVec3> = OnceLock::new();
@@ -67,7 +68,7 @@ impl ColourSpace {
         }
     }
 
-    /// CIE x and y of red, green, blue and white; of XYZ those of its axes and of equal parts.
+    /// CIE x and y of red, green, blue and white; for XYZ, its axes and the equal-energy point.
     pub fn chromaticities(self) -> [[f64; 2]; 4] {
         match self.primaries() {
             Some([red, green, blue]) => {
@@ -87,7 +88,7 @@ impl ColourSpace {
         }
     }
 
-    /// Names of its planes.
+    /// Channel names, as image files have them.
     pub fn channels(self) -> [&'static str; 3] {
         match self {
             Self::Srgb | Self::DisplayP3 | Self::Rec2020 | Self::Acescg => ["R", "G", "B"],
@@ -95,7 +96,7 @@ impl ColourSpace {
         }
     }
 
-    /// What its components add to relative luminance Y: the second row of [`Self::to_xyz`].
+    /// Weights of the three components in relative luminance Y: the second row of [`Self::to_xyz`].
     pub fn luminance_weights(self) -> DVec3 {
         self.to_xyz().row(1)
     }

@@ -1,8 +1,8 @@
-//! Colour temperature and tint: where a white lies along the blackbodies and beside them.
+//! Colour temperature and tint of a white: its position along the Planckian locus and its distance from it.
 //!
-//! In the CIE 1960 (u, v) diagram the blackbodies form a line. The correlated colour temperature of a white is that of
-//! the point nearest to it, D_uv its distance, above the line where it is greenish. The tint is 3000·D_uv, the scale
-//! that photographers know from Adobe's programs.
+//! The Planckian locus is the line of blackbodies in the CIE 1960 (u, v) diagram. The correlated colour temperature of
+//! a white is that of the nearest point of the locus, D_uv its distance, positive above the locus, on the greenish
+//! side. The tint is 3000·D_uv, the scale that photographers know from Adobe's programs.
 
 use glam::DVec2;
 
@@ -10,11 +10,11 @@ use crate::spectrum::{cie, illuminant};
 
 /// Tint of a D_uv of 1.
 const TINT_SCALE: f64 = 3000.0;
-/// Coldest and hottest white, K.
+/// Range of correlated colour temperatures, K.
 pub const TEMPERATURE_RANGE_K: [f64; 2] = [1000.0, 40_000.0];
 
-/// Chromaticity (x, y) of the white of a temperature (K) and tint. `None` outside [`TEMPERATURE_RANGE_K`], or where so
-/// much tint leaves the diagram.
+/// Chromaticity (x, y) of the white of a temperature (K) and tint. `None` outside [`TEMPERATURE_RANGE_K`], or where the
+/// tint leaves the diagram.
 pub fn chromaticity(temperature_k: f64, tint: f64) -> Option<[f64; 2]> {
     let [low, high] = TEMPERATURE_RANGE_K;
     if !(low..=high).contains(&temperature_k) || !tint.is_finite() {
@@ -44,7 +44,7 @@ pub fn temperature_and_tint([x, y]: [f64; 2]) -> (f64, f64) {
     (temperature, (uv - locus(temperature)).dot(normal(temperature)) * TINT_SCALE)
 }
 
-/// (u, v) of a blackbody.
+/// Chromaticity (u, v) of a blackbody.
 fn locus(temperature_k: f64) -> DVec2 {
     let [mut x, mut y, mut z] = [0.0; 3];
     let [x_bar, y_bar, z_bar] = cie::observer();
@@ -57,7 +57,7 @@ fn locus(temperature_k: f64) -> DVec2 {
     DVec2::new(4.0 * x, 6.0 * y) / (x + 15.0 * y + 3.0 * z)
 }
 
-/// The direction across the line of blackbodies, to the side of green.
+/// Unit normal of the Planckian locus in (u, v), towards green.
 fn normal(temperature_k: f64) -> DVec2 {
     let along = locus(temperature_k * 0.999) - locus(temperature_k * 1.001);
     along.perp().normalize()

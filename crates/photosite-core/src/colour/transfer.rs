@@ -1,14 +1,14 @@
-//! Transfer functions: linear values become the codes of a file.
+//! Transfer functions from linear values to the encoded values of a file.
 
 use serde::Serialize;
 
 use crate::spectrum::rgb;
 
-/// How linear values are encoded.
+/// Encoding of linear values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Transfer {
-    /// As they are.
+    /// No encoding.
     Linear,
     /// The function of sRGB and Display P3 ([Srgb](crate::references#srgb)).
     #[default]
@@ -27,7 +27,7 @@ impl Transfer {
         }
     }
 
-    /// The same in double precision, for values from 0 to 1: where differences of encoded values count.
+    /// Linear value from 0 to 1 → encoded value, in double precision, for differences of encoded values.
     pub fn encode_exactly(self, linear: f64) -> f64 {
         match self {
             Self::Linear => linear,

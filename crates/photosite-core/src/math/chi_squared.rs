@@ -1,4 +1,4 @@
-//! The χ² distribution of k degrees of freedom: of the sum of k squared standard normal numbers.
+//! The χ² distribution of k degrees of freedom: the sum of k squared standard normal variables.
 
 /// The probability of a χ² up to `value`: P(k/2, χ²/2), the regularised lower incomplete gamma function.
 pub fn cdf(value: f64, freedom: f64) -> f64 {
@@ -12,7 +12,7 @@ pub fn survival(value: f64, freedom: f64) -> f64 {
     upper
 }
 
-/// Density of √(χ²/k), of which a standard deviation found with k degrees of freedom is that many times the true one:
+/// Density of s = √(χ²/k), the ratio of a standard deviation estimated with k degrees of freedom to the true one:
 /// 2·(k/2)^(k/2)/Γ(k/2)·s^(k−1)·exp(−k·s²/2).
 pub fn density_of_sigma(s: f64, freedom: f64) -> f64 {
     if s <= 0.0 {
@@ -22,8 +22,8 @@ pub fn density_of_sigma(s: f64, freedom: f64) -> f64 {
     2.0 * (half * half.ln() - libm::lgamma(half) + (freedom - 1.0) * s.ln() - half * s * s).exp()
 }
 
-/// P(a, x) and Q(a, x) = 1 − P, each as exact as it comes: the series of [Dlmf](crate::references#dlmf) 8.11.4 below
-/// a + 1, and above it the continued fraction 8.9.2 by Lentz's method. Both take about √a terms near x = a.
+/// P(a, x) and Q(a, x) = 1 − P, neither computed from the other: the series of [Dlmf](crate::references#dlmf) 8.11.4
+/// below a + 1, and above it the continued fraction 8.9.2 by Lentz's method. Both take about √a terms near x = a.
 fn incomplete_gamma(a: f64, x: f64) -> [f64; 2] {
     if x.is_nan() || x <= 0.0 {
         return [0.0, 1.0];

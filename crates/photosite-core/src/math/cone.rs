@@ -1,4 +1,4 @@
-//! Sets of directions about an axis.
+//! Cones of directions.
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -7,7 +7,7 @@ use glam::Vec3;
 /// All unit vectors within an angle of an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cone {
-    /// Unit vector.
+    /// Axis, a unit vector.
     pub axis: Vec3,
     /// Largest angle from the axis, rad, from 0 to π.
     pub angle: f32,
@@ -17,7 +17,7 @@ impl Cone {
     /// All directions.
     pub const ALL: Self = Self { axis: Vec3::Z, angle: PI };
 
-    /// One direction, a unit vector.
+    /// Cone of a single direction, a unit vector.
     pub const fn of(axis: Vec3) -> Self {
         Self { axis, angle: 0.0 }
     }
@@ -27,7 +27,7 @@ impl Cone {
         Self { angle: (self.angle + angle).min(PI), ..self }
     }
 
-    /// The smallest cone that holds both ([pbrt4](crate::references#pbrt4) §3.8.4), but for rounding.
+    /// Smallest cone that holds both cones ([pbrt4](crate::references#pbrt4) §3.8.4), up to rounding.
     pub fn union(self, other: Self) -> Self {
         let (wide, narrow) = if self.angle >= other.angle { (self, other) } else { (other, self) };
         // Of meshes most normals are alike.
@@ -50,7 +50,8 @@ impl Cone {
         Self { axis: (wide.axis * turn.cos() + across * turn.sin()).normalize(), angle }
     }
 
-    /// Holds the sums of its directions with any positive weights too, which one wider than a half space does not.
+    /// Smallest cone that holds all sums of its directions with positive weights: all directions where the cone is
+    /// wider than a half space.
     pub fn hull(self) -> Self {
         if self.angle < FRAC_PI_2 { self } else { Self::ALL }
     }

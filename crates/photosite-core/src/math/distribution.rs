@@ -1,7 +1,7 @@
-//! Discrete and piecewise-constant distributions: the choice of a light, of a direction in an environment picture.
+//! Discrete and piecewise-constant distributions, which choose a light, or a direction in an environment map.
 
 /// A function on [0, 1) that is constant on n equal pieces, normalised to a density, sampled by inverting its
-/// cumulative sum. Keeps the stratification of its input. A guide table makes a sample cost O(1) on average
+/// cumulative sum. Samples keep the stratification of their input. A guide table makes a sample cost O(1) on average
 /// ([Devroye86](crate::references#devroye86) §III.2.4).
 #[derive(Clone, Debug)]
 pub struct PiecewiseConstant1D {
@@ -9,13 +9,14 @@ pub struct PiecewiseConstant1D {
     cdf: Vec<f32>,
     /// Density on each piece; its mean is 1.
     density: Vec<f32>,
-    /// For each of n equal parts of [0, 1), the piece that its first number leads to or an earlier one.
+    /// Guide table: for each of n equal parts of [0, 1), the piece that its first number leads to or an earlier one.
     guide: Vec<u32>,
     integral: f64,
 }
 
 impl PiecewiseConstant1D {
-    /// From non-negative, finite values, at least one. Where all are zero the distribution is uniform.
+    /// Distribution in proportion to non-negative, finite values, at least one. Where all are zero the distribution is
+    /// uniform.
     pub fn new(values: &[f32]) -> Self {
         let n = values.len();
         assert!(n > 0 && values.iter().all(|v| v.is_finite() && *v >= 0.0), "values must be finite and not negative");
@@ -36,22 +37,27 @@ impl PiecewiseConstant1D {
         Self { cdf, density, guide, integral: sum / n as f64 }
     }
 
+    /// Integrals of the first pieces: none, one, and so on up to all, which is 1.
+    pub fn cdf(&self) -> &[f32] {
+        &self.cdf
+    }
+
     /// Number of pieces.
     pub fn len(&self) -> usize {
         self.density.len()
     }
 
-    /// Never true: a distribution has at least one piece.
+    /// Always false: a distribution has at least one piece.
     pub fn is_empty(&self) -> bool {
         self.density.is_empty()
     }
 
-    /// ∫ of the function that was given, over [0, 1): its mean.
+    /// Integral over [0, 1) of the function that was given, which is its mean.
     pub fn integral(&self) -> f64 {
         self.integral
     }
 
-    /// u in [0, 1) → (x in [0, 1), its density, its piece).
+    /// Sample for u in [0, 1): x in [0, 1), its density, and its piece.
     #[inline]
     pub fn sample(&self, u: f32) -> (f32, f32, usize) {
         let n = self.len();
@@ -84,11 +90,21 @@ pub struct PiecewiseConstant2D {
 }
 
 impl PiecewiseConstant2D {
-    /// From `values[row * width + column]`, non-negative and finite.
+    /// Distribution in proportion to `values[row * width + column]`, non-negative and finite.
     pub fn new(values: &[f32], width: usize) -> Self {
         let rows: Vec<_> = values.chunks_exact(width).map(PiecewiseConstant1D::new).collect();
         let sums: Vec<f32> = rows.iter().map(|row| row.integral() as f32).collect();
         Self { marginal: PiecewiseConstant1D::new(&sums), rows }
+    }
+
+    /// Distribution along each row.
+    pub fn rows(&self) -> &[PiecewiseConstant1D] {
+        &self.rows
+    }
+
+    /// Distribution of the rows.
+    pub fn marginal(&self) -> &PiecewiseConstant1D {
+        &self.marginal
     }
 
     /// Mean of the function over the square.
@@ -96,7 +112,7 @@ impl PiecewiseConstant2D {
         self.marginal.integral()
     }
 
-    /// (u, v) in the unit square → ((x, y), density).
+    /// Sample for (u, v) in the unit square: (x, y) and its density.
     #[inline]
     pub fn sample(&self, [u, v]: [f32; 2]) -> ([f32; 2], f32) {
         let (y, row_density, row) = self.marginal.sample(v);
@@ -112,8 +128,8 @@ impl PiecewiseConstant2D {
     }
 }
 
-/// What a choice leaves of its number: the part of an interval [from, from + length) that lies below a number `u` in
-/// it. In [0, 1), whatever the rounding.
+/// Remainder of a random number after a choice: the fraction of the interval [from, from + length) that lies below the
+/// number `u` in it. It lies in [0, 1), whatever the rounding.
 #[inline]
 pub fn rest(u: f32, from: f32, length: f32) -> f32 {
     ((u - from) / length).clamp(0.0, 1.0 - f32::EPSILON / 2.0)
@@ -130,14 +146,15 @@ pub struct AliasTable {
 struct AliasBin {
     /// Probability of staying in this bin once it is drawn.
     keep: f32,
-    /// Where to go otherwise.
+    /// Entry drawn otherwise.
     alias: u32,
     /// Probability of this entry as a whole.
     probability: f32,
 }
 
 impl AliasTable {
-    /// From non-negative, finite weights. Where all are zero the choice is uniform; an empty list gives an empty table.
+    /// Table of non-negative, finite weights. Where all are zero the choice is uniform; an empty list gives an empty
+    /// table.
     pub fn new(weights: &[f64]) -> Self {
         let n = weights.len();
         let sum: f64 = weights.iter().sum();
@@ -159,17 +176,22 @@ impl AliasTable {
         Self { bins }
     }
 
+    /// Bins as plain data: bits of the probability of staying in one, its alias, bits of its probability as a whole.
+    pub fn bin_words(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        self.bins.iter().map(|bin| [bin.keep.to_bits(), bin.alias, bin.probability.to_bits()])
+    }
+
     /// Number of entries.
     pub fn len(&self) -> usize {
         self.bins.len()
     }
 
-    /// Whether there is nothing to choose from.
+    /// Whether the table has no entries.
     pub fn is_empty(&self) -> bool {
         self.bins.is_empty()
     }
 
-    /// u in [0, 1) → (entry, its probability, what is left of u in [0, 1)). The table must not be empty.
+    /// Sample for u in [0, 1): entry, its probability, and the remainder of u in [0, 1). The table must not be empty.
     #[inline]
     pub fn sample(&self, u: f32) -> (u32, f32, f32) {
         let scaled = u * self.bins.len() as f32;

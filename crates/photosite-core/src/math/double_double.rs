@@ -1,4 +1,4 @@
-//! Sums of 106 bits, as a pair of numbers of 53: so exact that the order of the terms makes no difference.
+//! Sums in 106 bits, as pairs of 53-bit numbers, exact enough that the order of the terms makes no difference.
 //!
 //! A sum is high + low with |low| ≤ ulp(high)/2. Adding a term keeps what rounding loses of it (by Knuth's
 //! algorithm [Knuth97](crate::references#knuth97), and that of products of [Dekker71](crate::references#dekker71)). A
@@ -9,11 +9,11 @@
 pub struct DoubleDouble {
     /// The number, rounded to 53 bits.
     pub high: f64,
-    /// What that leaves.
+    /// Remainder beyond the rounded number, at most half of its last bit.
     pub low: f64,
 }
 
-/// Four such numbers side by side.
+/// Four numbers of 106 bits side by side.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DoubleDoubles {
     high: [f64; 4],
@@ -33,7 +33,7 @@ impl DoubleDoubles {
         (self.high[lane], self.low[lane]) = (number.high, number.low);
     }
 
-    /// Adds a term to each.
+    /// Adds a term to each number.
     // A loop rather than a closure, which would not be inlined into a function for wide registers.
     #[inline(always)]
     pub fn add(&mut self, terms: [f64; 4]) {
@@ -60,14 +60,15 @@ fn two_product(a: f64, b: f64) -> (f64, f64) {
 }
 
 impl DoubleDouble {
-    /// high + low, brought into form. Beyond the range of numbers the low part means nothing.
+    /// The number high + low, normalised so that |low| ≤ ulp(high)/2. Where high overflows, the low part is
+    /// meaningless.
     #[inline(always)]
     fn of(high: f64, low: f64) -> Self {
         let (sum, rest) = two_sum(high, low);
         if rest.is_finite() { Self { high: sum, low: rest } } else { Self { high, low: 0.0 } }
     }
 
-    /// Adds one number.
+    /// Adds a term.
     #[inline(always)]
     pub fn add(&mut self, term: f64) {
         let (sum, rest) = two_sum(self.high, term);

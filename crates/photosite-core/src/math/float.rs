@@ -1,4 +1,4 @@
-//! Bounds on floating-point rounding error, after [pbrt4](crate::references#pbrt4) §6.8.1, and numbers of few digits.
+//! Bounds on floating-point rounding error, after [pbrt4](crate::references#pbrt4) §6.8.1, and rounding for display.
 
 /// γₙ = n·ε/(1 − n·ε): the relative error of n chained f32 operations is at most γₙ, with ε = 2⁻²⁴ (eq. 6.20).
 pub const fn gamma(n: u32) -> f32 {
@@ -6,7 +6,7 @@ pub const fn gamma(n: u32) -> f32 {
     (n as f32 * half_ulp) / (1.0 - n as f32 * half_ulp)
 }
 
-/// So many significant digits, few enough for people.
+/// Rounds to a number of significant digits, for display.
 pub fn rounded(x: f64, digits: i32) -> f64 {
     if x == 0.0 || !x.is_finite() {
         return x;

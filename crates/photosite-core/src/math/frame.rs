@@ -22,7 +22,7 @@ impl Frame {
         Self { x, y, z }
     }
 
-    /// A frame about a unit normal `z` whose x lies along `tangent` made perpendicular to z. Falls back to
+    /// A frame about a unit normal `z` whose x lies along `tangent` made perpendicular to z. It falls back to
     /// [`Self::from_normal`] where the tangent is parallel to the normal, zero or not finite.
     pub fn from_normal_tangent(z: Vec3, tangent: Vec3) -> Self {
         // y comes out imprecise where the tangent nearly lies along z; the second product makes x exactly

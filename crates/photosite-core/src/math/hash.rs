@@ -21,13 +21,13 @@ pub const fn hash64_halves(a: u64, b: u64) -> u64 {
     mix64(a ^ b)
 }
 
-/// See [`hash64_halves`].
+/// Half of [`hash64_halves`] that depends on a.
 #[inline]
 pub const fn first_half(a: u64) -> u64 {
     a.wrapping_add(0x9e37_79b9_7f4a_7c15).wrapping_mul(0xd6e8_feb8_6659_fd93)
 }
 
-/// See [`hash64_halves`].
+/// Half of [`hash64_halves`] that depends on b.
 #[inline]
 pub const fn second_half(b: u64) -> u64 {
     mix64(b.wrapping_add(0x9e37_79b9_7f4a_7c15))

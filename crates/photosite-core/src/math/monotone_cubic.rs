@@ -2,7 +2,7 @@
 
 /// A piecewise cubic through points, with continuous slope and without overshoot: between two points it stays between
 /// their values ([FritschCarlson80](crate::references#fritschcarlson80), with the slopes of
-/// [FritschButland84](crate::references#fritschbutland84)). Beyond its ends it goes on straight.
+/// [FritschButland84](crate::references#fritschbutland84)). Beyond its ends it is linear.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonotoneCubic {
     x: Vec<f64>,
@@ -11,8 +11,8 @@ pub struct MonotoneCubic {
 }
 
 impl MonotoneCubic {
-    /// The curve through points whose x rise; `None` where they do not, where there are none or as many of one as of
-    /// the other.
+    /// The curve through points whose x rise; `None` where they do not, where there are none, or where their number is
+    /// not that of y.
     pub fn new(x: Vec<f64>, y: Vec<f64>) -> Option<Self> {
         let rises = x.windows(2).all(|pair| pair[0] < pair[1]);
         if x.is_empty() || x.len() != y.len() || !rises || !x.iter().chain(&y).all(|value| value.is_finite()) {
@@ -75,7 +75,7 @@ impl MonotoneCubic {
 mod tests {
     use super::*;
 
-    /// SciPy 1.17, `PchipInterpolator([0, 1, 3, 4, 7], [0, 2, 2.5, 7, 6])`.
+    /// Expected values are of SciPy 1.17, `PchipInterpolator([0, 1, 3, 4, 7], [0, 2, 2.5, 7, 6])`.
     #[test]
     fn values_are_those_of_scipys_pchip() {
         let curve = MonotoneCubic::new(vec![0.0, 1.0, 3.0, 4.0, 7.0], vec![0.0, 2.0, 2.5, 7.0, 6.0]).expect("rises");

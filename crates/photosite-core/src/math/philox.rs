@@ -26,8 +26,8 @@ impl Philox {
     }
 
     /// The two streams number 2·`pair` and 2·`pair` + 1 of another kind: they share their first block, so that
-    /// neighbours that need no more than 64 bits each cost one block together. Not to be mixed with [`Self::new`] for
-    /// the same key.
+    /// neighbours that need no more than 64 bits each cost one block together. Do not mix these streams with
+    /// [`Self::new`] for the same key.
     #[inline]
     pub fn pair(key: u64, pair: u64) -> [Self; 2] {
         let block = philox4x32_10([0, 0, pair as u32, (pair >> 32) as u32], halves(key));
@@ -65,7 +65,7 @@ fn halves(number: u64) -> [u32; 2] {
 
 const ROUNDS: usize = 10;
 const MULTIPLIERS: [u64; 2] = [0xd251_1f53, 0xcd9e_8d57];
-/// What the key of a round is more than that of the one before.
+/// Increment of the key from round to round.
 const WEYL: [u32; 2] = [0x9e37_79b9, 0xbb67_ae85];
 
 /// One block of four numbers: ten rounds of Philox4x32.
@@ -83,26 +83,26 @@ pub fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
     counter
 }
 
-/// How many pairs of streams are begun together: several of the widest registers full.
+/// Number of pairs of streams that are begun together: several of the widest registers full.
 pub const PAIRS: usize = 32;
 
 /// The first blocks of [`PAIRS`] pairs of streams, which share what a block costs: the rounds run on all of them at once.
 pub struct PairBlocks {
     key: u64,
     first: u64,
-    /// The four numbers of all blocks, each in 64 bits.
+    /// Four numbers of each block, each in 64 bits.
     numbers: [[u64; PAIRS]; 4],
 }
 
 impl PairBlocks {
-    /// Those of the pairs from number `first` on.
+    /// First blocks of the pairs from number `first` on.
     #[inline]
     pub fn new(key: u64, first: u64) -> Self {
         Self { key, first, numbers: dispatch_wide(Rounds { key, first }) }
     }
 }
 
-/// The rounds of many blocks.
+/// Key and counters of many blocks through the rounds.
 struct Rounds {
     key: u64,
     first: u64,

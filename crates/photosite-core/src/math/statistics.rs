@@ -1,4 +1,4 @@
-//! Tests of hypotheses and sample moments, shared by the program (variance of a picture) and by its tests (χ² of a
+//! Tests of hypotheses and sample moments, shared by the program (variance of an image) and by its tests (χ² of a
 //! sampler against its density).
 
 use std::f64::consts::PI;
@@ -21,12 +21,12 @@ impl Moments {
         self.squares += delta * (x - self.mean);
     }
 
-    /// How many numbers were added.
+    /// Number of added numbers.
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Their mean, 0 for none.
+    /// Mean, 0 where there are no numbers.
     pub fn mean(&self) -> f64 {
         self.mean
     }
@@ -74,8 +74,8 @@ pub fn chi_squared(observed: &[f64], expected: &[f64]) -> (f64, u32) {
     (statistic, used.saturating_sub(1))
 }
 
-/// The p-value below which one of `tests` tests fails all of them, so that pictures that agree pass with probability
-/// 1 − α: 1 − (1 − α)^(1/n). `alpha` lies in (0, 1).
+/// The p-value below which one of `tests` tests fails all of them, so that images that agree pass with probability 1 −
+/// α: 1 − (1 − α)^(1/n). `alpha` lies in (0, 1).
 ///
 /// Exact for independent tests. For two-sided tests of jointly normal numbers, however correlated, it errs on the side
 /// of passing ([Sidak67](crate::references#sidak67)): the channels of a pixel may share their noise.
@@ -83,8 +83,8 @@ pub fn sidak_p_value(alpha: f64, tests: usize) -> f64 {
     -((-alpha).ln_1p() / tests.max(1) as f64).exp_m1()
 }
 
-/// Kolmogorov–Smirnov: the largest distance between the distribution of a sample, sorted upwards, and the one that
-/// `cdf` says. 0 for an empty sample.
+/// Kolmogorov–Smirnov: the largest distance between the distribution of a sample, sorted upwards, and the distribution
+/// `cdf`; 0 for an empty sample.
 pub fn kolmogorov_smirnov(sorted: &[f64], cdf: impl Fn(f64) -> f64) -> f64 {
     let n = sorted.len() as f64;
     let distance = |(i, &x): (usize, &f64)| {

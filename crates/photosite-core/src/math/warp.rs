@@ -21,8 +21,8 @@ pub fn concentric_disk<R: Real>([u, v]: [R; 2]) -> [R; 2] {
 }
 
 /// Sine and cosine of an angle of −π/4 to π/4, to the last bit or two: Taylor's series up to x⁹ and x¹⁰, whose first
-/// term left out is 2·10⁻⁹ and 10⁻¹⁰ of the whole at most. The same on every machine, and cheaper than functions of any
-/// angle.
+/// term left out is 2·10⁻⁹ and 10⁻¹⁰ of the whole at most. The result is the same on every machine, and cheaper than
+/// functions of any angle.
 #[inline(always)]
 fn sin_cos_of_eighth<R: Real>(x: R) -> (R, R) {
     // Written out, since a closure would not be compiled for wide registers.

@@ -1,9 +1,9 @@
-//! How much memory the program may take, and a look ahead: what does not fit is refused before it is asked for.
+//! Limit of the program's memory, checked ahead: work that does not fit is refused before it allocates.
 //!
-//! Memory belongs to the process, as its heap does, so there is one limit for all of it: what [`set_limit`] was told, or
-//! else the least of what the machine has left, what the control groups of the process allow and what its resource
-//! limits (`ulimit -v`, `-d`) leave. Limits of resources cannot be passed and hold in any case. They are looked up at each
-//! step, since other programs come and go. Linux tells all of this; on other systems only what was told is known.
+//! Memory belongs to the process, as its heap does, so there is one limit for all of it: the one given to
+//! [`set_limit`], or else the least of what the machine has left, what the control groups of the process allow and what
+//! its resource limits (`ulimit -v`, `-d`) leave. Resource limits hold in any case. All figures are read anew for each
+//! check, since other programs come and go. Linux reports them all; other systems have only the limit of [`set_limit`].
 //!
 //! Estimates are those of memory that is taken beyond what the process has at that time.
 
@@ -16,11 +16,12 @@ use crate::{Error, Invalid, Result, counted};
 use left::GIB;
 
 pub use left::Left;
+pub use system::of_process;
 
-/// Bytes that the process may take; 0 where nobody said.
+/// Limit in bytes that was set; 0 for none.
 static LIMIT: AtomicU64 = AtomicU64::new(0);
 
-/// Lets the process take so many GiB, a number above 0, whatever the machine has.
+/// Lets the process take up to `gib` GiB, a number above 0, regardless of what the machine has.
 ///
 /// # Errors
 ///
@@ -36,31 +37,31 @@ pub fn set_limit(gib: f64) -> Result<()> {
     Ok(())
 }
 
-/// What there is for more; `None` where nobody says.
+/// Memory that the process can still take; `None` where no limit is known.
 pub fn left() -> Option<Left> {
     system::System::read().left(LIMIT.load(Ordering::Relaxed))
 }
 
-/// Refuses what needs more bytes than there are, see [`Left::check`].
+/// Refuses work that needs more bytes than are left, see [`Left::check`].
 ///
 /// # Errors
 ///
-/// As there.
+/// Errors of [`Left::check`].
 pub fn check(bytes: u64, what: &str, instead: &str) -> Result<(), Invalid> {
     left().map_or(Ok(()), |left| left.check(bytes, what, instead))
 }
 
-/// Refuses threads whose stacks the resource limits do not leave room for. Stacks are mapped whole and touched little, so
-/// that no other limit counts.
+/// Refuses threads whose stacks exceed the resource limits. Stacks are mapped whole and touched little, so that no
+/// other limit counts.
 ///
 /// # Errors
 ///
 /// Errors of [`Left::check`].
 pub fn check_threads(count: usize) -> Result<(), Invalid> {
-    /// Bytes that the standard library maps for each.
+    /// Bytes that the standard library maps for the stack of a thread.
     const STACK: u64 = 2 << 20;
-    /// What the C library and this program map for the first threads: the C library ends a program without a word of
-    /// ours where it has no memory to begin a thread with.
+    /// Bytes that the C library and this program map for the first threads. The C library ends the program without a
+    /// message of ours where it lacks memory to start a thread.
     const BEGIN: u64 = 16 << 20;
     let what = format!("starting {}", counted(count, ["thread", "threads"]));
     let bytes = (count as u64).saturating_mul(STACK).saturating_add(BEGIN);

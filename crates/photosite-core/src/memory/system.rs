@@ -1,25 +1,25 @@
-//! What Linux says of memory in the files of /proc and of control groups.
+//! Linux's memory figures, from /proc and control groups.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::left::{Bound, Left};
+use super::left::{Left, MACHINE, TOLD};
 
-/// Where control groups of both versions are mounted.
+/// Mount point of control groups of both versions.
 const GROUPS: &str = "/sys/fs/cgroup";
 
-/// Figures in bytes, as far as they are known.
+/// Memory figures in bytes; `None` where they are not known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct System {
-    /// What the process has: in memory, as address space, as data.
+    /// Usage of the process: resident memory, address space and data.
     resident: u64,
     address_space: u64,
     data: u64,
-    /// What the machine has left, without the process.
+    /// Memory that the machine has available, without the process's own.
     available: Option<u64>,
-    /// Limits of the process and all that is with it.
+    /// Least limit of the control groups of the process.
     group: Option<u64>,
-    /// Limits of the process alone.
+    /// Resource limits of the process.
     most_address_space: Option<u64>,
     most_data: Option<u64>,
 }
@@ -44,26 +44,33 @@ impl System {
         }
     }
 
-    /// What is left for more; `told` stands in for what machine and groups have, unless it is 0.
+    /// Memory that the process can still take. A limit `told` by the user, unless 0, replaces the limits of machine and
+    /// control groups.
     pub(super) fn left(&self, told: u64) -> Option<Left> {
         let shared = match told {
             0 => [
-                self.available.map(|left| Left { bytes: left, of: left + self.resident, bound: Bound::Machine }),
-                self.group.map(|most| Left::of(most, self.resident, Bound::ControlGroup)),
+                self.available.map(|left| Left { bytes: left, of: left + self.resident, bound: MACHINE }),
+                self.group.map(|most| Left::of(most, self.resident, "the control group of the process")),
             ],
-            told => [Some(Left::of(told, self.resident, Bound::Told)), None],
+            told => [Some(Left::of(told, self.resident, TOLD)), None],
         };
         shared.into_iter().flatten().chain(self.left_to_map()).min_by_key(|left| left.bytes)
     }
 
-    /// What the resource limits leave to map, whether it is touched or not.
+    /// Address space that the resource limits leave, whether it is touched or not.
     pub(super) fn left_to_map(&self) -> Option<Left> {
         let own = [
-            self.most_address_space.map(|most| Left::of(most, self.address_space, Bound::AddressSpace)),
-            self.most_data.map(|most| Left::of(most, self.data, Bound::Data)),
+            self.most_address_space.map(|most| Left::of(most, self.address_space, "ulimit -v")),
+            self.most_data.map(|most| Left::of(most, self.data, "ulimit -d")),
         ];
         own.into_iter().flatten().min_by_key(|left| left.bytes)
     }
+}
+
+/// Memory of this process in bytes by its key of `/proc/self/status`, for example `VmHWM:` for its peak; `None` on
+/// systems other than Linux.
+pub fn of_process(name: &str) -> Option<u64> {
+    kilobytes(&fs::read_to_string("/proc/self/status").ok()?, name)
 }
 
 /// Bytes in the line `name` of `/proc/meminfo` or `/proc/PID/status`, which has kilobytes of 1024.
@@ -160,13 +167,13 @@ mod tests {
             most_data: None,
         };
         let left = |system: System, told| system.left(told).map(|left| (left.bytes, left.of, left.bound));
-        assert_eq!(left(system, 0), Some((490, 500, Bound::ControlGroup)));
-        assert_eq!(left(System { group: None, ..system }, 0), Some((1000, 1010, Bound::Machine)));
-        assert_eq!(left(system, 2000), Some((1990, 2000, Bound::Told)));
-        assert_eq!(left(system, 5), Some((0, 5, Bound::Told)));
+        assert_eq!(left(system, 0), Some((490, 500, "the control group of the process")));
+        assert_eq!(left(System { group: None, ..system }, 0), Some((1000, 1010, MACHINE)));
+        assert_eq!(left(system, 2000), Some((1990, 2000, TOLD)));
+        assert_eq!(left(system, 5), Some((0, 5, TOLD)));
         let limited = System { most_address_space: Some(300), most_data: Some(290), ..system };
-        assert_eq!(left(limited, 2000), Some((200, 300, Bound::AddressSpace)));
-        assert_eq!(left(System { most_data: Some(150), ..limited }, 0), Some((100, 150, Bound::Data)));
+        assert_eq!(left(limited, 2000), Some((200, 300, "ulimit -v")));
+        assert_eq!(left(System { most_data: Some(150), ..limited }, 0), Some((100, 150, "ulimit -d")));
         assert_eq!(left(System::default(), 0), None);
     }
 

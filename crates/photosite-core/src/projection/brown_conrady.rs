@@ -1,4 +1,5 @@
-//! Distortion from the ideal to the real picture: OpenCV's standard model, without its tilted sensor.
+//! Brown–Conrady distortion, from ideal to distorted image coordinates: OpenCV's standard model, without its tilted
+//! sensor.
 
 use std::f64::consts::TAU;
 
@@ -27,7 +28,7 @@ pub struct BrownConrady {
 }
 
 impl BrownConrady {
-    /// Whether it does nothing.
+    /// Whether all coefficients are 0.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
@@ -83,8 +84,8 @@ impl BrownConrady {
         )
     }
 
-    /// Radius of the largest disk of the ideal picture in which the map does not fold back: its Jacobian's determinant
-    /// stays above 0. `None` where that holds up to 90° from the axis.
+    /// Radius of the largest disk of the ideal image in which the map does not fold back: the determinant of its
+    /// Jacobian stays above 0. `None` where that holds up to 90° from the axis.
     pub(super) fn fold(&self) -> Option<f64> {
         // A function of the radius alone is looked at closely; otherwise in many directions.
         let (directions, steps) = if self.is_radial() { (1, 8192) } else { (128, 1024) };
@@ -96,8 +97,8 @@ impl BrownConrady {
         folds.min_by(f64::total_cmp).map(f64::tan)
     }
 
-    /// Distorted → ideal within a radius of the ideal picture, and the determinant of the Jacobian there: area in the
-    /// distorted over area in the ideal picture. `None` where the model has no inverse.
+    /// Distorted → ideal within a radius of the ideal image, and the determinant of the Jacobian there: area in the
+    /// distorted over area in the ideal image. `None` where the model has no inverse.
     ///
     /// The radial part is solved first, exactly; Newton's method in two dimensions, which steps back where it does not
     /// get nearer, goes on from there.

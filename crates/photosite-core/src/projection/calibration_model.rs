@@ -2,20 +2,20 @@
 
 use super::BrownConrady;
 
-/// A lens as calibration tools know it. These are the three modules of OpenCV; ROS, Kalibr, COLMAP, EuRoC and BOP know
-/// each of them with the same coefficients or with fewer.
+/// A lens model of calibration tools. The models are those of OpenCV's three modules; ROS, Kalibr, COLMAP, EuRoC and
+/// BOP have each of them with the same coefficients or with fewer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CalibrationModel {
-    /// `calib3d` without distortion.
+    /// OpenCV's `calib3d` without distortion.
     Pinhole,
-    /// `calib3d`: a pinhole with radial, rational, tangential and thin-prism distortion.
+    /// OpenCV's `calib3d`: a pinhole with radial, rational, tangential and thin-prism distortion.
     BrownConrady(BrownConrady),
-    /// `fisheye`.
+    /// OpenCV's `fisheye`.
     KannalaBrandt {
         /// k₁ … k₄.
         k: [f64; 4],
     },
-    /// `omnidir`.
+    /// OpenCV's `omnidir`.
     Omnidirectional {
         /// ξ.
         xi: f64,

@@ -1,5 +1,5 @@
-//! The classical laws of fisheye lenses besides r = f·θ, which is [`KannalaBrandt`](super::Projection::KannalaBrandt)
-//! without coefficients. Radii are in focal lengths, θ is the angle from the axis
+//! Classical fisheye projections besides r = f·θ, which is [`KannalaBrandt`](super::Projection::KannalaBrandt) without
+//! coefficients. Radii are in focal lengths, θ is the angle from the axis
 //! ([KannalaBrandt06](crate::references#kannalabrandt06), section 2).
 //!
 //! | law | r | inverse | dΩ/dA | sees |
@@ -18,21 +18,21 @@ use super::model::{Model, Seen};
 use super::reach::{FLAT_ANGLE, Reach, ReachEnd};
 use crate::math::linear;
 
-/// A law that gives the radius in the picture for an angle from the axis.
+/// A classical fisheye projection: the image radius as a function of the angle from the axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum FisheyeLaw {
-    /// Equal solid angles are equal areas.
+pub enum FisheyeProjection {
+    /// Equal-area projection: equal solid angles give equal areas.
     Equisolid,
-    /// Circles stay circles and angles stay angles.
+    /// Conformal projection: circles stay circles, and angles are kept.
     Stereographic,
-    /// The unit hemisphere seen from far away.
+    /// Parallel projection of the unit hemisphere.
     Orthographic,
 }
 
-impl FisheyeLaw {
+impl FisheyeProjection {
     const ALL: [Self; 3] = [Self::Equisolid, Self::Stereographic, Self::Orthographic];
 
-    /// The law of a name.
+    /// Projection by its name.
     pub(super) fn named(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|law| law.name() == name)
     }
@@ -47,8 +47,8 @@ impl FisheyeLaw {
         }
     }
 
-    /// The series of [Kannala and Brandt](super::Projection::KannalaBrandt) that comes nearest to the law up to an
-    /// angle, by least squares, and the largest difference of the two radii, focal lengths.
+    /// Coefficients of the [Kannala–Brandt](super::Projection::KannalaBrandt) series closest to the projection up to an
+    /// angle in rad, by least squares, and the largest difference of the two radii, focal lengths.
     pub fn kannala_brandt(self, largest_angle: f64) -> Option<([f64; 4], f64)> {
         // Four coefficients of a smooth function: many more points than unknowns, closer together towards the end.
         const POINTS: u32 = 256;
@@ -75,7 +75,7 @@ impl FisheyeLaw {
     }
 }
 
-impl Model for FisheyeLaw {
+impl Model for FisheyeProjection {
     const IS_FLAT: bool = false;
 
     fn name(&self) -> &'static str {
@@ -94,7 +94,7 @@ impl Model for FisheyeLaw {
         None
     }
 
-    /// Radii of a reach are those of the picture.
+    /// Radius of the reach in the image, focal lengths.
     fn reach(&self) -> Reach {
         match self {
             Self::Equisolid => Reach::new(PI, ReachEnd::Sees, 2.0),
@@ -115,8 +115,8 @@ impl Model for FisheyeLaw {
         Some(if sin == 0.0 { DVec2::X * radius } else { across * (radius / sin) })
     }
 
-    /// With h = r/2: sin θ = r·√(1 − h²) (equisolid), r/(1 + h²) (stereographic), r (orthographic). dΩ = sin θ dθ dφ
-    /// and dA = r dr dφ give dΩ/dA = sin θ/(r·dr/dθ).
+    /// Solid angle with h = r/2: sin θ = r·√(1 − h²) (equisolid), r/(1 + h²) (stereographic), r (orthographic). dΩ =
+    /// sin θ dθ dφ and dA = r dr dφ give dΩ/dA = sin θ/(r·dr/dθ).
     #[inline]
     fn unproject(&self, place: DVec2, reach: &Reach) -> Option<Seen> {
         let r2 = place.length_squared();
@@ -149,7 +149,7 @@ mod tests {
     use crate::projection::Projection;
 
     /// ∫ dΩ/dA dA over the disk that shows a cone of this half-angle, by Simpson's rule in the radius.
-    fn solid_angle_of_the_picture(law: FisheyeLaw, angle: f64) -> f64 {
+    fn solid_angle_of_the_image(law: FisheyeProjection, angle: f64) -> f64 {
         const STEPS: u32 = 20_000;
         let (projection, end) = (Projection::ClassicalFisheye(law), law.radius(angle));
         let reach = projection.reach(None);
@@ -163,14 +163,14 @@ mod tests {
 
     #[rstest]
     // A cone of half-angle θ is 2π(1 − cos θ): the hemisphere 2π, the sphere 4π.
-    #[case(FisheyeLaw::Equisolid, PI)]
-    #[case(FisheyeLaw::Equisolid, FRAC_PI_2)]
-    #[case(FisheyeLaw::Stereographic, FRAC_PI_2)]
-    #[case(FisheyeLaw::Stereographic, 2.5)]
-    #[case(FisheyeLaw::Orthographic, 1.4)]
-    fn the_picture_of_a_cone_has_the_solid_angle_of_the_cone(#[case] law: FisheyeLaw, #[case] angle: f64) {
+    #[case(FisheyeProjection::Equisolid, PI)]
+    #[case(FisheyeProjection::Equisolid, FRAC_PI_2)]
+    #[case(FisheyeProjection::Stereographic, FRAC_PI_2)]
+    #[case(FisheyeProjection::Stereographic, 2.5)]
+    #[case(FisheyeProjection::Orthographic, 1.4)]
+    fn the_image_of_a_cone_has_the_solid_angle_of_the_cone(#[case] law: FisheyeProjection, #[case] angle: f64) {
         let expected = 2.0 * PI * (1.0 - angle.cos());
-        let found = solid_angle_of_the_picture(law, angle);
+        let found = solid_angle_of_the_image(law, angle);
         // Simpson's error is (b − a)h⁴/180 times a fourth derivative. That of r/√(1 − r²) at 1.4 rad is below
         // 105/cos⁹ 1.4 = 9e8, with h = 5e-5: 3e-11; the other laws are far smoother. 2e4 roundings: 1e-12.
         assert!((found / expected - 1.0).abs() < 1e-10, "{found} {expected}");
@@ -180,7 +180,7 @@ mod tests {
     fn the_orthographic_hemisphere_is_seen_whole() {
         // dΩ/dA = 1/√(1 − r²) is infinite at the rim. With r = sin u the integral is that of 2π·sin u: no rim is left,
         // and the rest of the sum is that of a smooth function.
-        let projection = Projection::ClassicalFisheye(FisheyeLaw::Orthographic);
+        let projection = Projection::ClassicalFisheye(FisheyeProjection::Orthographic);
         let reach = projection.reach(None);
         const STEPS: u32 = 2000;
         let at = |i: u32| {
@@ -196,7 +196,7 @@ mod tests {
 
     #[rstest]
     fn both_directions_agree_up_to_the_end(
-        #[values(FisheyeLaw::Equisolid, FisheyeLaw::Stereographic, FisheyeLaw::Orthographic)] law: FisheyeLaw,
+        #[values(FisheyeProjection::Equisolid, FisheyeProjection::Stereographic, FisheyeProjection::Orthographic)] law: FisheyeProjection,
     ) {
         let projection = Projection::ClassicalFisheye(law);
         let reach = projection.reach(None);
@@ -205,14 +205,14 @@ mod tests {
             for about in [0.3_f64, 2.0, 4.4] {
                 let direction = (DVec2::from_angle(about) * theta.sin()).extend(theta.cos());
                 let place = projection.project(direction, &reach).expect("within reach");
-                let seen = projection.unproject(place, &reach).expect("in the picture");
+                let seen = projection.unproject(place, &reach).expect("in the image");
                 // The slope of r falls to 0 at the ends of equisolid (cos(θ/2)) and orthographic (cos θ): a rounding of
                 // r becomes one over the slope, and its square root where the slope is 0. That of stereographic rises,
                 // and θ of π itself is only known to a rounding.
                 let slope = match law {
-                    FisheyeLaw::Equisolid => (0.5 * theta).cos(),
-                    FisheyeLaw::Stereographic => 1.0,
-                    FisheyeLaw::Orthographic => theta.cos(),
+                    FisheyeProjection::Equisolid => (0.5 * theta).cos(),
+                    FisheyeProjection::Stereographic => 1.0,
+                    FisheyeProjection::Orthographic => theta.cos(),
                 };
                 let rounding = 4.0 * f64::EPSILON;
                 let allowed = (rounding / slope.max(1e-300)).min(2.0 * rounding.sqrt());
@@ -226,10 +226,10 @@ mod tests {
 
     #[rstest]
     // The Taylor series of each law, which least squares over a small cone come near: k₁ is that of θ³.
-    #[case(FisheyeLaw::Equisolid, -1.0 / 24.0)]
-    #[case(FisheyeLaw::Stereographic, 1.0 / 12.0)]
-    #[case(FisheyeLaw::Orthographic, -1.0 / 6.0)]
-    fn the_nearest_series_begins_as_taylors(#[case] law: FisheyeLaw, #[case] k1: f64) {
+    #[case(FisheyeProjection::Equisolid, -1.0 / 24.0)]
+    #[case(FisheyeProjection::Stereographic, 1.0 / 12.0)]
+    #[case(FisheyeProjection::Orthographic, -1.0 / 6.0)]
+    fn the_nearest_series_begins_as_taylors(#[case] law: FisheyeProjection, #[case] k1: f64) {
         let (k, error) = law.kannala_brandt(0.5).expect("a regular system");
         // Taylor's series without its term of θ¹¹, of which the largest is 2·1382/155925/2¹¹ = 8.7e-6 (stereographic),
         // is off by 8.7e-6·0.5¹¹ = 4.3e-9 at most, and the nearest series by no more; its k₁ by some times 4.3e-9/0.5³.
@@ -239,9 +239,11 @@ mod tests {
 
     #[test]
     fn the_nearest_series_is_as_near_as_it_says() {
-        for (law, angle) in
-            [(FisheyeLaw::Equisolid, 1.6), (FisheyeLaw::Stereographic, 1.6), (FisheyeLaw::Orthographic, FRAC_PI_2)]
-        {
+        for (law, angle) in [
+            (FisheyeProjection::Equisolid, 1.6),
+            (FisheyeProjection::Stereographic, 1.6),
+            (FisheyeProjection::Orthographic, FRAC_PI_2),
+        ] {
             let (k, error) = law.kannala_brandt(angle).expect("a regular system");
             let series = Projection::KannalaBrandt { k };
             let reach = [series, Projection::ClassicalFisheye(law)].map(|projection| projection.reach(None));

@@ -1,5 +1,5 @@
-//! The division model, from the distorted to the ideal picture: u = u_d/(1 + λr²), r = |u_d|
-//! ([Fitzgibbon01](crate::references#fitzgibbon01)). Radii are those of the distorted picture.
+//! The division model, from the distorted to the ideal image: u = u_d/(1 + λr²), r = |u_d|
+//! ([Fitzgibbon01](crate::references#fitzgibbon01)). Radii are those of the distorted image.
 
 use glam::{DVec2, DVec3};
 
@@ -42,7 +42,7 @@ impl Model for Division {
     }
 }
 
-/// A barrel (λ < 0) shows 90° at r = 1/√−λ; a pincushion folds at r = 1/√λ, where the ideal radius is 1/(2√λ).
+/// Reach: a barrel (λ < 0) shows 90° at r = 1/√−λ; a pincushion folds at r = 1/√λ, where the ideal radius is 1/(2√λ).
 fn reach(lambda: f64) -> Reach {
     let flat = FLAT_ANGLE.tan();
     if lambda > 0.0 && 0.5 / lambda.sqrt() < flat {
@@ -58,7 +58,7 @@ fn distort(lambda: f64, ideal: DVec2) -> DVec2 {
     ideal * (2.0 / (1.0 + (1.0 - 4.0 * lambda * ideal.length_squared()).max(0.0).sqrt()))
 }
 
-/// Distorted → ideal, and area in the ideal over area in the distorted picture: (1 − λr²)/(1 + λr²)³.
+/// Distorted → ideal, and area in the ideal over area in the distorted image: (1 − λr²)/(1 + λr²)³.
 #[inline]
 fn undistort(lambda: f64, distorted: DVec2, radius: f64) -> Option<(DVec2, f64)> {
     let r2 = distorted.length_squared();

@@ -1,4 +1,4 @@
-//! Panoramas: x is the longitude atan2(X, Z), y the latitude below the horizon asin(Y), in radians.
+//! Equirectangular panoramas: x is the longitude atan2(X, Z), y the latitude below the horizon asin(Y), in radians.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -47,7 +47,7 @@ fn project(direction: DVec3) -> DVec2 {
     DVec2::new(x.atan2(z), y.atan2(x.hypot(z)))
 }
 
-/// dΩ/dA is the cosine of the latitude. Beyond the poles and the meridian behind there is nothing.
+/// dΩ/dA is the cosine of the latitude. Places beyond the poles or the meridian behind see nothing.
 #[inline]
 fn unproject(place: DVec2) -> Option<Seen> {
     let (sin_x, cos_x) = place.x.sin_cos();

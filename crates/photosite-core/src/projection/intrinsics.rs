@@ -1,4 +1,4 @@
-//! From pixels to the normalised image coordinates of a projection, and back.
+//! Camera matrix: pixels to the normalised image coordinates of a projection, and back.
 
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -32,8 +32,8 @@ impl Intrinsics {
         DVec2::new(self.fx * place.x + self.skew * place.y + self.cx, self.fy * place.y + self.cy)
     }
 
-    /// The same camera with a grid that begins at `first` (columns and rows of this one) and has `per_pixel` pixels of
-    /// this one in each of its own.
+    /// Camera matrix on a grid that begins at `first` (columns and rows of this grid) and has `per_pixel` pixels of
+    /// this grid in each of its own.
     pub fn on_grid(&self, first: [f64; 2], per_pixel: [f64; 2]) -> Self {
         let Self { fx, fy, cx, cy, skew } = *self;
         let ([left, top], [across, down]) = (first, per_pixel);

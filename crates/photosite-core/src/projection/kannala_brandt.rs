@@ -1,4 +1,4 @@
-//! Fisheyes: the radius is d(θ) = θ + k₁θ³ + k₂θ⁵ + k₃θ⁷ + k₄θ⁹ for an angle θ from the axis
+//! Kannala–Brandt fisheyes: the image radius is d(θ) = θ + k₁θ³ + k₂θ⁵ + k₃θ⁷ + k₄θ⁹ for an angle θ from the axis
 //! ([KannalaBrandt06](crate::references#kannalabrandt06), with the first coefficient 1 as in OpenCV). Radii of a reach
 //! are angles.
 
@@ -69,7 +69,7 @@ fn project(k: [f64; 4], direction: DVec3) -> DVec2 {
     if sin == 0.0 { across } else { across * (radius(k, theta).0 / sin) }
 }
 
-/// dΩ = sin θ dθ dφ and dA = d·dd·dφ, so dΩ/dA = sin θ/(d·d').
+/// Solid angle: dΩ = sin θ dθ dφ and dA = d·dd·dφ, so dΩ/dA = sin θ/(d·d').
 #[inline]
 fn unproject(k: [f64; 4], place: DVec2, largest_angle: f64) -> Option<Seen> {
     let distance = place.length();

@@ -1,5 +1,5 @@
-//! How directions become places in the picture, at ray level: a position on the sensor is taken back to its direction
-//! before a ray is made, so that nothing is resampled and the corners are filled.
+//! Projections: directions to places in the image, and back. A sensor position is taken to its direction before a ray
+//! is made, so nothing is resampled and the corners are filled.
 //!
 //! Directions are in OpenCV's camera space: x right, y down, z forward. Places are normalised image coordinates, which
 //! the pinhole matrix turns into pixels: x = (column − cx − skew·y)/fx, y = (row − cy)/fy.
@@ -17,9 +17,6 @@
 //!
 //! A model is used within its [`Reach`] only, in which it is one to one; both directions agree there to the precision
 //! of f64.
-//!
-//! A new model is a file with a `Model`, a variant of [`Projection`], an arm of `each_model!` and one of
-//! [`Projection::named`], the keys of capture files, and a row in the tests.
 
 mod brown_conrady;
 mod calibration_model;
@@ -51,20 +48,20 @@ use polynomial::Polynomial;
 
 pub use brown_conrady::BrownConrady;
 pub use calibration_model::CalibrationModel;
-pub use classical_fisheye::FisheyeLaw;
+pub use classical_fisheye::FisheyeProjection;
 pub use intrinsics::Intrinsics;
 pub use model::Seen;
 pub use perspective::through_plane;
 pub use reach::{Reach, ReachEnd};
 
-/// A model of how a lens maps directions to its picture.
+/// A lens model: the map from directions to places in the image.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Projection {
     /// A rectilinear lens: (x, y) = (X, Y)/Z.
     Perspective,
     /// A rectilinear lens with the distortion of OpenCV's standard model.
     BrownConrady(BrownConrady),
-    /// A rectilinear lens whose distortion is given from the distorted to the ideal picture:
+    /// A rectilinear lens whose distortion is given from the distorted to the ideal image:
     /// u = u_d·(1 + k₁r² + k₂r⁴) with r = |u_d|.
     Polynomial {
         /// k₁, k₂.
@@ -81,10 +78,9 @@ pub enum Projection {
         /// k₁ … k₄.
         k: [f64; 4],
     },
-    /// A fisheye that follows one of the classical laws but r = θ, which is that of Kannala and Brandt without
-    /// coefficients.
-    ClassicalFisheye(FisheyeLaw),
-    /// Longitude and latitude in radians.
+    /// A fisheye with a classical projection other than r = θ, which is Kannala and Brandt's without coefficients.
+    ClassicalFisheye(FisheyeProjection),
+    /// An equirectangular panorama: longitude and latitude in radians.
     Equirectangular,
     /// The unified model of mirrors and fisheyes, OpenCV's `omnidir` ([MeiRives07](crate::references#meirives07)):
     /// (X, Y)/(Z + ξ) of the unit direction, then Brown and Conrady's distortion.
@@ -125,13 +121,14 @@ fn is_flat<M: Model>(_: &M) -> bool {
 }
 
 impl Projection {
-    /// What a capture file calls it: its distortion's model, or the projection without one.
+    /// Name in capture files: that of the distortion model, or of the projection where there is no distortion.
     pub fn name(&self) -> &'static str {
         each_model!(self, model => model.name())
     }
 
-    /// The coefficients in OpenCV's order, as few as say all: k₁ k₂ p₁ p₂ k₃, then k₄ k₅ k₆, then s₁ … s₄; k₁ … k₄ of a
-    /// fisheye; k₁ k₂ p₁ p₂ of an omnidirectional lens. Those of models that OpenCV lacks are in their own order.
+    /// The coefficients in OpenCV's order, without trailing zeros that the model may omit: k₁ k₂ p₁ p₂ k₃, then k₄ k₅
+    /// k₆, then s₁ … s₄; k₁ … k₄ of a fisheye; k₁ k₂ p₁ p₂ of an omnidirectional lens. Models that OpenCV lacks have an
+    /// order of their own.
     pub fn coefficients(&self) -> Vec<f64> {
         each_model!(self, model => model.coefficients())
     }
@@ -155,30 +152,30 @@ impl Projection {
             ("kannala-brandt", None) => Some(Self::KannalaBrandt { k: std::array::from_fn(c) }),
             ("equirectangular", None) => Some(Self::Equirectangular),
             ("omnidirectional", Some(xi)) => Some(Self::Omnidirectional { xi, distortion }),
-            (law, None) => FisheyeLaw::named(law).map(Self::ClassicalFisheye),
+            (law, None) => FisheyeProjection::named(law).map(Self::ClassicalFisheye),
             (_, Some(_)) => None,
         }
     }
 
-    /// The model under which calibration tools know the lens; `None` where none of them has it.
+    /// Equivalent model of calibration tools; `None` where they have none.
     pub fn calibration_model(&self) -> Option<CalibrationModel> {
         each_model!(self, model => model.calibration_model())
     }
 
-    /// How large the middle of the picture is, as a part of what a pinhole of the same matrix would show there: 1 but
-    /// for an omnidirectional lens, whose ξ moves the pinhole away.
+    /// Magnification in the middle of the image relative to a pinhole of the same camera matrix: 1 except for an
+    /// omnidirectional lens, whose ξ moves the pinhole away.
     pub fn magnification(&self) -> f64 {
         self.xi().map_or(1.0, |xi| 1.0 / (1.0 + xi))
     }
 
-    /// Whether the lens is focused on a plane and its pupil stands across the axis, as for the thin lens. What sees
-    /// more than a half-space is focused on a sphere, and its pupil faces each direction.
+    /// Whether the lens is focused on a plane and its pupil stands across the axis, as for the thin lens. A lens that
+    /// sees more than a half-space is focused on a sphere, and its pupil faces each direction.
     #[inline]
     pub fn is_flat(&self) -> bool {
         each_model!(self, model => is_flat(model))
     }
 
-    /// How far from the axis the model is one to one, and no farther than `largest_angle`, rad.
+    /// Range of angles from the axis in which the model is one to one, no larger than `largest_angle`, rad.
     pub fn reach(&self, largest_angle: Option<f64>) -> Reach {
         let model = each_model!(self, model => model.reach());
         match largest_angle {
@@ -187,7 +184,7 @@ impl Projection {
         }
     }
 
-    /// Where a direction of any length appears in the picture; `None` out of reach.
+    /// Place in the image of a direction of any length; `None` out of reach.
     #[inline]
     pub fn project(&self, direction: DVec3, reach: &Reach) -> Option<DVec2> {
         let across = DVec2::new(direction.x, direction.y);
@@ -197,7 +194,7 @@ impl Projection {
         each_model!(self, model => model.project(direction, reach))
     }
 
-    /// What a place in the picture sees; `None` out of reach.
+    /// Direction and solid angle seen by a place in the image; `None` out of reach.
     #[inline]
     pub fn unproject(&self, place: DVec2, reach: &Reach) -> Option<Seen> {
         let seen = each_model!(self, model => model.unproject(place, reach))?;

@@ -1,6 +1,5 @@
 //! The unified model of mirrors and fisheyes ([MeiRives07](crate::references#meirives07)): the unit direction, moved by
-//! ξ along the axis, through a pinhole: (X, Y)/(Z + ξ). Radii of a reach are those of that picture, before its
-//! distortion.
+//! ξ along the axis, through a pinhole: (X, Y)/(Z + ξ). Radii of a reach are measured before the distortion.
 
 use glam::{DVec2, DVec3};
 
@@ -51,8 +50,8 @@ impl Model for Omnidirectional<'_> {
     }
 }
 
-/// The picture grows until cos θ = −ξ, where it is infinitely large (ξ ≤ 1), or cos θ = −1/ξ, where it turns back
-/// (ξ > 1): the rim of the mirror.
+/// Reach of a mirror: the image grows until cos θ = −ξ, where it is infinitely large (ξ ≤ 1), or cos θ = −1/ξ, where it
+/// turns back (ξ > 1), the rim of the mirror.
 fn reach(xi: f64, distortion: &BrownConrady) -> Reach {
     let largest = FLAT_ANGLE.tan();
     let rim = if xi > 1.0 { 1.0 / (xi * xi - 1.0).sqrt() } else { largest };
@@ -71,8 +70,8 @@ fn project(xi: f64, direction: DVec3) -> DVec2 {
     DVec2::new(direction.x, direction.y) / (direction.z + xi * direction.length())
 }
 
-/// The point of the sphere is α·(x, y, 1) − (0, 0, ξ) with α = (ξ + √(1 + (1 − ξ²)r²))/(1 + r²). With
-/// r = sin θ/(cos θ + ξ), dΩ/dA = sin θ/(r·dr/dθ) = (cos θ + ξ)³/(1 + ξ·cos θ).
+/// Direction and solid angle: the point of the sphere is α·(x, y, 1) − (0, 0, ξ) with α = (ξ + √(1 + (1 − ξ²)r²))/(1 +
+/// r²). With r = sin θ/(cos θ + ξ), dΩ/dA = sin θ/(r·dr/dθ) = (cos θ + ξ)³/(1 + ξ·cos θ).
 #[inline]
 fn unproject(xi: f64, place: DVec2) -> Option<Seen> {
     let r2 = place.length_squared();

@@ -83,19 +83,19 @@ impl Model for BrownConrady {
     }
 }
 
-/// Where a direction meets the plane z = 1.
+/// Intersection of a direction with the plane z = 1.
 #[inline]
 pub(super) fn on_plane(direction: DVec3) -> DVec2 {
     DVec2::new(direction.x, direction.y) / direction.z
 }
 
-/// A reach that ends at a radius of the ideal picture.
+/// A reach that ends at a radius of the ideal image.
 pub(super) fn flat_reach(radius: f64, end: ReachEnd) -> Reach {
     Reach::new(radius.atan(), end, radius)
 }
 
-/// What the point of the plane z = 1 sees by a lens that is focused on a plane, where the picture there is `growth`
-/// times as large in area as on the sensor: dΩ = cos³θ·dA.
+/// Direction and solid angle seen through the point `ideal` of the plane z = 1 by a lens that is focused on a plane,
+/// where the ideal image has `growth` times the area of the sensor: dΩ = cos³θ·dA.
 #[inline(always)]
 pub fn through_plane(ideal: DVec2, growth: f64) -> Seen {
     let cos = 1.0 / (1.0 + ideal.length_squared()).sqrt();

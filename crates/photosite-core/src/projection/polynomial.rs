@@ -1,7 +1,7 @@
-//! The polynomial of lecture notes, from the distorted to the ideal picture: u = u_d·(1 + k₁r² + k₂r⁴), r = |u_d|.
+//! Polynomial distortion of lecture notes, from the distorted to the ideal image: u = u_d·(1 + k₁r² + k₂r⁴), r = |u_d|.
 //!
-//! The opposite direction of OpenCV's model, so that the same numbers mean the opposite: k₁ > 0 is a barrel here. Radii
-//! are those of the distorted picture.
+//! The direction is opposite to OpenCV's model, so coefficients of the same sign distort the opposite way: k₁ > 0 is a
+//! barrel here. Radii are those of the distorted image.
 
 use glam::{DVec2, DVec3};
 
@@ -58,7 +58,7 @@ fn ideal_radius(k: [f64; 2], r: f64) -> (f64, f64) {
     (r * factor, slope)
 }
 
-/// The derivative vanishes where 1 + 3k₁r² + 5k₂r⁴ = 0.
+/// Reach of the polynomial: its derivative vanishes where 1 + 3k₁r² + 5k₂r⁴ = 0.
 fn reach(k: [f64; 2]) -> Reach {
     let flat = FLAT_ANGLE.tan();
     let [a, b] = [5.0 * k[1], 3.0 * k[0]];
@@ -69,14 +69,14 @@ fn reach(k: [f64; 2]) -> Reach {
     match fold {
         Some(radius) => Reach::new(ideal_radius(k, radius).0.atan(), ReachEnd::Folds, radius),
         None => {
-            // As far as the ideal picture goes.
+            // As far as the ideal image goes.
             let beyond = first_loss(|r| ideal_radius(k, r).0 < flat, 2.0 * flat, 64);
             Reach::new(FLAT_ANGLE, ReachEnd::Flat, beyond.unwrap_or(2.0 * flat))
         }
     }
 }
 
-/// Ideal → distorted within a radius of the distorted picture.
+/// Ideal → distorted within a radius of the distorted image.
 #[inline]
 fn distort(k: [f64; 2], ideal: DVec2, radius: f64) -> Option<DVec2> {
     let distance = ideal.length();
@@ -86,7 +86,7 @@ fn distort(k: [f64; 2], ideal: DVec2, radius: f64) -> Option<DVec2> {
     Some(ideal * (solve(|r| ideal_radius(k, r), distance, distance, radius)? / distance))
 }
 
-/// Distorted → ideal, and area in the ideal over area in the distorted picture.
+/// Distorted → ideal, and area in the ideal over area in the distorted image.
 #[inline]
 fn undistort(k: [f64; 2], distorted: DVec2, radius: f64) -> Option<(DVec2, f64)> {
     let r = distorted.length();

@@ -1,23 +1,22 @@
-//! How far from the axis a model of a lens holds.
+//! Reach of a lens model: the angle from the axis up to which it holds.
 
 use std::f64::consts::FRAC_PI_2;
 
 use glam::DVec3;
 
-/// The largest angle from the axis that a flat picture is followed to, rad: 89.99°, where it is 5730 focal lengths
-/// wide.
+/// Largest angle from the axis of a flat image, rad: 89.99°, where the image is 5730 focal lengths wide.
 pub(super) const FLAT_ANGLE: f64 = FRAC_PI_2 * (1.0 - 0.01 / 90.0);
 
-/// How far from the axis a projection is one to one.
+/// Range of angles from the axis in which a projection is one to one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {
-    /// Angle from the axis, rad.
+    /// Largest angle from the axis, rad.
     pub angle: f64,
-    /// What is beyond.
+    /// Reason why the projection ends there.
     pub end: ReachEnd,
-    /// The same in what the model is a function of: a radius or an angle, see there.
+    /// Limit in the variable that the model is a function of: a radius or an angle, as its module says.
     pub(super) radius: f64,
-    /// Directions whose cosine from the axis is above this are seen, whatever rounding does.
+    /// Cosine of an angle from the axis below which directions are seen whatever the rounding.
     sure_cos: f64,
 }
 
@@ -26,20 +25,20 @@ impl Reach {
         Self { angle, end, radius, sure_cos: angle.cos() + 1e-9 }
     }
 
-    /// Whether a unit direction is seen. The angle itself is asked for close to the end only, as it costs much.
+    /// Whether a unit direction is seen. The angle itself is computed only close to the limit, as it is costly.
     #[inline]
     pub(super) fn sees(&self, d: DVec3) -> bool {
         d.z > self.sure_cos || d.x.hypot(d.y).atan2(d.z) <= self.angle
     }
 }
 
-/// Why a projection ends.
+/// Reason why a projection ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReachEnd {
-    /// The lens was said to see no more, or sees all directions that its model has.
+    /// End of the stated field of view, or of all directions that the model has.
     Sees,
-    /// Farther out, the model folds back over its own picture.
+    /// Fold: farther out, the model maps onto its own image again.
     Folds,
-    /// A flat picture ends at 90° from the axis.
+    /// End of a flat image, just below 90° from the axis.
     Flat,
 }

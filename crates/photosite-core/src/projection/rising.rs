@@ -2,7 +2,7 @@
 
 /// The x in [0, end] at which a rising function takes a value, by Newton's method kept within a bracket that bisection
 /// narrows where a step leaves it. `function` gives value and derivative; at 0 it is below the target, and where it
-/// stays so up to `end` there is no such x. `guess` is where to start.
+/// stays so up to `end` there is no such x. The search starts at `guess`.
 #[inline]
 pub(super) fn solve(function: impl Fn(f64) -> (f64, f64), target: f64, guess: f64, end: f64) -> Option<f64> {
     // The end itself counts, whatever roundings make of its value.
@@ -31,7 +31,7 @@ pub(super) fn solve(function: impl Fn(f64) -> (f64, f64), target: f64, guess: f6
     Some(x)
 }
 
-/// The first x in (0, end] at which a function that starts above 0 does so no longer: found among `steps` even steps,
+/// First x in (0, end] at which a function that starts above 0 is no longer positive: found among `steps` even steps,
 /// then halved down to the last digits. `None` where there is none.
 pub(super) fn first_loss(positive: impl Fn(f64) -> bool, end: f64, steps: u32) -> Option<f64> {
     let at = |i: u32| end * f64::from(i) / f64::from(steps);

@@ -1,4 +1,4 @@
-//! Both directions of every model against each other, against closed forms and against derivatives taken numerically.
+//! Checks of both directions of every model against each other, against closed forms and against numerical derivatives.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -29,9 +29,9 @@ fn radial(k1: f64) -> Projection {
 #[case(Projection::KannalaBrandt { k: [0.0; 4] })]
 #[case(Projection::KannalaBrandt { k: [-0.02, 0.003, -1e-3, 1e-4] })]
 #[case(Projection::KannalaBrandt { k: [0.1, 0.01, 0.0, 0.0] })]
-#[case(Projection::ClassicalFisheye(FisheyeLaw::Equisolid))]
-#[case(Projection::ClassicalFisheye(FisheyeLaw::Stereographic))]
-#[case(Projection::ClassicalFisheye(FisheyeLaw::Orthographic))]
+#[case(Projection::ClassicalFisheye(FisheyeProjection::Equisolid))]
+#[case(Projection::ClassicalFisheye(FisheyeProjection::Stereographic))]
+#[case(Projection::ClassicalFisheye(FisheyeProjection::Orthographic))]
 #[case(Projection::Equirectangular)]
 #[case(Projection::Omnidirectional { xi: 0.0, distortion: BrownConrady::default() })]
 #[case(Projection::Omnidirectional { xi: 1.0, distortion: BrownConrady::default() })]
@@ -42,7 +42,7 @@ fn radial(k1: f64) -> Projection {
 fn both_directions_agree_up_to_the_reach(#[case] projection: Projection) {
     let reach = projection.reach(None);
     for i in 0..=60 {
-        // Near the end of the reach as well, where the derivative of a fold vanishes; flat pictures end far away.
+        // Near the end of the reach as well, where the derivative of a fold vanishes; flat images end far away.
         let angle = reach.angle.min(1.5) * (f64::from(i) / 60.0).sqrt() * (1.0 - 1e-9);
         for j in 0..12 {
             let about = DVec2::from_angle(f64::from(j) * PI / 6.0 + 0.1);
@@ -51,7 +51,7 @@ fn both_directions_agree_up_to_the_reach(#[case] projection: Projection) {
             let seen = projection.unproject(place, &reach).unwrap_or_else(|| panic!("{angle} {about}: {place}"));
             let again = projection.project(seen.direction, &reach).expect("what is seen is within reach");
             // Some ten roundings of numbers as large as the place; where the inverse folds, they grow by one over its
-            // slope, √(2·1e-9) at the last angle. A picture of 4000 px is held to 1e-7 px.
+            // slope, √(2·1e-9) at the last angle. An image of 4000 px is held to 1e-7 px.
             assert!((again - place).length() < 2e-11 * (1.0 + place.length()), "{angle} {about}: {place} {again}");
             // Where nothing folds, the direction is as good.
             if angle < 0.9 * reach.angle && angle < 1.4 {
@@ -104,13 +104,13 @@ fn folds_are_where_derivatives_vanish() {
 }
 
 #[test]
-fn pictures_without_a_fold_reach_as_far_as_the_model_can_see() {
+fn images_without_a_fold_reach_as_far_as_the_model_can_see() {
     assert_eq!(radial(0.4).reach(None).end, ReachEnd::Flat);
     // The whole sphere of a fisheye, and what a mirror shows.
     assert_eq!(Projection::KannalaBrandt { k: [0.0; 4] }.reach(None).angle, PI);
     let mirror = |xi| Projection::Omnidirectional { xi, distortion: BrownConrady::default() }.reach(None);
     assert!((mirror(2.0).angle - (-0.5_f64).acos()).abs() < 1e-7);
-    // A picture of 5730 focal lengths of a hyperbolic mirror ends just before cos θ = −ξ.
+    // An image of 5730 focal lengths of a hyperbolic mirror ends just before cos θ = −ξ.
     assert!((mirror(0.5).angle - (-0.5_f64).acos()).abs() < 1e-3);
     let cut = Projection::KannalaBrandt { k: [0.0; 4] }.reach(Some(1.0));
     assert_eq!((cut.angle, cut.end), (1.0, ReachEnd::Sees));
@@ -127,12 +127,12 @@ fn closed_forms() {
     close(at(Projection::KannalaBrandt { k: [0.0; 4] }, right), FRAC_PI_2, 0.0);
     close(at(Projection::KannalaBrandt { k: [0.0; 4] }, behind), 0.75 * PI, 0.0);
     let fisheye = |law| Projection::ClassicalFisheye(law);
-    close(at(fisheye(FisheyeLaw::Equisolid), right), 2.0_f64.sqrt(), 0.0);
-    close(at(fisheye(FisheyeLaw::Equisolid), -DVec3::Z), 2.0, 0.0);
-    close(at(fisheye(FisheyeLaw::Stereographic), right), 2.0, 0.0);
-    close(at(fisheye(FisheyeLaw::Stereographic), behind), 2.0 * (0.375 * PI).tan(), 0.0);
-    close(at(fisheye(FisheyeLaw::Orthographic), right), 1.0, 0.0);
-    close(at(fisheye(FisheyeLaw::Orthographic), DVec3::new(3.0, 4.0, 12.0)), 3.0 / 13.0, 4.0 / 13.0);
+    close(at(fisheye(FisheyeProjection::Equisolid), right), 2.0_f64.sqrt(), 0.0);
+    close(at(fisheye(FisheyeProjection::Equisolid), -DVec3::Z), 2.0, 0.0);
+    close(at(fisheye(FisheyeProjection::Stereographic), right), 2.0, 0.0);
+    close(at(fisheye(FisheyeProjection::Stereographic), behind), 2.0 * (0.375 * PI).tan(), 0.0);
+    close(at(fisheye(FisheyeProjection::Orthographic), right), 1.0, 0.0);
+    close(at(fisheye(FisheyeProjection::Orthographic), DVec3::new(3.0, 4.0, 12.0)), 3.0 / 13.0, 4.0 / 13.0);
     close(at(Projection::Equirectangular, behind), 0.75 * PI, 0.0);
     close(at(Projection::Equirectangular, DVec3::Y), 0.0, FRAC_PI_2);
     let parabolic = Projection::Omnidirectional { xi: 1.0, distortion: BrownConrady::default() };
@@ -158,9 +158,9 @@ fn models_are_told_by_name_and_coefficients() {
         (Projection::Polynomial { k: [0.1, 0.2] }, None),
         (Projection::Division { lambda: -0.1 }, None),
         (Projection::KannalaBrandt { k: [0.1, 0.2, 0.3, 0.4] }, None),
-        (Projection::ClassicalFisheye(FisheyeLaw::Equisolid), None),
-        (Projection::ClassicalFisheye(FisheyeLaw::Stereographic), None),
-        (Projection::ClassicalFisheye(FisheyeLaw::Orthographic), None),
+        (Projection::ClassicalFisheye(FisheyeProjection::Equisolid), None),
+        (Projection::ClassicalFisheye(FisheyeProjection::Stereographic), None),
+        (Projection::ClassicalFisheye(FisheyeProjection::Orthographic), None),
         (Projection::Equirectangular, None),
         (Projection::Omnidirectional { xi: 1.1, distortion: short }, Some(1.1)),
     ] {

@@ -1,6 +1,6 @@
-//! The CIE 1931 standard colorimetric observer (2°): what a spectrum looks like, and how bright it is.
+//! The CIE 1931 standard colorimetric observer (2°): colour and luminance of spectra.
 //!
-//! In: spectra per nm. Out: tristimulus values and photometric quantities (lm, cd, lx, nt for W, W·sr⁻¹, W·m⁻²,
+//! Spectra per nm become tristimulus values and photometric quantities (lm, cd, lx, nt for W, W·sr⁻¹, W·m⁻²,
 //! W·m⁻²·sr⁻¹). Colour spaces are left to [`rgb`](super::rgb). [Cie15](crate::references#cie15)
 
 use std::sync::OnceLock;
@@ -58,7 +58,7 @@ pub fn xyz_of_chromaticity([x, y]: [f64; 2]) -> DVec3 {
     DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
 }
 
-/// Σ a·b·Δλ with Δλ = 1 nm.
+/// Inner product Σ a·b·Δλ with Δλ = 1 nm.
 fn inner_product(a: &Spectrum, b: &Spectrum) -> f64 {
     a.values().iter().zip(b.values()).map(|(&a, &b)| f64::from(a) * f64::from(b)).sum()
 }

@@ -7,7 +7,7 @@
 //! 405,0.33
 //! ```
 //!
-//! In: the text of a file. Out: its columns, or the line that is wrong. Comments start with `#`; one of the form
+//! A text is parsed into its columns, or into an error with the line at fault. Comments start with `#`; one of the form
 //! `# outside: zero`, `# outside: hold` or `# outside: blackbody 6504 K` says what the values are beyond the first and
 //! last row, see [`Outside`]. The line of column names may be missing. Columns are separated by commas, semicolons,
 //! tabs or blanks. Reading the file, and checking that a reflectance lies within 0–1, is left to the caller.
@@ -18,12 +18,12 @@ use std::path::Path;
 use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Outside, Spectrum};
 use crate::{Error, Invalid};
 
-/// What is wrong with the text of a spectrum, and on which line.
+/// A fault in the text of a spectrum, and its line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CsvError {
-    /// Counted from 1; `None` where the text as a whole is at fault.
+    /// Line, counted from 1; `None` where the text as a whole is at fault.
     pub line: Option<usize>,
-    /// What is wrong.
+    /// Fault and remedy.
     pub invalid: Invalid,
 }
 
@@ -196,7 +196,7 @@ impl SpectralTable {
         self.columns.iter().map(|column| &column.name[..])
     }
 
-    /// What holds beyond the first and last row.
+    /// Values beyond the first and last row.
     pub fn outside(&self) -> Outside {
         self.outside
     }
@@ -236,13 +236,13 @@ pub fn parse_spectrum(text: &str, outside: Outside) -> Result<Spectrum, CsvError
     SpectralTable::parse(text, outside)?.single()
 }
 
-/// `blackbody 6504 K`, of 1000 to 100,000 K.
+/// Parses `blackbody 6504 K`, of 1000 to 100,000 K.
 fn blackbody(text: &str) -> Option<Outside> {
     let kelvin = text.strip_prefix("blackbody ")?.strip_suffix('K')?.trim().parse().ok()?;
     (1000..=100_000).contains(&kelvin).then_some(Outside::Blackbody(kelvin))
 }
 
-/// Fields of a row. The first of comma, semicolon and blank that occurs separates; at least one field comes back.
+/// Fields of a row. The first of comma, semicolon and blank that occurs separates; there is at least one field.
 fn split(row: &str) -> Vec<&str> {
     match [',', ';'].into_iter().find(|&separator| row.contains(separator)) {
         Some(separator) => row.split(separator).map(str::trim).collect(),

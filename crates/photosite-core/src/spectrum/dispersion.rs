@@ -1,8 +1,8 @@
 //! The refractive index of a clear medium as a function of wavelength.
 //!
-//! In: coefficients as glass makers publish them, wavelengths in nm. Out: the index relative to the medium that the
-//! coefficients refer to, normally air. What a surface makes of it (Fresnel, refraction) is left to
-//! the BSDFs of `photosite-transport`; the coefficients of named glasses are in [`library`](super::library).
+//! Coefficients are those that glass makers publish, wavelengths are in nm. The index is relative to the medium that
+//! the coefficients refer to, normally air. Fresnel reflection and refraction are left to the BSDFs of
+//! `photosite-transport`; the coefficients of named glasses are in [`library`](super::library).
 
 use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Spectrum};
 use crate::Invalid;
@@ -31,9 +31,9 @@ pub enum Dispersion {
     Cauchy {
         /// Index at infinite wavelength.
         a: f64,
-        /// µm².
+        /// Coefficient of λ⁻², µm².
         b_um2: f64,
-        /// µm⁴.
+        /// Coefficient of λ⁻⁴, µm⁴.
         c_um4: f64,
     },
     /// n² = Σ aₖ·λ^eₖ, λ in µm: Schott's older formula, and those of other makers.
@@ -45,17 +45,17 @@ pub enum Dispersion {
     Conrady {
         /// Index at infinite wavelength.
         a: f64,
-        /// µm.
+        /// Coefficient of λ⁻¹, µm.
         b_um: f64,
-        /// µm^3.5.
+        /// Coefficient of λ^−3.5, µm^3.5.
         c_um35: f64,
     },
-    /// Tabulated, or constant.
+    /// Tabulated, or constant index.
     Table(Spectrum),
 }
 
 impl Dispersion {
-    /// The same index at every wavelength.
+    /// Medium of a constant index.
     pub fn constant(index: f64) -> Self {
         Self::Cauchy { a: index, b_um2: 0.0, c_um4: 0.0 }
     }
@@ -77,7 +77,7 @@ impl Dispersion {
     }
 
     /// Refractive index at a wavelength in nm. Beyond 300–1100 nm a table gives the index of its nearer end; a formula
-    /// is evaluated as it stands. Sensible only for what [`validated`](Self::validated) has let pass.
+    /// is evaluated as it stands. Meaningful only after [`validated`](Self::validated).
     pub fn index(&self, lambda_nm: f64) -> f64 {
         match self {
             Self::Sellmeier { b, c_um2 } => {
@@ -112,7 +112,7 @@ impl Dispersion {
         if difference == 0.0 { f64::INFINITY } else { (self.index(lines::D) - 1.0) / difference }
     }
 
-    /// Whether it is 1 at all wavelengths, as that of a vacuum: light goes straight on.
+    /// Whether the index is 1 at all wavelengths, as in vacuum: light goes straight on.
     pub fn is_one(&self) -> bool {
         self.is_constant() && self.index(lines::D) == 1.0
     }

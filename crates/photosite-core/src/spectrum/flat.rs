@@ -1,4 +1,4 @@
-//! All spectra of a scene in one flat table, named by handles.
+//! Table of all spectra of a scene in contiguous memory, indexed by handles.
 
 use super::{SampledSpectrum, Spectrum, TABLE_LEN, Wavelengths};
 
@@ -9,11 +9,24 @@ pub struct SpectrumId(u32);
 /// Spectra laid end to end.
 #[derive(Clone, Debug, Default)]
 pub struct SpectrumTable {
-    /// Each value with what the next one is above it, side by side, as they are looked up together.
+    /// Entries of all spectra: each value with its difference to the next one, side by side, since they are looked up
+    /// together.
     entries: Vec<[f32; 2]>,
 }
 
+impl SpectrumId {
+    /// Number of the spectrum in its table.
+    pub fn number(self) -> u32 {
+        self.0
+    }
+}
+
 impl SpectrumTable {
+    /// Entries of all spectra, one after the other: each value with its rise to the next.
+    pub fn entries(&self) -> &[[f32; 2]] {
+        &self.entries
+    }
+
     /// Adds a spectrum. Equal spectra share a handle with the one added last, which is the common case of a file that
     /// repeats a material.
     pub fn add(&mut self, spectrum: &Spectrum) -> SpectrumId {

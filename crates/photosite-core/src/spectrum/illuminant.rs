@@ -1,8 +1,8 @@
-//! Standard light: the CIE's illuminants and the blackbody.
+//! Standard illuminants of the CIE, and blackbodies.
 //!
-//! In: a name, a colour temperature. Out: a spectrum per nm. CIE illuminants are relative and keep the scale they are
-//! published with (A and the D series are 100 at 560 nm); only [`blackbody`] is absolute. Bringing a spectrum to a
-//! luminance or an illuminance is left to the caller, see [`cie::luminous`](super::cie::luminous).
+//! Names and colour temperatures become spectra per nm. CIE illuminants are relative and keep the scale they are
+//! published with (A and the D series are 100 at 560 nm); only [`blackbody`] is absolute. Callers scale a spectrum to a
+//! luminance or an illuminance, see [`cie::luminous`](super::cie::luminous).
 //!
 //! The CIE tabulates daylight up to 830 nm, where silicon still sees. Beyond, it is assumed to go on as the blackbody
 //! of its correlated colour temperature T, without the bands in which water vapour absorbs:
@@ -27,7 +27,7 @@ pub fn d65() -> &'static Spectrum {
     D65.get_or_init(|| library::spectrum("illuminants/d65").expect("D65 is part of the library"))
 }
 
-/// An illuminant by name, whatever its case:
+/// Illuminant by name, whatever its case:
 ///
 /// - `A`, `E` (equal energy);
 /// - `D50`, `D65` as tabulated; `D55`, `D75` and every other D40 to D250 computed for that nominal colour temperature;
@@ -66,7 +66,7 @@ pub fn names() -> impl Iterator<Item = String> {
     computed.chain(lamps)
 }
 
-/// CIE standard illuminant A, an incandescent lamp, 100 at 560 nm (CIE 015:2018, eq. 4.1):
+/// CIE standard illuminant A, incandescent light, 100 at 560 nm (CIE 015:2018, eq. 4.1):
 ///
 /// S(λ) = 100·(560/λ)⁵·(exp(c₂/(2848·560)) − 1)/(exp(c₂/(2848·λ)) − 1), λ in nm, c₂ = 1.435e7 nm·K, 300–830 nm. It is
 /// a blackbody at 2856 K on today's temperature scale, and so goes on to 1100 nm here.

@@ -1,47 +1,47 @@
-//! Which wavelengths are worth drawing, where several responses look at the same light.
+//! Importance of wavelengths for several responses to the same light.
 //!
-//! Four wavelengths λ₀…λ₃ that share a density p evenly ([`WavelengthSampler`]) estimate what a response R makes of
-//! light L by
+//! Four wavelengths λ₀…λ₃, stratified in a density p ([`WavelengthSampler`]), estimate the response R to light L by
 //!
 //! g(u) = ¼·Σₖ f(λₖ)/p(λₖ),   f = R·L,   λₖ where the cumulative distribution of p is u + k/4 (mod 1).
 //!
 //! Where p is the mean of all f, each scaled to an integral of 1, g varies by some tenths of its mean with u: of four
-//! wavelengths one or two are in the red, and pixels have noise of colour that no number of bounces explains. Yet p may
-//! be any density. Of three responses that overlap there is one for which each of the three g is nearly the same for
-//! any u: where red is steep, so is p, such that the next of the four comes in as one leaves. It is found here. With
-//! the responses of a camera the variance of g falls to a hundredth.
+//! wavelengths one or two are in the red, which gives pixels colour noise. But p may be any density. For three
+//! overlapping responses there is one for which each of the three g is nearly constant in u: where red is steep, so is
+//! p, such that the next of the four comes in as one leaves. This module finds it. With the responses of a camera the
+//! variance of g falls to a hundredth.
 //!
-//! The density is p ∝ exp(h)·Σ f/∫f dλ with h linear between knots, an even part added by the sampler. Over h, by
-//! gradient descent, least becomes
+//! The density is p ∝ exp(h)·Σ f/∫f dλ with h linear between knots, an even part added by the sampler. Gradient descent
+//! over h minimises
 //!
 //! J = Σ over responses of ln r + G·max(0, r − 1)²,   r = v/v₀,   v = V₄ + κ·(V₁ + 1),
 //!
-//! v₀ being v where h is 0, V₄ the variance of g relative to its mean squared, and V₁ that of a single wavelength, as
-//! paths carry it that have dispersed: it keeps p near to what one wavelength wants, and stands for reflectances, which
-//! make f another in each pixel. The logarithm counts by how many times each variance falls, so that one that cannot,
-//! of a narrow band, does not take all the care. What comes with G is there for more responses than four wavelengths
-//! can tell: none is given up for others.
+//! where v₀ is v at h = 0, V₄ the variance of g relative to its mean squared, and V₁ that of a single wavelength, which
+//! paths carry after dispersion. V₁ keeps p near the best density for one wavelength, and allows for reflectances,
+//! which change f from pixel to pixel. The logarithm weighs relative reductions of the variance, so that a narrow band,
+//! whose variance cannot fall, does not dominate. The term with G is for more responses than four wavelengths can
+//! estimate: no response is given up for others.
 
 use super::wavelength_sampler::{PIECES, probabilities};
 use super::{LANES, Spectrum, TABLE_LEN};
 
-/// Equal parts of the range of u in which g is known, a multiple of [`LANES`].
+/// Number of equal parts of the range of u in which g is known, a multiple of [`LANES`].
 const CELLS: usize = 512;
-/// Of h.
+/// Number of knots of h.
 const KNOTS: usize = 32;
-/// Of descent; later ones change the third digit of what is left of V₄.
+/// Number of steps of descent; later ones change the third digit of the remaining V₄.
 const STEPS: usize = 64;
-/// Length of the first steps.
+/// Length of the first steps of descent.
 const STEP: f64 = 0.1;
-/// κ: a tenth of it leaves half of V₄, but makes single wavelengths of a camera's red 4 % noisier.
+/// Weight κ of a single wavelength: a tenth of it leaves half of V₄, but makes single wavelengths of a camera's red 4 %
+/// noisier.
 const LONE_PART: f64 = 0.005;
-/// G: with it no variance grows by more than some hundredths, without it that of five bands of 30 nm by up to eight
-/// times.
+/// Weight G: with it no variance grows by more than some hundredths; without it the variance of five bands of 30 nm
+/// grows by up to eight times.
 const GROWTH: f64 = 10.0;
 
-/// How much each wavelength matters to the responses (any units, not negative, the light included): a
-/// [`WavelengthSampler`](super::WavelengthSampler) of it finds each with little variance. Positive wherever one of them
-/// is, and zero if all are.
+/// Importance of each wavelength for the responses (any units, not negative, the light included): a
+/// [`WavelengthSampler`](super::WavelengthSampler) of it estimates each response with little variance. Positive
+/// wherever one of the responses is, and zero if all are.
 pub fn importance(responses: &[Spectrum]) -> Spectrum {
     let responses: Vec<&Spectrum> = responses.iter().filter(|response| response.max() > 0.0).collect();
     match *responses.as_slice() {
@@ -51,20 +51,20 @@ pub fn importance(responses: &[Spectrum]) -> Spectrum {
     }
 }
 
-/// Several responses that are to be told by one density.
+/// Several responses that share one density.
 struct Problem {
     /// Σ f/∫f dλ, entry by entry of a spectral table.
     sum: Vec<f64>,
-    /// The parts of each response in each nanometre, and before it.
+    /// Fraction of each response in each nanometre, and the sum of fractions before it.
     parts: Vec<Vec<f64>>,
     before: Vec<Vec<f64>>,
-    /// v₀ of each.
+    /// Variance v₀ of each response where h is 0.
     start: Vec<f64>,
-    /// For each entry the knot at or before it, and how far it is to the next.
+    /// Knot at or before each entry, and the fraction of the way to the next knot.
     knots: Vec<(usize, f64)>,
 }
 
-/// J with its derivatives by h at the knots.
+/// J and its derivatives by h at the knots.
 struct Cost {
     value: f64,
     slopes: [f64; KNOTS],
@@ -123,7 +123,7 @@ impl Problem {
         Spectrum::from_fn(|_| values.next().map_or(0.0, least))
     }
 
-    /// At the entries of a table, for the heights of h at the knots.
+    /// Importance at the entries of a table, for values of h at the knots.
     fn importances(&self, heights: &[f64; KNOTS]) -> Vec<f64> {
         let importance = |(&sum, &(knot, part)): (&f64, &(usize, f64))| {
             // That of the system need not be the same on every machine.
@@ -167,8 +167,8 @@ impl Problem {
         Cost { value, slopes: self.slopes(&importances, &by_piece, scale) }
     }
 
-    /// From derivatives by probabilities, which are in proportion to importances but for their sum, to those by
-    /// heights.
+    /// Derivatives of J by h at the knots, from those by probabilities, which are proportional to importances up to
+    /// normalisation.
     fn slopes(&self, importances: &[f64], by_piece: &[f64], scale: f64) -> [f64; KNOTS] {
         let masses = importances.windows(2).map(|ends| 0.5 * (ends[0] + ends[1]));
         let all: f64 = masses.clone().sum();
@@ -184,14 +184,15 @@ impl Problem {
     }
 }
 
-/// v of a response of such parts, of what is known of g and with the probabilities of nanometres.
+/// Variance v of a response: from g − 1, from the response's fractions in each nanometre, and from the probabilities of
+/// nanometres.
 fn variance(excess: &[f64], parts: &[f64], p: &[f64]) -> f64 {
     let of_four = excess.iter().map(|r| r * r).sum::<f64>() / excess.len() as f64;
     let squares = |(&part, &p): (&f64, &f64)| if part > 0.0 { part * part / p } else { 0.0 };
     of_four + LONE_PART * parts.iter().zip(p).map(squares).sum::<f64>()
 }
 
-/// Where the cells of u end, but for the last: in which nanometre, and how far into its probability.
+/// End of each cell of u except the last: the nanometre, and the fraction of its probability.
 struct Ends(Vec<(usize, f64)>);
 
 impl Ends {
@@ -222,7 +223,7 @@ impl Ends {
     }
 }
 
-/// The sum of all before each, and of all.
+/// Sums of all values before each, and of all values.
 fn sums_before(values: &[f64]) -> Vec<f64> {
     let mut sum = 0.0;
     let sums = values.iter().map(|value| {
@@ -241,14 +242,14 @@ mod tests {
         Spectrum::from_fn(|lambda| (-((lambda - centre) / width).powi(2)).exp())
     }
 
-    /// Of red, green and blue in daylight.
+    /// Responses of red, green and blue in daylight.
     fn camera() -> Vec<Spectrum> {
         let cut = Spectrum::from_fn(|lambda| 1.0 / (1.0 + ((lambda - 670.0) / 8.0).exp()));
         let filters = [bell(610.0, 45.0), bell(540.0, 55.0), bell(460.0, 40.0)];
         filters.map(|filter| filter.product(&cut).product(illuminant::d65())).into()
     }
 
-    /// Variance of what single draws of a sampler tell of a response, relative to the mean squared.
+    /// Variance of the estimate of a response by single draws of a sampler, relative to the mean squared.
     fn variance(importance: &Spectrum, response: &Spectrum, is_alone: bool) -> f64 {
         let sampler = WavelengthSampler::new(importance);
         let n = 10_000;
@@ -271,7 +272,7 @@ mod tests {
         Spectrum::from_fn(|l| responses.iter().zip(&integrals).map(|(r, all)| f64::from(r.eval(l as f32)) / all).sum())
     }
 
-    /// Of all filters of a camera together in some light, with the densities without descent and with it.
+    /// Variances of all filters of a camera together in some light, without descent and with it.
     fn variances(light: &Spectrum, is_alone: bool) -> [f64; 2] {
         let of_all = |importance: &Spectrum| {
             camera().iter().map(|response| variance(importance, &response.product(light), is_alone)).sum()
@@ -288,7 +289,7 @@ mod tests {
         assert!(after < 1.2 * before, "{before} {after}");
     }
 
-    /// Surfaces that are not grey, and lamps other than the mean of all.
+    /// Light from surfaces that are not grey, and from illuminants other than the mean.
     #[test]
     fn other_light_is_told_better_too() {
         let step = |from: f64, to: f64| Spectrum::from_fn(|l| 0.05 + (1.0 / (1.0 + ((from - l) / (to - from)).exp())));
@@ -339,7 +340,7 @@ mod tests {
         }
     }
 
-    /// As of cameras with more filters than a path has wavelengths, even and uneven.
+    /// Filters of cameras with more of them than a path has wavelengths, evenly and unevenly spaced.
     #[test]
     fn no_response_is_given_up_for_others() {
         let even = |count: u8, width: f64| -> Vec<Spectrum> {

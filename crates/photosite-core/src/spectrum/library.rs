@@ -1,8 +1,8 @@
-//! The data that ship with the program: the observer, standard illuminants, reflectances, filters, quantum
+//! Spectral data that ship with the program: the observer, standard illuminants, reflectances, filters, quantum
 //! efficiencies, metals and glasses.
 //!
-//! Every file of `assets/spectra` is part of the binary, under its path without extension (`cornell/white`). Where the
-//! figures come from is written at the top of each file. Names are found whatever their case.
+//! Every file of `assets/spectra` is part of the binary, under its path without extension (`cornell/white`). The top of
+//! each file cites the source of its figures. Names are found whatever their case.
 
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -14,14 +14,14 @@ use super::{Dispersion, Outside, SpectralTable, Spectrum};
 /// Name of the table of colour-matching functions.
 pub const OBSERVER: &str = "cie-1931-2deg";
 
-/// The text of `assets/spectra/NAME.csv` for every name.
+/// Texts of `assets/spectra/NAME.csv` for all names.
 macro_rules! embed {
     ($($name:literal,)*) => {
         &[$(($name, include_str!(concat!("../../assets/spectra/", $name, ".csv")))),*]
     };
 }
 
-/// Every table, sorted by name.
+/// All tables, sorted by name.
 const TABLES: &[(&str, &str)] = embed![
     "cie-1931-2deg",
     "colour-checker/01-dark-skin",
@@ -119,8 +119,7 @@ pub fn reflectances() -> impl Iterator<Item = &'static str> {
     TABLES.iter().filter(|(_, text)| holds(text, "reflectance")).map(|(name, _)| *name)
 }
 
-/// Names of what can stand for the part of the light that a surface lets through: measured transmittances, and
-/// reflectances, whose spectra serve as well.
+/// Names of tables that can serve as transmittances: measured ones, and reflectances, whose spectra serve as well.
 pub fn transmittances() -> impl Iterator<Item = &'static str> {
     let is_one = |text| holds(text, "transmittance") || holds(text, "reflectance");
     TABLES.iter().filter(move |(_, text)| is_one(text)).map(|(name, _)| *name)
@@ -162,7 +161,7 @@ pub fn conductor(name: &str) -> Option<Conductor> {
     Some(Conductor { eta: table.column("n").ok()?, k: table.column("k").ok()? })
 }
 
-/// Silicon, of which sensors are made, at 300 K.
+/// Complex refractive index of silicon, of which sensors are made, at 300 K.
 pub fn silicon() -> Conductor {
     let table = table("semiconductors/si").expect("listed above");
     let column = |name| table.column(name).expect("the file is part of the program and tested");
@@ -188,7 +187,7 @@ pub fn glass(name: &str) -> Option<Dispersion> {
 struct Medium {
     #[serde(flatten)]
     formula: Formula,
-    /// Published index at 587.56 nm where there is one, for the tests.
+    /// Published index at 587.56 nm, for the tests; `None` where there is none.
     #[cfg_attr(not(test), expect(dead_code, reason = "a published figure that the tests compare with"))]
     nd: Option<f64>,
 }
@@ -215,7 +214,7 @@ fn media() -> &'static BTreeMap<String, Medium> {
     MEDIA.get_or_init(|| toml::from_str(GLASSES).expect("glasses.toml is part of the program and tested"))
 }
 
-/// Whether a table says of itself that it holds this quantity.
+/// Whether a table declares itself to hold this quantity.
 fn holds(text: &str, quantity: &str) -> bool {
     text.lines().any(|line| line.strip_prefix("# quantity: ") == Some(quantity))
 }

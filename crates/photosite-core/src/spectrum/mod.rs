@@ -29,11 +29,11 @@ pub use table::{Outside, Spectrum};
 pub use wavelength_sampler::WavelengthSampler;
 pub use wavelengths::Wavelengths;
 
-/// Shortest wavelength that the program knows, nm: below it glass, air and silicon sensors see nothing.
+/// Shortest wavelength of the program, nm: below it glass and air absorb, and silicon sensors see nothing.
 pub const LAMBDA_MIN_NM: f32 = 300.0;
-/// Longest wavelength that the program knows, nm: above it silicon is transparent.
+/// Longest wavelength of the program, nm: above it silicon is transparent.
 pub const LAMBDA_MAX_NM: f32 = 1100.0;
 /// Entries of a spectral table: every nanometre from [`LAMBDA_MIN_NM`] to [`LAMBDA_MAX_NM`].
 pub const TABLE_LEN: usize = 801;
-/// Wavelengths that a path carries.
+/// Number of wavelengths that a path carries.
 pub const LANES: usize = 4;

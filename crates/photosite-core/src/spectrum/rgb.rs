@@ -1,8 +1,8 @@
 //! The sRGB colour space of IEC 61966-2-1 ([Srgb](crate::references#srgb)): XYZ ↔ linear RGB, and the transfer
 //! function between linear and encoded values.
 //!
-//! The white point is the chromaticity of the tabulated D65, of which the standard's (0.3127, 0.3290) is the rounded
-//! form, so that a white surface under D65 is exactly (1, 1, 1).
+//! The white point is the chromaticity of the tabulated D65, not the rounded (0.3127, 0.3290) of the standard, so that
+//! a white surface under D65 is exactly (1, 1, 1).
 
 use std::sync::OnceLock;
 
@@ -13,8 +13,8 @@ use super::{cie, illuminant};
 /// Chromaticities (x, y) of the primaries: red, green, blue.
 pub const PRIMARIES: [[f64; 2]; 3] = [[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]];
 
-/// Linear sRGB → XYZ, scaled so that RGB (1, 1, 1) has Y = 1. The columns are the primaries, each times what makes
-/// their sum the white point.
+/// Linear sRGB → XYZ, scaled so that RGB (1, 1, 1) has Y = 1. The columns are the primaries, each scaled so that their
+/// sum is the white point.
 pub fn rgb_to_xyz() -> &'static DMat3 {
     static MATRIX: OnceLock<DMat3> = OnceLock::new();
     MATRIX.get_or_init(|| {

@@ -16,19 +16,19 @@ impl SampledSpectrum {
     /// One at every wavelength.
     pub const ONE: Self = Self(Vec4::ONE);
 
-    /// The same value at every wavelength.
+    /// A constant spectrum.
     #[inline]
     pub const fn splat(value: f32) -> Self {
         Self(Vec4::splat(value))
     }
 
-    /// From one value per lane.
+    /// A spectrum from one value per lane.
     #[inline]
     pub fn from_lanes(lane: impl FnMut(usize) -> f32) -> Self {
         Self(Vec4::from_array(std::array::from_fn(lane)))
     }
 
-    /// `f` applied to every lane.
+    /// The function `f` of the value in every lane.
     #[inline]
     #[must_use]
     pub fn map(self, mut f: impl FnMut(f32) -> f32) -> Self {

@@ -5,7 +5,7 @@ use super::wavelengths::place_in_table;
 use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, SampledSpectrum, TABLE_LEN, Wavelengths};
 use crate::Invalid;
 
-/// What a spectrum is outside the wavelengths that were measured.
+/// Extrapolation of a spectrum beyond its measured wavelengths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outside {
     /// Zero: emission, quantum efficiency, colour-matching functions.
@@ -25,7 +25,7 @@ pub enum Outside {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
     values: Box<[f32; TABLE_LEN]>,
-    /// See [`known_nm`](Self::known_nm).
+    /// First and last stated wavelength, see [`known_nm`](Self::known_nm).
     known_nm: [f32; 2],
 }
 
@@ -33,7 +33,7 @@ impl Spectrum {
     /// The whole range of a table, nm.
     pub const EVERYWHERE_NM: [f32; 2] = [LAMBDA_MIN_NM, LAMBDA_MAX_NM];
 
-    /// The same value everywhere.
+    /// A constant spectrum.
     pub fn constant(value: f32) -> Self {
         Self { values: Box::new([value; TABLE_LEN]), known_nm: Self::EVERYWHERE_NM }
     }
@@ -83,14 +83,14 @@ impl Spectrum {
         Ok(spectrum.known_within([lambda_nm[0] as f32, lambda_nm[last] as f32]))
     }
 
-    /// First and last wavelength at which the values are those of whoever stated the spectrum, nm; beyond them a rule
-    /// such as [`Outside`] has been applied. A product is known where all its factors are; the first may exceed the
-    /// last, then it is known nowhere.
+    /// First and last wavelength that the source of the spectrum states, nm; beyond them a rule such as [`Outside`] has
+    /// been applied. A product is known where all its factors are; the first may exceed the last, then it is known
+    /// nowhere.
     pub fn known_nm(&self) -> [f32; 2] {
         self.known_nm
     }
 
-    /// The same values, known between these wavelengths (nm) at most.
+    /// Spectrum of the same values, known between these wavelengths (nm) at most.
     #[must_use]
     pub fn known_within(self, [first, last]: [f32; 2]) -> Self {
         let known_nm = [self.known_nm[0].max(first), self.known_nm[1].min(last)];
@@ -130,7 +130,7 @@ impl Spectrum {
         sum - 0.5 * f64::from(self.values[0] + self.values[TABLE_LEN - 1])
     }
 
-    /// `f(wavelength in nm, value)` at every entry.
+    /// Spectrum of `f(wavelength in nm, value)` at every entry.
     #[must_use]
     pub fn map(&self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
         let mut i = 0;
@@ -153,7 +153,7 @@ impl Spectrum {
         self.map_with(other, |a, b| a * b)
     }
 
-    /// `f(value, value of other)` at every entry.
+    /// Spectrum of `f(value, value of other)` at every entry.
     #[must_use]
     pub fn map_with(&self, other: &Self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
         let mut others = other.values.iter();

@@ -1,17 +1,17 @@
-//! How wavelengths are drawn: in proportion to how much each matters, four of them from one number.
+//! Sampling of wavelengths in proportion to their importance, four from one number.
 
 use super::{LAMBDA_MIN_NM, LANES, Spectrum, TABLE_LEN, Wavelengths};
 
-/// The part of the probability that is spread evenly over where the importance is not zero, so that a dim wavelength is
-/// never left out for good.
+/// Fraction of the probability that is spread evenly over wavelengths of importance above zero, so that a dim
+/// wavelength is never left out for good.
 const EVEN_PART: f64 = 0.05;
 
-/// Pieces of a density, each a nanometre long: the intervals between the entries of a table.
+/// Number of pieces of a density, each a nanometre long: the intervals between the entries of a table.
 pub(super) const PIECES: usize = TABLE_LEN - 1;
 
-/// The probability of each piece, for importances at the entries, of which those below zero count as zero: a factor
-/// times the mean of its two ends, and the even part. With that factor. A piece counts as useful where either end does;
-/// where none is, all are.
+/// Probability of each piece for importances at the entries, where negative ones count as zero: a factor times the mean
+/// of its two ends, plus the even part. Returned with that factor. A piece is useful where either end is above zero;
+/// where none is, all count as useful.
 pub(super) fn probabilities(importances: &[f64]) -> (Vec<f64>, f64) {
     let mut masses: Vec<f64> = importances.windows(2).map(|ends| 0.5 * (ends[0].max(0.0) + ends[1].max(0.0))).collect();
     if masses.iter().all(|&mass| mass == 0.0) {
@@ -28,33 +28,33 @@ pub(super) fn probabilities(importances: &[f64]) -> (Vec<f64>, f64) {
 /// Draws wavelengths with a density proportional to an importance spectrum, constant between whole nanometres.
 #[derive(Clone, Debug)]
 pub struct WavelengthSampler {
-    /// From short waves to long ones, each a nanometre long, and one where the last ends.
+    /// Pieces from short waves to long ones, each a nanometre long, and one where the last ends.
     pieces: Vec<Piece>,
-    /// For each of [`PARTS`](Self::PARTS) equal parts of the probability, the piece that it begins in, and [`MANY`]
-    /// where it goes on beyond the next. So fine are they that most lie in one piece
+    /// Guide table: for each of [`PARTS`](Self::PARTS) equal parts of the probability, the piece that it begins in,
+    /// with [`MANY`] set where it extends beyond the next piece. Parts are fine enough that most lie in one piece
     /// ([Devroye86](crate::references#devroye86) §III.2.4).
     guide: Vec<u16>,
 }
 
-/// Set in the guide for a part with more than two pieces.
+/// Flag in the guide of a part with more than two pieces.
 const MANY: u16 = 1 << 15;
 
 #[derive(Clone, Copy, Debug)]
 struct Piece {
-    /// Probability of all before.
+    /// Probability of all pieces before.
     before: f32,
     start_nm: f32,
-    /// Its probability, and as it is a nanometre long, its density in nm⁻¹.
+    /// Probability of the piece and, as it is a nanometre long, its density in nm⁻¹.
     density: f32,
-    /// The reciprocal.
+    /// Reciprocal of the density, nm.
     nm_per_probability: f32,
 }
 
 impl WavelengthSampler {
     const PARTS: usize = 2048;
 
-    /// From an importance (any unit, not negative): typically what the sensor makes of the light. Wavelengths where it
-    /// is zero are never drawn, so it must be positive wherever the response and the light both are.
+    /// Sampler of an importance (any unit, not negative), typically the sensor's response times the light. Wavelengths
+    /// of importance zero are never drawn, so it must be positive wherever both the response and the light are.
     pub fn new(importance: &Spectrum) -> Self {
         let (probabilities, _) = probabilities(&importance.values().map(f64::from));
         let mut running = 0.0;
@@ -98,7 +98,7 @@ impl WavelengthSampler {
         Wavelengths { lambda_nm, pdf, entry, part }
     }
 
-    /// Number of the piece in which u in [0, 1) of the probability has come.
+    /// Piece that the cumulative probability u in [0, 1) falls into.
     #[inline]
     fn piece(&self, u: f32) -> usize {
         // Conversions to signed numbers cost less.

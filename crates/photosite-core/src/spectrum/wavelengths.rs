@@ -1,4 +1,4 @@
-//! The wavelengths that a path carries, for hero-wavelength sampling ([Wilkie14](crate::references#wilkie14)).
+//! Wavelengths of a path, for hero-wavelength sampling ([Wilkie14](crate::references#wilkie14)).
 
 use glam::Vec4;
 
@@ -8,16 +8,16 @@ use super::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, LANES, SampledSpectrum, TABLE_LEN};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wavelengths {
     pub(super) lambda_nm: [f32; LANES],
-    /// nm⁻¹; zero for a lane that the path no longer carries.
+    /// Density of each wavelength, nm⁻¹; zero for a lane that the path no longer carries.
     pub(super) pdf: [f32; LANES],
-    /// The entry of a spectral table at or below each wavelength, but for the last.
+    /// Entry of a spectral table at or below each wavelength, at most the last but one.
     pub(super) entry: [u32; LANES],
-    /// How far each wavelength is from there to the next entry, 0 to 1.
+    /// Fraction of the way of each wavelength from that entry to the next, 0 to 1.
     pub(super) part: [f32; LANES],
 }
 
 impl Wavelengths {
-    /// From wavelengths in nm, 300 to 1100, and their densities in nm⁻¹.
+    /// Wavelengths in nm, 300 to 1100, and their densities in nm⁻¹.
     #[inline]
     pub fn new(lambda_nm: [f32; LANES], pdf: [f32; LANES]) -> Self {
         debug_assert!(lambda_nm.iter().all(|lambda| (LAMBDA_MIN_NM..=LAMBDA_MAX_NM).contains(lambda)));
@@ -37,15 +37,15 @@ impl Wavelengths {
         self.lambda_nm
     }
 
-    /// Where the wavelength of a lane lies in a spectral table: the entry before it, at most the last but one, and how
-    /// far it is from there to the next.
+    /// Position of a lane's wavelength in a spectral table: the entry before it, at most the last but one, and the
+    /// fraction of the way to the next.
     #[inline]
     pub fn place_in_table(&self, lane: usize) -> (usize, f32) {
         (self.entry[lane] as usize, self.part[lane])
     }
 
     /// Drops all but the hero, after a refraction whose direction is right for the hero alone. The hero then stands for
-    /// all four: its density falls to a quarter ([pbrt4](crate::references#pbrt4) §4.5.4). Idempotent.
+    /// all four: its density falls to a quarter ([pbrt4](crate::references#pbrt4) §4.5.4). A second call has no effect.
     pub fn terminate_secondary(&mut self) {
         if self.is_hero_alone() {
             return;
@@ -53,14 +53,14 @@ impl Wavelengths {
         self.pdf = [self.pdf[0] / LANES as f32, 0.0, 0.0, 0.0];
     }
 
-    /// Whether only the hero is left.
+    /// Whether the path carries only the hero.
     #[inline]
     pub fn is_hero_alone(&self) -> bool {
         self.pdf[1..].iter().all(|&pdf| pdf == 0.0)
     }
 
-    /// The densities of `other`, of which these are a part, over these, zero for dropped lanes: what a value is to be
-    /// multiplied by that goes with these weights, to go with those of the other.
+    /// Densities of `other` over these, zero for dropped lanes, where these wavelengths are some of the other's. A
+    /// value multiplied by the ratios goes with the other's weights instead of these.
     #[inline]
     pub fn densities_over(&self, other: &Self) -> SampledSpectrum {
         SampledSpectrum::from_lanes(|i| if self.pdf[i] > 0.0 { other.pdf[i] / self.pdf[i] } else { 0.0 })
@@ -75,8 +75,8 @@ impl Wavelengths {
     }
 }
 
-/// Where a wavelength of 300 to 1100 nm lies in a table: the entry at or below it, at most the last but one, and how
-/// far it is from there to the next, 0 to 1.
+/// Position in a table of a wavelength of 300 to 1100 nm: the entry at or below it, at most the last but one, and the
+/// fraction of the way to the next, 0 to 1.
 #[inline]
 pub(super) fn place_in_table(lambda_nm: f32) -> (u32, f32) {
     let x = lambda_nm - LAMBDA_MIN_NM;

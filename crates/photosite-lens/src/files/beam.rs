@@ -1,4 +1,4 @@
-//! How wide surfaces must be for the beams of a file's fields.
+//! Radii that surfaces need for the beams of a file's fields.
 
 use std::f64::consts::TAU;
 
@@ -10,15 +10,15 @@ use crate::profile::Travel;
 use crate::trace::{Apertures, Step};
 use crate::{Lens, LensAt, Ray};
 
-/// Points of the stop's rim.
+/// Number of points on the stop's rim.
 const AZIMUTHS: u32 = 16;
 /// Steps of Newton's method; four or five are needed.
 const STEPS: u32 = 20;
-/// How near to its point of the rim a ray must come, of the stop's radius.
+/// Distance from its point on the stop's rim at which a ray counts as found, relative to the stop's radius.
 const TOLERANCE: f64 = 1e-9;
 
-/// The largest distance from the axis, at each surface, of rays through the rim of the stop, from parallel light on the
-/// axis and at the fields, at the lines F, d, C. `None` where no such ray reaches the surface.
+/// Largest distance from the axis at each surface of rays through the stop's rim, from parallel light on the axis and
+/// at the fields, at the lines F, d and C. `None` where no such ray reaches the surface.
 pub(super) fn radii(lens: &Lens, fields: &[Field]) -> Vec<Option<f64>> {
     let mut radii = vec![None; lens.surfaces().len()];
     let axis = Field { angle_deg: 0.0, vignetting: [0.0; 2] };
@@ -36,7 +36,7 @@ pub(super) fn radii(lens: &Lens, fields: &[Field]) -> Vec<Option<f64>> {
     radii
 }
 
-/// The part of the stop's radius to which light on the axis fills it: 1 unless rays to its rim miss a surface, as they do
+/// Fraction of the stop's radius that light on the axis fills: 1 unless rays to its rim miss a surface, as they do
 /// where the stop is wider than the glass.
 pub(super) fn open_part(lens: &Lens) -> f64 {
     let passes = |part: f64| {
@@ -56,8 +56,8 @@ pub(super) fn open_part(lens: &Lens) -> f64 {
     passed
 }
 
-/// The least radius that each surface needs, mm: for the whole beam on the axis, and for the middle of those at these
-/// angles, degrees. Infinite where no such ray comes to the surface.
+/// Least radius that each surface needs, mm: for the whole beam on the axis, and for the chief rays at these angles,
+/// degrees. Infinite where no such ray comes to the surface.
 pub(super) fn needed(lens: &Lens, angles_deg: &[f64]) -> Vec<f64> {
     let mut needed: Vec<f64> = radii(lens, &[]).into_iter().map(|radius| radius.unwrap_or(f64::INFINITY)).collect();
     let at = lens.at(lines::D);
@@ -70,7 +70,7 @@ pub(super) fn needed(lens: &Lens, angles_deg: &[f64]) -> Vec<f64> {
     needed
 }
 
-/// The points at all surfaces of rays through the rim of the stop. `None` where the field has no chief ray.
+/// Points at all surfaces of rays through the stop's rim. `None` where the field has no chief ray.
 fn beam(at: &LensAt, field: &Field) -> Option<Vec<Vec<DVec3>>> {
     let angle = field.angle_deg.to_radians();
     let chief = if angle == 0.0 { at.chief_ray_of_stop_angle(0.0).ok()? } else { at.chief_ray(angle)? };
@@ -91,7 +91,7 @@ fn beam(at: &LensAt, field: &Field) -> Option<Vec<Vec<DVec3>>> {
     Some(rays.collect())
 }
 
-/// Where a ray meets the surfaces from the first to before `end`.
+/// Points at which a ray meets the surfaces from the first to before `end`.
 fn points(at: &LensAt, ray: Ray, end: usize) -> Option<Vec<DVec3>> {
     let mut points = Vec::new();
     at.trace(ray, Travel::ToSensor, (0..end).map(Step::refract), Apertures::Ignore, |hit| points.push(hit.point))
@@ -103,7 +103,7 @@ fn at_stop(at: &LensAt, ray: Ray) -> Option<DVec2> {
     points(at, ray, at.lens.stop() + 1)?.last().map(|point| point.truncate())
 }
 
-/// The zero of a function of the plane, by Newton's method with differences.
+/// Zero of a function of the plane, by Newton's method with finite differences.
 fn solved(f: impl Fn(DVec2) -> Option<DVec2>, start: DVec2, step: f64, tolerance: f64) -> Option<DVec2> {
     let mut x = start;
     for _ in 0..STEPS {

@@ -1,4 +1,4 @@
-//! DeepLens' lenses, as its `write_lens_json` and its data sets have them.
+//! DeepLens' lens files, as written by `write_lens_json` and found in its data sets.
 
 use serde_json::Value;
 
@@ -7,7 +7,7 @@ use super::json_value::{At, asphere};
 use super::patent::patent_in;
 use crate::checks::MOST_SURFACES;
 
-/// Digits of the decimals that numbers of single precision come from.
+/// Number of digits of the decimals that single-precision numbers come from.
 const DIGITS: i32 = 6;
 
 /// n_d and ν_d of DeepLens' own table of materials that no maker's catalogue has.
@@ -68,14 +68,14 @@ pub(super) fn read(value: &Value) -> Read<Draft> {
     Ok(draft)
 }
 
-/// The decimal of six digits that a number of single precision comes from, where it is one: `whole` is the number that was
-/// rounded to that precision.
+/// Decimal of six digits that a single-precision number comes from, or `x` itself; `whole` is the value that was
+/// rounded to single precision.
 fn decimal(x: f64, whole: f64) -> f64 {
     let rounded = photosite_core::math::float::rounded(x, DIGITS);
     if (rounded - x).abs() <= f64::from(f32::EPSILON) * whole.abs().max(x.abs()) { rounded } else { x }
 }
 
-/// Refuses what does not refract as a surface of revolution, by its name.
+/// Refuses a surface that is no refracting surface of revolution, by its type.
 fn refuse(surface: &At) -> Read<()> {
     let kind = surface.text_of("type");
     if matches!(kind, "Spheric" | "Aspheric" | "Plane" | "Aperture" | "Stop") {
@@ -113,7 +113,7 @@ fn row(surface: &At, thickness_mm: f64, draft: &mut Draft) -> Read<Row> {
     })
 }
 
-/// `roc`, of which 0 is flat, else `c`.
+/// Radius of curvature from `roc`, where 0 is flat, else from the curvature `c`.
 fn radius(surface: &At) -> Read<Option<f64>> {
     let radius = match (surface.get("roc"), surface.finite_of("c")?) {
         (Some(radius), _) => radius.number()?,
@@ -123,7 +123,7 @@ fn radius(surface: &At) -> Read<Option<f64>> {
     Ok((radius.is_finite() && radius != 0.0).then(|| decimal(radius, 0.0)))
 }
 
-/// `ai`, from r² on in steps of 2, unless `use_ai2` says that it begins at r⁴.
+/// Aspheric terms of `ai`, from r² on in steps of 2, or from r⁴ on where `use_ai2` is false.
 fn terms(surface: &At) -> Read<Vec<(u32, f64)>> {
     let begins_at_4 = surface.value.get("use_ai2").and_then(Value::as_bool) == Some(false);
     let Some(coefficients) = surface.get("ai") else { return Ok(Vec::new()) };
@@ -131,7 +131,7 @@ fn terms(surface: &At) -> Read<Vec<(u32, f64)>> {
     Ok(terms.into_iter().map(|(order, a)| (order, decimal(a, 0.0))).collect())
 }
 
-/// `air`, `1.6727/32.1`, or the name of a glass, which DeepLens looks up at Schott, then at CDGM.
+/// Medium of `air`, of `1.6727/32.1`, or of the name of a glass, which DeepLens looks up at Schott, then at CDGM.
 fn medium(surface: &At, draft: &mut Draft) -> Read<Medium> {
     let name = surface.text_of("mat2");
     if matches!(name.to_ascii_lowercase().as_str(), "" | "air" | "vacuum" | "occluder") {

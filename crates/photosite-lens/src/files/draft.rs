@@ -1,14 +1,14 @@
-//! What a reader has found in a file, before glasses are looked up and apertures are complete.
+//! Raw content of a lens file, before glasses are looked up and apertures completed.
 
 use photosite_core::Invalid;
 
 use crate::checks::MOST_SURFACES;
 use crate::prescription::{Blades, Claims, Coating};
 
-/// Most settings of a zoom or of the focus.
+/// Largest number of zoom or focus settings.
 pub(super) const MOST_POSITIONS: usize = 50;
 
-/// What is wrong with a file, and in which line, counted from 1.
+/// A fault of a file, with its line, counted from 1, where known.
 #[derive(Debug)]
 pub(super) struct Fault {
     pub(super) line: Option<usize>,
@@ -26,19 +26,19 @@ impl Fault {
         Self { line: None, invalid: Invalid::new("", message) }
     }
 
-    /// Says what to write instead.
+    /// Adds a remedy.
     pub(super) fn help(mut self, help: impl Into<String>) -> Self {
         self.invalid = self.invalid.help(help.into());
         self
     }
 }
 
-/// More surfaces than lenses have.
+/// Message for more surfaces than lenses have.
 pub(super) fn too_many(count: usize) -> String {
     format!("{count} surfaces, where lenses have at most {MOST_SURFACES}")
 }
 
-/// The fault of the line with the first surface too many.
+/// Fault at the line of the first surface beyond the largest number.
 pub(super) fn too_many_surfaces(line: usize) -> Fault {
     Fault::at(line, format!("more than {MOST_SURFACES} surfaces"))
 }
@@ -49,22 +49,22 @@ impl From<Invalid> for Fault {
     }
 }
 
-/// What a reader makes of a file.
+/// Result of a reader.
 pub(super) type Read<T> = std::result::Result<T, Fault>;
 
-/// What fills a gap, as the file says it.
+/// Medium of a gap, as the file gives it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) enum Medium {
     #[default]
     Air,
-    /// A name, with the catalogues that it is looked up in first. `numbers` are n_d and ν_d that stand beside it: those
-    /// of the glass itself, or only left over from something else.
+    /// A name, with the catalogues that it is looked up in first. `numbers` are n_d and ν_d beside it: those of the
+    /// glass itself, or left over from another.
     Named { name: String, catalogues: Vec<String>, numbers: Numbers },
     /// Index at the d line, Abbe number, deviation of the partial dispersion P_gF.
     Model { nd: f64, vd: f64, deviation: f64 },
     /// n_d and ν_d of a table, as patents have them.
     Patent { nd: f64, vd: f64 },
-    /// The same index at all wavelengths.
+    /// Constant index.
     Index(f64),
     /// A glass that the file defines.
     Defined(crate::prescription::Glass),
@@ -73,23 +73,23 @@ pub(super) enum Medium {
 /// n_d and ν_d beside the name of a glass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) enum Numbers {
-    /// There are none.
+    /// No numbers.
     #[default]
     None,
-    /// They are those of the glass: they stand for it where the name is not known.
+    /// Numbers of the glass, used where its name is not known.
     OfGlass(f64, f64),
-    /// They may be left over from another glass, as those behind the names of OpticStudio.
+    /// Numbers that may be left over from another glass, such as those behind the names of OpticStudio.
     Spare(f64, f64),
 }
 
-/// A surface of the file.
+/// A surface of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Row {
-    /// Its line, where the format has lines.
+    /// Line, where the format has lines.
     pub(super) line: Option<usize>,
-    /// Its path, where the format has keys: `surface_group.surfaces[3]`.
+    /// Path of the surface, where the format has keys: `surface_group.surfaces[3]`.
     pub(super) key: String,
-    /// What the file calls it: `SURF 3`.
+    /// Name of the surface in the file's terms: `SURF 3`.
     pub(super) name: String,
     pub(super) radius_mm: Option<f64>,
     pub(super) thickness_mm: f64,
@@ -102,7 +102,7 @@ pub(super) struct Row {
 }
 
 impl Row {
-    /// Its fault, in the way of its format; `field` is the key in it, where there are keys.
+    /// Fault of the surface, by line or key as its format has it; `field` is the key within the surface.
     pub(super) fn fault(&self, field: &str, invalid: Invalid) -> Fault {
         let Invalid { message, help, .. } = invalid;
         let key = match (self.line, field) {
@@ -114,25 +114,25 @@ impl Row {
     }
 }
 
-/// What opens the lens, where the file says so by a figure instead of the stop's radius.
+/// Opening of the lens, where the file gives a figure instead of the stop's radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Opening {
     /// Diameter of the entrance pupil, mm.
     EntrancePupil(f64),
-    /// EFL over that diameter.
+    /// f-number: focal length over the diameter of the entrance pupil.
     FNumber(f64),
 }
 
-/// A field of view of the file, with what it cuts off the beam there.
+/// A field of view of the file, with its vignetting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Field {
     /// Angle to the axis in object space, degrees.
     pub(super) angle_deg: f64,
-    /// Parts of the pupil's radius that are cut off at the upper and the lower rim.
+    /// Fractions of the pupil's radius that are cut off at the upper and the lower rim.
     pub(super) vignetting: [f64; 2],
 }
 
-/// A setting of the file, by rows.
+/// A zoom or focus setting of the file, by rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Setting {
     pub(super) label: String,
@@ -141,13 +141,13 @@ pub(super) struct Setting {
     pub(super) half_field_deg: Option<f64>,
     pub(super) stop_semi_aperture_mm: Option<f64>,
     pub(super) object_distance_mm: Option<f64>,
-    /// Of a zoom, the focal length at infinity of its setting.
+    /// Focal length at infinity of the zoom setting.
     pub(super) focal_length_mm: Option<f64>,
-    /// The f-number that the stop opens to here.
+    /// f-number of the stop in this setting.
     pub(super) f_number: Option<f64>,
 }
 
-/// What a file says of a lens.
+/// Content of a lens file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Draft {
     pub(super) name: String,
@@ -160,18 +160,18 @@ pub(super) struct Draft {
     pub(super) settings: Vec<Setting>,
     pub(super) opening: Option<Opening>,
     pub(super) fields: Vec<Field>,
-    /// Whether the format leaves out semi-apertures where the beam defines them, so that they are derived of it.
+    /// Whether the format leaves out semi-apertures where the beam defines them, so that they are derived from it.
     pub(super) derives_apertures: bool,
-    /// Whether the last gap is not to be used, so that parallel light is focused.
+    /// Whether the last gap is replaced so that parallel light is in focus.
     pub(super) last_gap_is_unused: bool,
-    /// Whether semi-apertures are as their author means them: what runs through each other within them is an error. In
-    /// other formats they are drawn or estimated, and cut back.
+    /// Whether semi-apertures are as the author means them: surfaces that cross within them are an error. In other
+    /// formats they are drawn or estimated, and cut back.
     pub(super) keeps_rims: bool,
-    /// What looks wrong.
+    /// Suspicious values.
     pub(super) warnings: Vec<String>,
-    /// What had to be assumed.
+    /// Assumptions.
     pub(super) assumed: Vec<String>,
-    /// What was there and is not used.
+    /// Unused content.
     pub(super) ignored: Vec<String>,
 }
 
@@ -184,7 +184,7 @@ impl Draft {
         push_once(&mut self.ignored, what.into());
     }
 
-    /// Scales what is in another unit, of so many mm.
+    /// Scales all lengths from a unit of `mm` millimetres.
     pub(super) fn scale(&mut self, mm: f64) {
         if mm == 1.0 {
             return;
@@ -211,8 +211,8 @@ impl Draft {
         }
     }
 
-    /// Drops flat surfaces between air and air that are neither the stop nor limit the beam, as programs have them for
-    /// their drawings. `limits` says of each row whether the file gives it an aperture that cuts rays off.
+    /// Drops flat surfaces between air and air that are neither the stop nor limit the beam, which programs have for
+    /// their drawings. `limits` holds for each row whether the file gives it an aperture that cuts rays off.
     pub(super) fn drop_dummies(&mut self, limits: &[bool]) {
         let mut is_dummy = Vec::with_capacity(self.rows.len());
         let mut before_is_air = true;

@@ -1,4 +1,4 @@
-//! From what a reader found to a prescription that can be traced: glasses looked up, apertures completed, all of it
+//! Completion of a draft to a prescription that can be traced: glasses looked up, apertures completed, all of it
 //! checked.
 
 use photosite_core::Invalid;
@@ -62,7 +62,7 @@ pub(super) fn finish(format: Format, mut draft: Draft) -> Read<Reading> {
     Ok(Reading { prescription, lens, report })
 }
 
-/// The fault of a key `surfaces[3].semi_aperture_mm`, in the way of the format.
+/// Fault of a key `surfaces[3].semi_aperture_mm`, by line or key as the format has it.
 fn of_surface(draft: &Draft, invalid: Invalid) -> Fault {
     let found = invalid.key.find("surfaces[").and_then(|at| {
         let (number, rest) = invalid.key[at + "surfaces[".len()..].split_once(']')?;
@@ -79,7 +79,7 @@ fn of_surface(draft: &Draft, invalid: Invalid) -> Fault {
     }
 }
 
-/// What fills the gap behind a row.
+/// Medium of the gap behind a row.
 fn medium(row: &Row, notes: &mut Vec<String>) -> Read<Option<Glass>> {
     let fault = |message: String, help: String| row.fault("glass", Invalid::new("", message).help(help));
     match &row.medium {
@@ -170,8 +170,8 @@ fn positions(draft: &Draft) -> Vec<Position> {
     draft.settings.iter().map(position).collect()
 }
 
-/// The lens with whatever apertures are missing wide enough for paraxial rays, which nothing cuts off; `None` where it
-/// has no stop or no focal length.
+/// Lens whose missing apertures are wide enough for paraxial rays, which nothing cuts off; `None` where it has no stop
+/// or no focal length.
 fn provisional(prescription: &Prescription, position: Option<&Position>) -> Option<Lens> {
     let mut wide = prescription.clone();
     wide.surfaces.iter().position(|surface| surface.is_stop)?;
@@ -184,7 +184,7 @@ fn provisional(prescription: &Prescription, position: Option<&Position>) -> Opti
     (efl.is_finite() && efl > 0.0).then_some(lens)
 }
 
-/// Puts the sensor where parallel light is sharp to first order.
+/// Moves the sensor to the paraxial focus of parallel light.
 fn refocus(prescription: &mut Prescription, draft: &mut Draft) {
     let Some(lens) = provisional(prescription, None) else { return };
     let focus = lens.at(lines::D).first_order().bfl_mm;
@@ -198,7 +198,7 @@ fn refocus(prescription: &mut Prescription, draft: &mut Draft) {
     }
 }
 
-/// Opens the stop as far as the file's entrance pupil or f-number says, where it gives no radius.
+/// Opens the stop to the file's entrance pupil or f-number, where the file gives no radius.
 fn open(prescription: &mut Prescription, draft: &mut Draft) {
     let Some(stop) = prescription.surfaces.iter().position(|surface| surface.is_stop) else { return };
     let Some(lens) = provisional(prescription, None) else { return };
@@ -237,7 +237,7 @@ fn open(prescription: &mut Prescription, draft: &mut Draft) {
     }
 }
 
-/// Gives surfaces the radius of the full beam, where the format leaves it to the beam. Which ones.
+/// Gives surfaces the radius of the full beam, where the format leaves it to the beam. Returns their numbers.
 fn derive_apertures(prescription: &mut Prescription, draft: &mut Draft) -> Read<Vec<usize>> {
     let missing: Vec<usize> =
         (0..prescription.surfaces.len()).filter(|&i| prescription.surfaces[i].semi_aperture_mm.is_none()).collect();

@@ -1,4 +1,4 @@
-//! JSON files of optical programs, by keys whose path is kept for messages.
+//! JSON values of optical programs, with the path of each kept for messages.
 
 use serde_json::Value;
 
@@ -11,8 +11,8 @@ pub(super) struct At<'a> {
     pub(super) path: String,
 }
 
-/// A text as JSON. Python writes infinite numbers and those that are none as bare words, which JSON does not have:
-/// they become texts.
+/// Parses a text as JSON. Python writes infinities and NaN as bare words, which JSON does not have: they become
+/// strings.
 pub(super) fn parsed(text: &str) -> Read<Value> {
     serde_json::from_str(&with_words_quoted(text)).map_err(|error| {
         Fault::at(error.line(), format!("not valid JSON: {error}"))
@@ -20,7 +20,7 @@ pub(super) fn parsed(text: &str) -> Read<Value> {
     })
 }
 
-/// `Infinity`, `-Infinity` and `NaN` outside of texts, in quotes.
+/// Text with `Infinity`, `-Infinity` and `NaN` put in quotes, except within strings.
 pub(super) fn with_words_quoted(text: &str) -> String {
     let mut quoted = String::with_capacity(text.len());
     let (mut is_in_text, mut rest) = (false, text);
@@ -58,23 +58,23 @@ impl<'a> At<'a> {
         if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
     }
 
-    /// The fault of this value.
+    /// Fault at this value.
     pub(super) fn fault(&self, message: impl Into<String>) -> Fault {
         Fault { line: None, invalid: photosite_core::Invalid::new(self.path.clone(), message) }
     }
 
-    /// The value of a key; `None` where there is none, or null.
+    /// Value of a key; `None` where it is missing or null.
     pub(super) fn get(&self, key: &str) -> Option<At<'a>> {
         let value = self.value.get(key).filter(|value| !value.is_null())?;
         Some(At { value, path: self.path_of(key) })
     }
 
-    /// The value of a key that must be there.
+    /// Value of a required key.
     pub(super) fn needed(&self, key: &str) -> Read<At<'a>> {
         self.get(key).ok_or_else(|| self.fault(format!("there is no `{key}`")))
     }
 
-    /// The values of a list.
+    /// Values of a list.
     pub(super) fn items(&self) -> Read<Vec<At<'a>>> {
         let items = self.value.as_array().ok_or_else(|| self.fault("no list"))?;
         Ok(items.iter().enumerate().map(|(i, value)| At { value, path: format!("{}[{i}]", self.path) }).collect())
@@ -98,23 +98,24 @@ impl<'a> At<'a> {
         if number.is_finite() { Ok(number) } else { Err(self.fault(format!("{number} is not finite"))) }
     }
 
-    /// The finite number of a key, where there is one.
+    /// Finite number of a key; `None` where it is missing.
     pub(super) fn finite_of(&self, key: &str) -> Read<Option<f64>> {
         self.get(key).map(|at| at.finite()).transpose()
     }
 
-    /// The text of a key; empty where there is none.
+    /// Text of a key; empty where it is missing.
     pub(super) fn text_of(&self, key: &str) -> &'a str {
         self.value.get(key).and_then(Value::as_str).unwrap_or_default()
     }
 
-    /// Whether a key says yes.
+    /// Whether a key is true.
     pub(super) fn is_true(&self, key: &str) -> bool {
         self.value.get(key).and_then(Value::as_bool).unwrap_or(false)
     }
 }
 
-/// The terms of an asphere of a list of coefficients, of which the first has this order and the next are steps apart.
+/// Aspheric terms of a list of coefficients, of which the first has the order `first` and the others follow in steps of
+/// `step`.
 pub(super) fn asphere(coefficients: &At, [first, step]: [u32; 2]) -> Read<Vec<(u32, f64)>> {
     let mut terms = Vec::new();
     for (i, coefficient) in coefficients.items()?.iter().enumerate() {

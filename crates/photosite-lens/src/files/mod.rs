@@ -1,4 +1,4 @@
-//! Files of lenses: our own form, and those of seven optical programs, read into the neutral
+//! Lens files: photosite's own form and those of seven optical programs are read into the neutral
 //! [`Prescription`](crate::Prescription), with a report of what was read, assumed and ignored.
 //!
 //! Nothing here touches a disk: readers get bytes, and the path only for messages and for what its ending says of the
@@ -27,7 +27,7 @@ mod write;
 mod zmx;
 mod zoom;
 
-pub use self::format::Format;
+pub use self::format::{Format, endings, formats};
 pub use self::read::{read, read_with};
 pub use self::report::{GlassOf, Reading, Report};
 pub use self::seq::FirstNumber;

@@ -1,4 +1,4 @@
-//! Our own form of a prescription, as TOML or JSON with the same keys.
+//! photosite's own form of a prescription, as TOML or JSON with the same keys.
 
 use crate::checks::MOST_SURFACES;
 use crate::files::draft::MOST_POSITIONS;
@@ -17,11 +17,12 @@ use toml::Spanned;
 use toml::de::DeValue;
 
 use super::draft::{Draft, Fault, Medium, Numbers, Opening, Read, Row, Setting};
+use super::format::json_formats;
 use super::json_value;
 use crate::glass;
 use crate::prescription::{Blades, Coating, Glass, Layer, LayerIndex};
 
-/// The file. Lengths are in `unit`.
+/// A lens file. Lengths are in `unit`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LensFile {
@@ -31,7 +32,7 @@ struct LensFile {
     licence: Option<String>,
     patent: Option<String>,
     note: Option<String>,
-    /// Where the semi-apertures come from.
+    /// Source of the semi-apertures.
     semi_apertures: Option<String>,
     unit: Option<String>,
     focal_length: Option<f64>,
@@ -45,7 +46,7 @@ struct LensFile {
     blades: Option<BladesFile>,
     #[serde(default)]
     positions: Vec<PositionFile>,
-    /// What other programs compute of the lens, in files that tests compare with.
+    /// Figures of the lens by other programs, in files that tests compare with.
     figures: Option<IgnoredAny>,
     largest_differences: Option<IgnoredAny>,
 }
@@ -66,7 +67,7 @@ struct SurfaceFile {
     coating: Option<CoatingFile>,
 }
 
-/// `"none"` for bare glass, or its layers from the air side.
+/// Coating: `"none"` for bare glass, or layers from the air side.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum CoatingFile {
@@ -74,7 +75,7 @@ enum CoatingFile {
     Layers(Vec<LayerFile>),
 }
 
-/// A layer: its index, or a table of it.
+/// Layer of a coating: its index, or a table of it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LayerFile {
@@ -85,7 +86,7 @@ struct LayerFile {
     thickness_nm: f64,
 }
 
-/// A number, or the name of a medium or a metal of the library.
+/// Index of a layer: a number, or the name of a medium or a metal of the library.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum IndexFile {
@@ -93,7 +94,7 @@ enum IndexFile {
     Name(String),
 }
 
-/// n and k at wavelengths.
+/// Table of n and k at wavelengths.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TableFile {
@@ -118,7 +119,7 @@ struct GlassFile {
     source: Option<String>,
 }
 
-/// Their number, or that and the angle of the first corner.
+/// Blades of the stop: their number, or that and the angle of the first corner.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum BladesFile {
@@ -163,7 +164,7 @@ pub(super) fn read_json(text: &str) -> Read<Draft> {
     draft(file)
 }
 
-/// Refuses JSON of other programs by what it is and is not, before any of its keys is called unknown.
+/// Refuses JSON of other programs by characteristic keys, before any of its keys is called unknown.
 fn check_is_own(value: &Value) -> Read<()> {
     let surface = value.get("surfaces").and_then(|surfaces| surfaces.get(0));
     if surface.is_some_and(|surface| surface.get("thickness").is_some()) {
@@ -179,22 +180,28 @@ fn check_is_own(value: &Value) -> Read<()> {
         None => "no keys".to_owned(),
     };
     let has = match (value.get("surfaces"), surface) {
-        (None, _) => format!("it has {}, and none of `surfaces`, `surface_group`, `optical_model`", keys(value)),
+        (None, _) => {
+            let others: Vec<String> = json_formats().map(|(_, key)| format!("`{key}`")).collect();
+            format!("it has {}, and none of `surfaces`, {}", keys(value), others.join(", "))
+        }
         (Some(_), None) => format!("it has {}, and `surfaces` is no list with a surface in it", keys(value)),
         (Some(_), Some(surface)) => {
             format!("it has {}; its first surface has {}, and no `thickness`", keys(value), keys(surface))
         }
     };
-    let help = "JSON is read as photosite's own (`unit`, and `surfaces` with `radius`, `thickness`, `glass`, \
-                `semi_aperture`, one with `stop`), Optiland's (`surface_group`), ray-optics' (`optical_model`) and \
-                DeepLens' (`d_next`)";
+    let others: Vec<String> = json_formats().map(|(name, key)| format!("{name} (`{key}`)")).collect();
+    let help = format!(
+        "JSON is read as photosite's own (`unit`, and `surfaces` with `radius`, `thickness`, `glass`, `semi_aperture`, \
+         one with `stop`) or as {}",
+        others.join(", ")
+    );
     Err(Fault::of_file(format!("not a lens in a form that is read: {has}")).help(help))
 }
 
-/// Keys that a message tells of at most.
+/// Largest number of keys that a message lists.
 const MOST_KEYS_TOLD: usize = 8;
 
-/// The bytes of the value at a path of a TOML text, or of the innermost one around it.
+/// Bytes of the value at a path of a TOML text, or of the innermost value around it.
 pub(super) fn toml_span(text: &str, path: &str) -> Option<Range<usize>> {
     let table = toml_text::parse(text).ok()?;
     let mut steps = path.split(['.', '[']).map(|step| step.trim_end_matches(']')).filter(|step| !step.is_empty());
@@ -358,7 +365,7 @@ fn named(name: &str, key: &str) -> Read<LayerIndex> {
         .help(format!("write its index, or one of {}", suggest::list(name, known))))
 }
 
-/// Values between which a spectrum runs straight; beyond the ends it stays as it is there.
+/// Spectrum that is linear between values, and constant beyond the ends.
 fn interpolated(wavelengths_nm: &[f64], values: &[f64]) -> Option<Spectrum> {
     let rises =
         wavelengths_nm.windows(2).all(|pair| pair[0] < pair[1]) && wavelengths_nm.iter().all(|nm| nm.is_finite());
@@ -378,7 +385,7 @@ fn interpolated(wavelengths_nm: &[f64], values: &[f64]) -> Option<Spectrum> {
     }))
 }
 
-/// A glass of the file, by the most exact form that it has.
+/// Glass defined in the file, by the most exact form that it has.
 fn defined_glass(name: &str, file: GlassFile, draft: &mut Draft) -> Result<Glass, Invalid> {
     let source = file.source.unwrap_or_else(|| "the file".to_owned());
     let glass = |dispersion: Dispersion| -> Result<Glass, Invalid> {

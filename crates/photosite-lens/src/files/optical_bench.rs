@@ -1,4 +1,4 @@
-//! The text of the Optical Bench (photonstophotos.net): sections in brackets, cells between tabs.
+//! The text format of the Optical Bench (photonstophotos.net): sections in brackets, cells between tabs.
 
 use crate::checks::MOST_SURFACES;
 use crate::files::draft::MOST_POSITIONS;
@@ -12,10 +12,10 @@ use super::text::number;
 /// A line of a section: its number, and its cells.
 type Cells<'a> = (usize, Vec<&'a str>);
 
-/// Sections that are of no use here.
+/// Sections that are ignored.
 const UNUSED: [&str; 3] = ["figure", "notes", "trial"];
 
-/// Keys of `[constants]` that are understood or draw.
+/// Keys of `[constants]` that are understood, or only matter for drawings.
 const CONSTANTS: [&str; 2] = ["AsphericalA2", "AsphericalOddCount"];
 
 /// Reads a file.
@@ -59,7 +59,7 @@ pub(super) fn read(text: &str) -> Read<Draft> {
     Ok(draft)
 }
 
-/// Lines of each section, in small letters.
+/// Lines of each section, by its name in lower case.
 fn sections<'a>(text: &'a str, draft: &mut Draft) -> Read<BTreeMap<String, Vec<Cells<'a>>>> {
     let mut sections: BTreeMap<String, Vec<Cells>> = BTreeMap::new();
     let mut current: Option<String> = None;
@@ -89,11 +89,11 @@ fn sections<'a>(text: &'a str, draft: &mut Draft) -> Read<BTreeMap<String, Vec<C
     Ok(sections)
 }
 
-/// A variable distance, or another figure of the positions: its line and a column for each position.
+/// A variable distance, or another figure that varies by position: its line, and a column for each position.
 #[derive(Debug)]
 struct Distance {
     line: usize,
-    /// `None` is infinity, or what the file leaves undefined.
+    /// Values by position; `None` is infinity, or undefined in the file.
     columns: Vec<Option<f64>>,
 }
 
@@ -122,7 +122,7 @@ fn distances(lines: &[Cells]) -> Read<BTreeMap<String, Distance>> {
     Ok(found)
 }
 
-/// Rows of words.
+/// Whether a row is a label.
 fn is_label(name: &str) -> bool {
     ["names", "scenarios", "label", "labels", "position"].contains(&name.to_ascii_lowercase().as_str())
 }
@@ -135,7 +135,7 @@ fn first(distances: &BTreeMap<String, Distance>, name: &str) -> Option<f64> {
     figure(distances, name)?.columns.first().copied().flatten().filter(|value| *value > 0.0)
 }
 
-/// What the file claims in its first position.
+/// Claims of the file for its first position.
 fn claims(draft: &mut Draft, distances: &BTreeMap<String, Distance>) {
     draft.claims.focal_length_mm = first(distances, "Focal Length");
     draft.claims.f_number = first(distances, "F-Number");
@@ -143,7 +143,8 @@ fn claims(draft: &mut Draft, distances: &BTreeMap<String, Distance>) {
     draft.claims.image_half_diagonal_mm = first(distances, "Image Height").map(|diameter| diameter / 2.0);
 }
 
-/// `5 ⇥ 15.83 ⇥ d5 ⇥ 1.6727 ⇥ 20.0 ⇥ 32.1 ⇥ S-TIM25 ⇥ Ohara`: id, radius, thickness, n_d, diameter, ν_d, name, maker.
+/// Row of a surface, `5 ⇥ 15.83 ⇥ d5 ⇥ 1.6727 ⇥ 20.0 ⇥ 32.1 ⇥ S-TIM25 ⇥ Ohara`: id, radius, thickness, n_d, diameter,
+/// ν_d, name, maker.
 fn row(line: usize, cells: &[&str], distances: &BTreeMap<String, Distance>, draft: &mut Draft) -> Read<Row> {
     let cell = |i: usize| cells.get(i).copied().filter(|cell| !cell.is_empty() && *cell != "undefined");
     let name = format!("surface {}", cells[0]);
@@ -196,13 +197,13 @@ fn row(line: usize, cells: &[&str], distances: &BTreeMap<String, Distance>, draf
     Ok(Row { line: Some(line), name, radius_mm, thickness_mm, medium, semi_aperture_mm, is_stop, ..Row::default() })
 }
 
-/// Which orders the columns of an asphere have.
+/// Orders of the columns of an asphere.
 enum Orders {
-    /// r⁴, r⁶, …
+    /// Even orders from r⁴.
     FromFour,
-    /// r², r⁴, …
+    /// Even orders from r².
     FromTwo,
-    /// The first so many odd orders from r³ stand between the even ones; then there are even ones alone.
+    /// Odd orders from r³, this number of them, between the even ones; then even orders alone.
     Odd(usize),
 }
 
@@ -227,7 +228,7 @@ impl Orders {
         Ok(orders)
     }
 
-    /// The order of a column, counted from 0.
+    /// Order of a column, counted from 0.
     fn of_column(&self, column: usize) -> usize {
         match *self {
             Self::FromFour => 4 + 2 * column,
@@ -239,7 +240,7 @@ impl Orders {
     }
 }
 
-/// Id, radius, k, coefficients.
+/// Row of an asphere: id, radius, k, coefficients.
 fn asphere(line: usize, cells: &[&str], names: &[&str], orders: &Orders, draft: &mut Draft) -> Read<()> {
     let id = cells[0];
     let Some(row) = names.iter().position(|name| *name == id) else {
@@ -272,7 +273,7 @@ fn asphere(line: usize, cells: &[&str], names: &[&str], orders: &Orders, draft: 
     Ok(())
 }
 
-/// A position for each column.
+/// Position for each column.
 fn settings(draft: &mut Draft, names: &[&str], rows: &[Cells], distances: &BTreeMap<String, Distance>) -> Read<()> {
     let variable: Vec<(usize, &str, &Distance)> = rows
         .iter()

@@ -1,4 +1,4 @@
-//! Optiland's lenses, as its `save_optiland_file` writes them.
+//! Optiland's lens files, as written by `save_optiland_file`.
 
 use crate::checks::MOST_SURFACES;
 use crate::files::draft::too_many;
@@ -56,7 +56,7 @@ pub(super) fn read(value: &Value) -> Read<Draft> {
     Ok(draft)
 }
 
-/// The vertex of a surface.
+/// Position of a surface's vertex on the axis.
 fn position(surface: &At) -> Read<f64> {
     let cs = surface.needed("geometry")?.needed("cs")?;
     for key in ["x", "y", "rx", "ry", "rz"] {
@@ -109,7 +109,7 @@ fn row(surface: &At, thickness_mm: f64, draft: &mut Draft) -> Read<Row> {
     })
 }
 
-/// The largest radius of a radial aperture.
+/// Radius of a radial aperture.
 fn aperture(surface: &At, draft: &mut Draft) -> Read<Option<f64>> {
     let Some(aperture) = surface.get("aperture") else { return Ok(None) };
     if aperture.get("r_min").is_some_and(|r| r.number().is_ok_and(|r| r > 0.0)) {

@@ -1,6 +1,6 @@
-//! The number of a patent in a title.
+//! Patent numbers in titles.
 
-/// The patent that a title names: `US 7,535,658`, `JP 2019-008031 example 1`.
+/// Patent named in a title: `US 7,535,658`, `JP 2019-008031 example 1`.
 pub(super) fn patent_in(text: &str) -> Option<String> {
     let lower = text.to_ascii_lowercase();
     let words: Vec<&str> = text.split_whitespace().collect();

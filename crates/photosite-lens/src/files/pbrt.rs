@@ -1,4 +1,4 @@
-//! pbrt's realistic camera: four numbers for each surface, radius, thickness, index, diameter.
+//! pbrt's realistic camera: radius, thickness, index and diameter of each surface.
 
 use super::draft::{Draft, Fault, Medium, Read, Row};
 use super::text::number;

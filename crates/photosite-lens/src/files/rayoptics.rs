@@ -1,4 +1,4 @@
-//! ray-optics' models, `.roa`.
+//! ray-optics' lens models, `.roa`.
 
 use crate::checks::MOST_SURFACES;
 use crate::files::draft::too_many;
@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::draft::{Draft, Field, Medium, Numbers, Opening, Read, Row};
 use super::json_value::{At, asphere};
 
-/// max_aperture of what was never given one.
+/// Value of `max_aperture` where none was set.
 const NOT_SET: f64 = 1.0;
 
 /// Reads a file.
@@ -212,7 +212,7 @@ fn optical_spec(spec: &At, draft: &mut Draft) -> Read<()> {
     Ok(())
 }
 
-/// `["aperture", "image", "f/#"]` or `["image", "f/#"]` as one text.
+/// Text of a key such as `["aperture", "image", "f/#"]` or `["image", "f/#"]`.
 fn key(of: &At) -> String {
     let list = of.get("key").or_else(|| of.get("_key"));
     let words: Vec<&str> = list

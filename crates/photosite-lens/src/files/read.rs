@@ -1,4 +1,4 @@
-//! From bytes to a lens.
+//! Reading of lens files, from bytes to a lens.
 
 use std::path::Path;
 
@@ -14,14 +14,14 @@ use super::{deeplens, finish, json_value, neutral, optical_bench, optiland, pbrt
 ///
 /// # Errors
 ///
-/// What is wrong, with the line and the surface: a value that cannot be used, a glass or a kind of surface that is not
-/// known, a lens that makes no picture.
+/// Faults, with the line and the surface: a value that cannot be used, a glass or a kind of surface that is not known,
+/// a lens that makes no image.
 pub fn read(bytes: &[u8], path: &Path) -> photosite_core::Result<Reading> {
     read_with(bytes, path, None)
 }
 
-/// Reads a lens file, of which `first_number` says what the first number of each surface is where a CODE V sequence has no
-/// RDM.
+/// Reads a lens file. `first_number` gives the meaning of the first number of each surface where a CODE V sequence has
+/// no RDM.
 ///
 /// # Errors
 ///
@@ -52,7 +52,7 @@ fn drafted(format: Format, text: &str, first_number: Option<FirstNumber>) -> Rea
     }
 }
 
-/// A fault with its file, and the line of its key.
+/// Error of a fault, with its file and the line of its key.
 fn placed(fault: Fault, format: Format, path: &Path, text: &str) -> Error {
     let Fault { line, invalid } = fault;
     match (line, format) {

@@ -1,53 +1,53 @@
-//! What reading a file came to.
+//! Report of reading a lens file.
 
 use super::format::Format;
 use crate::Lens;
 use crate::prescription::Prescription;
 
-/// A glass of a lens, and where its index comes from.
+/// A glass of a lens, with the source of its index.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GlassOf {
-    /// Surfaces behind which it is, counted from 0.
+    /// Surfaces in front of the glass, counted from 0.
     pub surfaces: Vec<usize>,
-    /// Its name.
+    /// Name of the glass.
     pub name: String,
-    /// Index at the d line.
+    /// Index at the d line, n_d.
     pub nd: f64,
-    /// Abbe number.
+    /// Abbe number ν_d.
     pub vd: f64,
-    /// Where the index comes from.
+    /// Source of the index.
     pub source: String,
-    /// Wavelengths that its formula was fitted to, nm.
+    /// Wavelengths that the index formula was fitted to, nm.
     pub range_nm: Option<[f64; 2]>,
 }
 
-/// What was read, assumed and ignored.
+/// Report of content read, assumed and ignored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// What the file is written in.
+    /// Format of the file.
     pub format: Format,
-    /// Every glass.
+    /// All glasses.
     pub glasses: Vec<GlassOf>,
-    /// What the file does not say, and what stands for it.
+    /// Assumptions for content that the file lacks.
     pub assumed: Vec<String>,
-    /// What the file says and is not used.
+    /// Content of the file that is not used.
     pub ignored: Vec<String>,
-    /// What looks wrong, with its likely cause.
+    /// Suspicious values, with the likely cause.
     pub warnings: Vec<String>,
 }
 
-/// A lens that was read.
+/// A lens read from a file, with its report.
 #[derive(Debug)]
 pub struct Reading {
-    /// The prescription, which a [`Lens`] can be made of.
+    /// Prescription, which a [`Lens`] can be made of.
     pub prescription: Prescription,
-    /// The lens, in its first position.
+    /// Lens in its first position.
     pub lens: Lens,
-    /// What was read, assumed and ignored.
+    /// Report of content read, assumed and ignored.
     pub report: Report,
 }
 
-/// The glasses of a prescription, each once.
+/// Distinct glasses of a prescription.
 pub(super) fn glasses_of(prescription: &Prescription) -> Vec<GlassOf> {
     let mut found: Vec<GlassOf> = Vec::new();
     for (number, surface) in prescription.surfaces.iter().enumerate() {
@@ -67,7 +67,7 @@ pub(super) fn glasses_of(prescription: &Prescription) -> Vec<GlassOf> {
     found
 }
 
-/// A number for people: its first digits.
+/// Number rounded for display.
 pub(super) fn rounded(x: f64) -> f64 {
     photosite_core::math::float::rounded(x, 7)
 }

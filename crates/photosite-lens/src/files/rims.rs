@@ -1,4 +1,4 @@
-//! Rims that programs draw and authors estimate: cut back to where there is glass.
+//! Rims that programs draw and authors estimate, cut back to the glass that exists.
 
 use super::beam;
 use super::draft::Draft;
@@ -7,12 +7,12 @@ use crate::Lens;
 use crate::checks::{check_shape, crossing};
 use crate::prescription::{Position, Prescription};
 
-/// Halvings of the search for the largest rim.
+/// Number of bisections in the search for the largest rim.
 const STEPS: u32 = 40;
 
 /// Cuts semi-apertures back to where the surface exists and does not run through the next one, in any position, unless
-/// that reaches the beam on the axis or a chief ray, which is left to be refused. `derived` are those that the file does
-/// not give: what bounds them is the glass itself.
+/// that would cut the beam on the axis or a chief ray; then the check refuses the lens. `derived` are surfaces whose
+/// semi-aperture the file does not give: they are bounded by the glass itself.
 pub(super) fn cut_back(prescription: &mut Prescription, draft: &mut Draft, derived: &[usize]) {
     let count = prescription.surfaces.len();
     let is_whole = prescription.surfaces.iter().all(|surface| surface.semi_aperture_mm.is_some_and(|r| r > 0.0));
@@ -55,7 +55,7 @@ pub(super) fn cut_back(prescription: &mut Prescription, draft: &mut Draft, deriv
     }
 }
 
-/// A rim to be cut back: of which surface, to what radius, the least that the beam needs, and why; lengths in mm.
+/// A cut of a rim: the surface, the radius, the least radius that the beam needs, and the reason; lengths in mm.
 struct Cut {
     number: usize,
     radius: f64,
@@ -88,13 +88,13 @@ fn rim(prescription: &Prescription, number: usize) -> f64 {
     prescription.surfaces[number].semi_aperture_mm.unwrap_or(0.0)
 }
 
-/// The lens in a position, or with its own gaps where it has none.
+/// Lens in a position, or with its own gaps where it has no positions.
 fn in_setting(prescription: &Prescription, setting: usize) -> Lens {
     let lens = Lens::unchecked(prescription);
     prescription.positions.get(setting).map_or(lens.clone(), |position| lens.in_position(position))
 }
 
-/// The least radii, in all positions.
+/// Least radius of each surface over all positions.
 fn needed_radii(prescription: &Prescription, draft: &Draft) -> Vec<f64> {
     let mut needed = vec![0.0_f64; prescription.surfaces.len()];
     for setting in 0..prescription.positions.len().max(1) {
@@ -107,8 +107,7 @@ fn needed_radii(prescription: &Prescription, draft: &Draft) -> Vec<f64> {
     needed
 }
 
-/// The largest radius below `given` that fits, where that does not: rounded down to 0.1 µm. `None` where `given` fits, or
-/// nothing does.
+/// Largest radius below `given` that fits, rounded down to 0.1 µm. `None` where `given` fits, or nothing does.
 fn largest(given: f64, mut fits: impl FnMut(f64) -> bool) -> Option<f64> {
     if fits(given) {
         return None;

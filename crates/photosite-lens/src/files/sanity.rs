@@ -1,24 +1,24 @@
-//! What a lens would hardly be like, unless its file was misread or mistyped.
+//! Sanity checks: properties that hint at a misread or mistyped file.
 
 use photosite_core::spectrum::dispersion::lines;
 
 use crate::Lens;
 use crate::prescription::Prescription;
 
-/// How far the focal length may be from what the file claims.
+/// Largest relative deviation of the focal length from the file's claim.
 const FOCAL_LENGTH: f64 = 0.02;
-/// The same of the f-number: apertures of tables are often estimates.
+/// Largest relative deviation of the f-number from the file's claim: apertures in tables are often estimates.
 const F_NUMBER: f64 = 0.1;
-/// The most distortion at the edge of a field that is not wide, per cent.
+/// Largest distortion at the edge of a field that is not wide, per cent.
 const DISTORTION_PERCENT: f64 = 20.0;
-/// A wide half field, degrees: such lenses distort on purpose.
+/// Half field that counts as wide, degrees: such lenses distort on purpose.
 const WIDE_DEG: f64 = 45.0;
-/// The most axial colour from F to C, over the focal length.
+/// Largest axial colour from F to C, relative to the focal length.
 const AXIAL_COLOUR: f64 = 0.005;
-/// Wavelengths that silicon sees, nm.
+/// Wavelengths that silicon responds to, nm.
 const SENSOR_NM: [f64; 2] = [300.0, 1100.0];
 
-/// Each with its likely cause.
+/// Warnings, each with its likely cause.
 pub(super) fn warnings(prescription: &Prescription, lens: &Lens) -> Vec<String> {
     let mut warnings = Vec::new();
     let at = lens.at(lines::D);
@@ -67,7 +67,7 @@ pub(super) fn warnings(prescription: &Prescription, lens: &Lens) -> Vec<String> 
     warnings
 }
 
-/// Glasses whose formula was fitted to less than a sensor sees.
+/// Warns of glasses whose formula was fitted to less than a sensor's wavelengths.
 fn extrapolated(prescription: &Prescription, warnings: &mut Vec<String>) {
     let mut names: Vec<&str> = Vec::new();
     let mut fitted = [0.0, f64::INFINITY];

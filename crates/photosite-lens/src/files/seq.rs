@@ -1,4 +1,4 @@
-//! CODE V's sequences of commands, `.seq`: each its first three letters and values, separated by line ends or `;`.
+//! CODE V's sequences of commands, `.seq`: commands of three letters with values, separated by line ends or `;`.
 
 mod commands;
 mod private;
@@ -23,7 +23,7 @@ const WITHOUT_EFFECT: &[&str] = &[
     "FRI", "FRC", "FRO", "COF",
 ];
 
-/// Commands for what is no centred refracting surface of revolution.
+/// Commands of anything but centred refracting surfaces of revolution.
 const REFUSED: &[(&str, &str)] = &[
     ("SPS", "a special surface"),
     ("DIF", "a diffractive surface"),
@@ -37,10 +37,10 @@ const REFUSED: &[(&str, &str)] = &[
     ("GRA", "a glass whose index varies in it"),
 ];
 
-/// Tilts and decentres, which may be written down as 0.
+/// Tilts and decentres, which may be present as 0.
 const TILTS: [&str; 6] = ["XDE", "YDE", "ZDE", "ADE", "BDE", "CDE"];
 
-/// How the first number of a surface of a sequence is meant, which its RDM says.
+/// Meaning of the first number of a surface of a sequence, given by its RDM command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FirstNumber {
     /// The radius R, mm.
@@ -49,7 +49,7 @@ pub enum FirstNumber {
     Curvature,
 }
 
-/// What is being read.
+/// State of the reader.
 #[derive(Default)]
 struct Reader {
     draft: Draft,
@@ -57,7 +57,7 @@ struct Reader {
     has_unit: bool,
     first_number: Option<FirstNumber>,
     without_rdm: Option<FirstNumber>,
-    /// The first numbers of the surfaces, whose meaning may be said later.
+    /// First numbers of the surfaces, whose meaning may be given later.
     first_numbers: Vec<f64>,
     /// Glasses that the file defines, by name.
     glasses: BTreeMap<String, Glass>,
@@ -71,7 +71,7 @@ struct Reader {
 
 /// Reads a file.
 ///
-/// `without_rdm` says what its first numbers are where it does not; an RDM of the file that says otherwise holds.
+/// `without_rdm` gives the meaning of first numbers in a file without RDM; an RDM of the file takes precedence.
 pub(super) fn read(text: &str, without_rdm: Option<FirstNumber>) -> Read<Draft> {
     let commands = commands(text);
     let private::Catalogue { glasses, ignored, warnings } = private::glasses(&commands)?;
@@ -144,7 +144,7 @@ impl Reader {
         Ok(())
     }
 
-    /// `S 23.5 9.0 SLAL8_OHARA`: the first number, the thickness, the glass.
+    /// Surface of `S 23.5 9.0 SLAL8_OHARA`: the first number, the thickness, the glass.
     fn surface(&mut self, command: &Command) -> Read<()> {
         let Command { line, words, .. } = command;
         if self.draft.rows.len() >= MOST_SURFACES {
@@ -191,7 +191,7 @@ impl Reader {
         Ok(Medium::Named { name: name.to_owned(), catalogues, numbers: Numbers::None })
     }
 
-    /// A command of the surface before it, or of the one that it names, as `STO S5`.
+    /// Applies a command to the surface before it, or to the one that it names, as `STO S5`.
     fn of_surface(&mut self, command: &Command) -> Read<()> {
         let Command { line, key, .. } = command;
         let row = match command.surface {
@@ -265,7 +265,7 @@ impl Reader {
         Ok(())
     }
 
-    /// `ZOO 4`, `ZOO THI S5 2.29 61.27 101.8 130.05`, `ZOO YAN F2 …`.
+    /// Applies a zoom command: `ZOO 4`, `ZOO THI S5 2.29 61.27 101.8 130.05`, `ZOO YAN F2 …`.
     fn zoom(&mut self, command: &Command) -> Read<()> {
         let Command { line, words, .. } = command;
         if let Some(count) = words.get(1).and_then(|word| word.parse::<usize>().ok()) {
@@ -413,7 +413,7 @@ fn ignored_command(key: &str) -> String {
     }
 }
 
-/// The order of a coefficient's letter: A is r⁴, B r⁶ and so on; there is no I.
+/// Order of a coefficient's letter: A is r⁴, B r⁶ and so on; there is no I.
 fn asphere_order(key: &str) -> Option<u32> {
     let at = ["A", "B", "C", "D", "E", "F", "G", "H", "J"].iter().position(|letter| *letter == key)?;
     Some(4 + 2 * at as u32)

@@ -1,18 +1,18 @@
-//! The lenses that ship with the program: `assets/lenses`, whose README says where they come from.
+//! Lenses that ship with the program, in `assets/lenses`, whose README gives their sources.
 
 use std::path::Path;
 
 use super::read::read;
 use super::report::Reading;
 
-/// The text of `assets/lenses/NAME.toml` for every name.
+/// Texts of `assets/lenses/NAME.toml` for all names.
 macro_rules! embed {
     ($($name:literal,)*) => {
         &[$(($name, include_str!(concat!("../../assets/lenses/", $name, ".toml")))),*]
     };
 }
 
-/// Every lens, sorted by name.
+/// All lenses, sorted by name.
 const LENSES: &[(&str, &str)] = embed![
     "canon-ef50",
     "canon-ef85",
@@ -28,7 +28,7 @@ const LENSES: &[(&str, &str)] = embed![
     "zoom-laikin",
 ];
 
-/// The names of the lenses.
+/// Names of the lenses.
 pub fn names() -> impl Iterator<Item = &'static str> {
     LENSES.iter().map(|(name, _)| *name)
 }

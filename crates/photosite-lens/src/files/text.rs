@@ -1,24 +1,24 @@
-//! What the texts of lens files have in common: their size, numbers and units.
+//! Common parts of lens files: size, encoding, numbers and units.
 
 use photosite_core::{Invalid, text};
 
 use super::draft::{Fault, Read};
 
-/// Most bytes of a lens file: the largest that we know have 0.2 MB.
+/// Largest size of a lens file, bytes: the largest known ones have 0.2 MB.
 pub(super) const MOST_BYTES: usize = 1_000_000;
 
-/// The text of a file, of Latin-1 where it is no UTF, as older versions of OpticStudio write.
+/// Text of a file, decoded as Latin-1 where it is no UTF, as written by older versions of OpticStudio.
 pub(super) fn decoded(bytes: &[u8]) -> Result<String, Invalid> {
     if bytes.len() > MOST_BYTES {
         let message = format!("{} bytes, where lens files have at most 1 MB", bytes.len());
         return Err(
-            Invalid::new("", message).help("give the prescription alone, without the merit function and pictures")
+            Invalid::new("", message).help("give the prescription alone, without the merit function and images")
         );
     }
     text::decode_any(bytes.to_vec()).map_err(|error| Invalid::new("", error.to_string()))
 }
 
-/// A number of a file. Fortran's exponents (`1.5D-3`) are read, too.
+/// Number in a file. Fortran's exponents (`1.5D-3`) are accepted.
 pub(super) fn number(text: &str) -> Option<f64> {
     let plain = text.trim();
     let parsed = plain.parse::<f64>().ok().or_else(|| plain.replace(['d', 'D'], "e").parse().ok())?;
@@ -26,7 +26,7 @@ pub(super) fn number(text: &str) -> Option<f64> {
     (parsed.is_finite() && plain.bytes().any(|b| b.is_ascii_digit())).then_some(parsed)
 }
 
-/// mm of a unit of length.
+/// Millimetres in a unit of length.
 pub(super) fn mm_of(unit: &str) -> Option<f64> {
     match unit.to_ascii_lowercase().as_str() {
         "mm" => Some(1.0),
@@ -37,7 +37,7 @@ pub(super) fn mm_of(unit: &str) -> Option<f64> {
     }
 }
 
-/// The first word of a record as a number above 0.
+/// First word of a record as a number above 0.
 pub(super) fn positive<S: AsRef<str>>(words: &[S], key: &str, line: usize) -> Read<f64> {
     let word = words.first().map_or("", |word| word.as_ref());
     match number(word) {

@@ -1,4 +1,4 @@
-//! A prescription in our own form, as TOML.
+//! Writing of a prescription in photosite's own form, as TOML.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use photosite_core::spectrum::Dispersion;
 
 use crate::prescription::{Coating, Glass, Layer, LayerIndex, Prescription, Surface};
 
-/// The text of a prescription. Reading it gives the same prescription: numbers are written with all their digits, and
+/// TOML text of a prescription. Reading it gives the same prescription: numbers are written with all their digits, and
 /// glasses with the formula of their index.
 pub fn to_toml(prescription: &Prescription) -> String {
     let mut toml = String::new();
@@ -64,7 +64,7 @@ pub fn to_toml(prescription: &Prescription) -> String {
     toml
 }
 
-/// The glasses of some surfaces, each once, under names that differ: two makers may have one of the same name.
+/// Distinct glasses of some surfaces, under distinct names: two makers may have a glass of the same name.
 fn named_glasses(surfaces: &[Surface]) -> Vec<(String, &Glass)> {
     let mut glasses: Vec<(String, &Glass)> = Vec::new();
     for glass in surfaces.iter().filter_map(|surface| surface.glass.as_ref()) {
@@ -166,7 +166,7 @@ fn glass_table(name: &str, glass: &Glass) -> String {
     toml
 }
 
-/// All digits that tell a number from its neighbours.
+/// Text of a number with all digits that tell it from its neighbours.
 fn number(x: f64) -> String {
     let size = x.abs();
     if size != 0.0 && !(1e-4..1e9).contains(&size) { format!("{x:e}") } else { format!("{x:?}") }

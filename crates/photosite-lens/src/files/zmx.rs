@@ -21,7 +21,7 @@ const WITHOUT_EFFECT: &[&str] = &[
     "MCOM", "MNCG", "MNEG", "MXCA", "MXCG", "NOTE", "MODE", "CONF", "PKUP", "PPAR",
 ];
 
-/// Surface types that are no surface of revolution that refracts, with what they are.
+/// Surface types other than refracting surfaces of revolution, with descriptions.
 const REFUSED: &[(&str, &str)] = &[
     ("COORDBRK", "a coordinate break, which tilts or moves the axis"),
     ("PARAXIAL", "a paraxial lens, which has no glass"),
@@ -36,22 +36,23 @@ const REFUSED: &[(&str, &str)] = &[
     ("USERSURF", "a surface that a program of its own computes"),
 ];
 
-/// What a surface is shaped by.
+/// Shape of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Shape {
     #[default]
     Standard,
-    /// PARM n is the coefficient of r^(2n).
+    /// Even asphere: PARM n is the coefficient of r^(2n).
     Even,
-    /// PARM n is the coefficient of r^n.
+    /// Odd asphere: PARM n is the coefficient of r^n.
     Odd,
-    /// XDAT 1 is the number of terms, XDAT 2 the radius that r is divided by, the others follow from r² in steps of 2.
+    /// Extended even asphere: XDAT 1 is the number of terms, XDAT 2 the radius that r is divided by, the others follow
+    /// from r² in steps of 2.
     ExtendedEven,
-    /// The same from r¹ in steps of 1.
+    /// Extended odd asphere: as the even one, but from r¹ in steps of 1.
     ExtendedOdd,
 }
 
-/// A surface while it is read.
+/// State of a surface while it is read.
 #[derive(Debug, Default)]
 struct Surface {
     row: Row,
@@ -60,11 +61,11 @@ struct Surface {
     parameters: BTreeMap<u32, (usize, f64)>,
     extra: BTreeMap<u32, (usize, f64)>,
     is_infinite: bool,
-    /// Whether CLAP or FLAP says that rays are cut off here.
+    /// Whether CLAP or FLAP declares that the surface cuts rays off.
     limits: bool,
 }
 
-/// What stands before and behind the surfaces.
+/// Records before and behind the surfaces.
 #[derive(Debug, Default)]
 struct System {
     mm: Option<f64>,
@@ -75,7 +76,7 @@ struct System {
     decentre: Vec<f64>,
     compression: Vec<f64>,
     configurations: usize,
-    /// Of the configurations: surface, configuration from 1, line, value.
+    /// Thicknesses of the configurations: surface, configuration from 1, line, value.
     thicknesses: Vec<(usize, usize, usize, f64)>,
 }
 
@@ -112,7 +113,7 @@ pub(super) fn read(text: &str) -> Read<Draft> {
     finish(draft, system, surfaces)
 }
 
-/// A record of the system; whether it is one.
+/// Reads a record of the system; false where it is none.
 fn of_system(key: &str, rest: &str, line: usize, system: &mut System, draft: &mut Draft) -> Read<bool> {
     let words: Vec<&str> = rest.split_whitespace().collect();
     let numbers = || words.iter().map_while(|word| number(word)).collect::<Vec<f64>>();
@@ -157,7 +158,7 @@ fn of_system(key: &str, rest: &str, line: usize, system: &mut System, draft: &mu
     Ok(true)
 }
 
-/// A record of a surface.
+/// Reads a record of a surface.
 fn of_surface(
     key: &str,
     rest: &str,
@@ -246,7 +247,7 @@ fn of_surface(
     Ok(())
 }
 
-/// Names a record that has an effect which is not known.
+/// Notes a record with an unknown effect.
 fn unknown(key: &str, draft: &mut Draft) {
     let is_record = !key.is_empty() && key.chars().all(|c| c.is_ascii_uppercase() || c.is_ascii_digit() || c == '_');
     if is_record && !WITHOUT_EFFECT.contains(&key) {
@@ -254,7 +255,7 @@ fn unknown(key: &str, draft: &mut Draft) {
     }
 }
 
-/// `GLAS name mode pickup nd vd dP …`: mode 1 is a model glass, of n_d, ν_d and the deviation of P_gF.
+/// Medium of `GLAS name mode pickup nd vd dP …`: mode 1 is a model glass, of n_d, ν_d and the deviation of P_gF.
 fn glass(words: &[&str], line: usize, surface: &str) -> Read<Medium> {
     let name = words.first().copied().unwrap_or_default();
     let value = |i: usize| words.get(i).and_then(|word| number(word));
@@ -288,7 +289,7 @@ fn glass(words: &[&str], line: usize, surface: &str) -> Read<Medium> {
     }
 }
 
-/// Puts together what was read.
+/// Puts the draft together from system and surfaces.
 fn finish(mut draft: Draft, system: System, surfaces: Vec<Surface>) -> Read<Draft> {
     let Some(mm) = system.mm else {
         return Err(Fault::of_file("no UNIT says what the lengths are in").help("write UNIT MM before the surfaces"));
@@ -336,7 +337,7 @@ fn finish(mut draft: Draft, system: System, surfaces: Vec<Surface>) -> Read<Draf
     Ok(draft)
 }
 
-/// A surface as a row.
+/// Row of a surface.
 fn row(surface: Surface, catalogues: &[String]) -> Read<Row> {
     let Surface { mut row, shape, parameters, extra, is_infinite, .. } = surface;
     if is_infinite {
@@ -380,7 +381,7 @@ fn row(surface: Surface, catalogues: &[String]) -> Read<Row> {
     Ok(row)
 }
 
-/// The configurations: each a position with its gaps.
+/// Reads the configurations, each a position with its gaps.
 fn settings(draft: &mut Draft, system: &System) -> Read<()> {
     if system.configurations <= 1 {
         return Ok(());
@@ -406,7 +407,7 @@ fn settings(draft: &mut Draft, system: &System) -> Read<()> {
     Ok(())
 }
 
-/// Fields of view, where the file gives them as angles; else the radius of the image.
+/// Reads fields of view, where the file gives them as angles; else the radius of the image.
 fn fields(draft: &mut Draft, system: &System) {
     let count = system.field_count.unwrap_or(system.fields.len());
     let fields = || system.fields.iter().take(count.max(1));

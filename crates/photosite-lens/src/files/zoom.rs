@@ -1,4 +1,4 @@
-//! Which setting of a zoom a position at a distance belongs to, where its file does not say so.
+//! Assignment of positions at finite distances to zoom settings, where the file does not state it.
 
 use photosite_core::spectrum::dispersion::lines;
 
@@ -6,11 +6,12 @@ use super::draft::{Draft, Fault, Read};
 use crate::Lens;
 use crate::prescription::{Position, Prescription};
 
-/// Settings are told apart by focal lengths that differ by more than this part.
+/// Relative difference of focal lengths above which zoom settings are distinct.
 const DISTINCT: f64 = 1e-6;
 
-/// Gives positions at a distance the focal length at infinity of their setting, by their order: where all positions at
-/// infinity come first, the others repeat them in turn; else each belongs to the one at infinity before it.
+/// Gives positions at finite distances the focal length at infinity of their zoom setting, by their order: where all
+/// positions at infinity come first, the others repeat them in turn; else each belongs to the one at infinity before
+/// it.
 pub(super) fn assign(prescription: &mut Prescription, lens: &Lens, draft: &mut Draft) -> Read<()> {
     let positions = &prescription.positions;
     let is_near = |position: &Position| position.object_distance_mm.is_some();

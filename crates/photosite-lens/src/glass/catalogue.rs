@@ -1,5 +1,5 @@
-//! The catalogues themselves: 1,611 glasses of six makers, from the database of refractiveindex.info (CC0), which are
-//! part of the binary.
+//! Glass catalogues: 1,611 glasses of six makers, from the database of refractiveindex.info (CC0), which are part of
+//! the binary.
 
 use std::sync::OnceLock;
 
@@ -7,18 +7,18 @@ use photosite_core::spectrum::Dispersion;
 
 use crate::prescription::Glass;
 
-/// The table, as lines of catalogue, name, n_d, ν_d, the wavelengths that it was fitted to, and the formula.
+/// Table with lines of catalogue, name, n_d, ν_d, fitted wavelengths, and formula.
 const TABLE: &str = include_str!("../../assets/lenses/glasses.csv");
 
-/// The makers whose catalogues there are. Where two glasses fit equally well, the earlier maker's is taken.
+/// Makers of the catalogues. Where two glasses fit equally well, the earlier maker's is taken.
 pub const CATALOGUES: [&str; 6] = ["schott", "ohara", "hoya", "hikari", "sumita", "cdgm"];
 
 /// A glass of a catalogue.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// The maker: `schott`.
+    /// Maker: `schott`.
     pub catalogue: &'static str,
-    /// The maker's name of it: `N-BK7`.
+    /// Maker's name of the glass: `N-BK7`.
     pub name: &'static str,
     /// Index at the d line, 587.56 nm, by the formula.
     pub nd: f64,
@@ -31,7 +31,7 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// The glass as a prescription has it. `how` says how it was found, where that is more than its name.
+    /// Glass as in prescriptions. `how` explains a match by more than the name.
     pub fn to_glass(&self, how: &str) -> Glass {
         let Self { catalogue, name, range_nm, dispersion, .. } = self;
         let source = format!("refractiveindex.info (CC0): {catalogue}/{name}{how}");
@@ -55,7 +55,7 @@ pub fn entries() -> &'static [Entry] {
     })
 }
 
-/// A line of the table.
+/// Entry of a line of the table.
 fn entry(line: &'static str) -> Option<Entry> {
     let mut cells = line.split(',');
     let (catalogue, name) = (cells.next()?, cells.next()?);

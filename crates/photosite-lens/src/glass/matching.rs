@@ -1,4 +1,4 @@
-//! Glasses by the name that a file gives them.
+//! Search for a glass by its name in a file.
 
 use photosite_core::spectrum::library;
 use photosite_core::suggest;
@@ -6,18 +6,18 @@ use photosite_core::suggest;
 use super::catalogue::{Entry, entries};
 use crate::prescription::Glass;
 
-/// What a name stands for.
+/// Result of a search by name.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Found {
-    /// One glass. The note says what had to be assumed, if anything.
+    /// A single glass. The note states assumptions, if any.
     Glass(Glass, Option<String>),
-    /// Glasses of several makers, whose indices differ; as `maker/name`.
+    /// Glasses of several makers with different indices, as `maker/name`.
     Ambiguous(Vec<String>),
-    /// None; the names that are most alike, as `maker/name`.
+    /// No glass; the most similar names, as `maker/name`.
     Unknown(Vec<String>),
 }
 
-/// Media that no maker's catalogue has, under the names that optical programs give them, and those of our library.
+/// Media that no maker's catalogue has: their names in optical programs, and in photosite's library.
 const MEDIA: [(&str, &str); 17] = [
     ("SILICA", "fused-silica"),
     ("FSILICA", "fused-silica"),
@@ -38,10 +38,10 @@ const MEDIA: [(&str, &str); 17] = [
     ("SEAWATER", "water"),
 ];
 
-/// The glass of a name, in whatever case, with or without dashes.
+/// Finds the glass of a name, in whatever case, with or without dashes.
 ///
-/// `catalogues` are those that the file names, the most wanted first; empty where it names none. A glass of a wanted
-/// catalogue is taken first, then the successor that Schott gave to an old name (BK7 became N-BK7), then a glass that
+/// `catalogues` are those named by the file, in order of preference; empty where it names none. A glass of these
+/// catalogues is taken first, then the successor that Schott gave to an old name (BK7 became N-BK7), then a glass that
 /// only one maker has under this name. Names that several makers have are [`Found::Ambiguous`]: F2 has n_d = 1.6200 at
 /// Schott and 1.6129 at CDGM.
 pub fn by_name(name: &str, catalogues: &[String]) -> Found {
@@ -80,7 +80,7 @@ fn succeeded(name: &str, entry: &Entry) -> String {
     format!("{name} is no longer made; its successor {} stands for it", entry.name)
 }
 
-/// Letters and digits of a name, in capitals: CODE V leaves out the dashes, and some write small letters.
+/// Letters and digits of a name, in capitals: CODE V leaves out the dashes, and some files use lower case.
 fn plain(name: &str) -> String {
     name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_uppercase()).collect()
 }
@@ -96,7 +96,7 @@ fn medium(plain_name: &str) -> Option<Glass> {
     Some(Glass { name: (*name).to_owned(), source, dispersion, range_nm: None })
 }
 
-/// The five names that are most alike.
+/// Five most similar names.
 fn nearest(wanted: &str) -> Vec<String> {
     let mut names: Vec<(String, &Entry)> = entries().iter().map(|entry| (plain(entry.name), entry)).collect();
     let mut best = Vec::new();

@@ -1,5 +1,5 @@
-//! Optical glasses: those of six makers' catalogues, found by name or by index and Abbe number, and the formula that
-//! stands in for a glass of which no more is known.
+//! Optical glasses: six makers' catalogues, searched by name or by index and Abbe number, and a formula for glasses of
+//! which only these two numbers are known.
 
 mod catalogue;
 mod matching;

@@ -1,4 +1,4 @@
-//! Glasses of which a file gives numbers alone: the index n_d and the Abbe number ν_d, as patents do.
+//! Glasses given by numbers alone: the index n_d and the Abbe number ν_d, as in patents.
 
 use photosite_core::Invalid;
 use photosite_core::math::float::rounded;
@@ -8,17 +8,18 @@ use photosite_core::spectrum::dispersion::lines;
 use super::catalogue::{Entry, entries};
 use crate::prescription::Glass;
 
-/// g, mercury blue, nm.
+/// Fraunhofer line g, mercury blue, nm.
 const G: f64 = 435.8343;
 
-/// How far a catalogue's n_d and ν_d may be from a patent's.
+/// Largest difference of n_d and of ν_d between a patent and a matching catalogue glass.
 const LARGEST_DIFFERENCE: [f64; 2] = [1e-4, 0.1];
 
-/// How far they are where it is the patent's rounding alone: then all makers' glasses fit equally well.
+/// Largest difference of n_d and of ν_d by a patent's rounding alone, within which all makers' glasses fit equally
+/// well.
 const ROUNDING: [f64; 2] = [5e-5, 0.06];
 
-/// The glass of a catalogue that has these n_d and ν_d but for rounding, else the nearest within 1e-4 and 0.1, else
-/// Conrady's formula through them. The note says which.
+/// Finds the glass of a catalogue that has these n_d and ν_d up to rounding, else the nearest within 1e-4 and 0.1, else
+/// Conrady's formula through them. The note states which.
 ///
 /// # Errors
 ///
@@ -92,7 +93,7 @@ pub fn conrady(nd: f64, vd: f64, deviation: f64) -> Result<Dispersion, Invalid> 
 }
 
 /// n_d and ν_d of a glass given as numbers: `1.5168:64.17`, `1.5168/64.17`, CODE V's `517000.520000` (1.517 and 52.0),
-/// the six digits `517642` of a glass code (1.517 and 64.2). `None` for what is no such text.
+/// the six digits `517642` of a glass code (1.517 and 64.2). `None` for any other text.
 pub fn code(text: &str) -> Option<(f64, f64)> {
     let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
     if let Some((nd, vd)) = text.split_once([':', '/']) {

@@ -7,12 +7,12 @@ use crate::files;
 use crate::lens::Lens;
 
 const SIZE: usize = 64;
-/// Rays from the axis to the rim.
+/// Number of rays from the axis to the rim.
 const RINGS: usize = 256;
 const FREQUENCIES_PER_MM: [f64; 5] = [10.0, 20.0, 40.0, 70.0, 100.0];
 const LINES_NM: [f64; 3] = [486.1327, 587.5618, 656.2725];
 
-/// All lenses that ship, in all positions: as they are, and with all rims wider, which makes them faster.
+/// Lenses that ship, in all positions: as they are, and with wider rims, which makes them faster.
 fn lenses() -> Vec<(String, Lens, Option<f64>)> {
     let of = |name: &'static str| {
         let reading = files::shipped(name).expect("ships");
@@ -32,7 +32,7 @@ fn lenses() -> Vec<(String, Lens, Option<f64>)> {
     files::names().flat_map(of).collect()
 }
 
-/// sin u′ and W, less that of the axis, of a ray parallel to the axis at a height, as light goes.
+/// Pair of sin u′ and W, minus that of the axis, of a ray parallel to the axis at a height, traced along the light.
 fn traced_in(at: &LensAt<'_>, height: f64) -> Option<(f64, f64)> {
     let origin = DVec3::new(0.0, height, -1.0);
     let steps = (0..at.lens.surfaces().len()).map(Step::refract);

@@ -5,7 +5,7 @@ use photosite_lens::Lens;
 
 use crate::neutral::{LENSES, close, list, number, numbers, prescription, read, wavelengths};
 
-/// Optiland's FFT against ours: 0.01, and 0.03 where the wave front is worse than 0.14 waves, as between the programs.
+/// Optiland's FFT differs by 0.01, and by 0.03 where the wave front is worse than 0.14 waves, as between the programs.
 #[test]
 fn diffraction_mtf_and_path_differences() {
     for name in LENSES {

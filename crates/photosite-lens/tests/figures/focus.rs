@@ -33,7 +33,7 @@ fn spot(lens: &Lens, distance_mm: f64) -> f64 {
     sum / weights
 }
 
-/// With the gap a little longer or shorter the spot is larger, and the distance counts from the sensor.
+/// Spots are larger with the gap a little longer or shorter; the distance counts from the sensor.
 #[test]
 fn the_spot_is_least_at_the_distance_from_the_sensor() {
     for name in LENSES {
@@ -130,8 +130,8 @@ fn a_zoom_goes_through_its_positions_and_keeps_its_focus_between_them() {
         let zoomed = lens.zoomed(&prescription.positions, focal_length).expect("in range");
         close("focal length", efl(&zoomed) / focal_length, 1.0, 1e-3);
         assert!((low - 1e-9..=high + 1e-9).contains(&defocus(&zoomed)), "{focal_length} mm: {}", defocus(&zoomed));
-        let picture = zoomed.at(lines::D).landing(Ray { origin: DVec3::ZERO, direction: DVec3::Z }, Apertures::Clip);
-        assert_eq!(picture, Some(DVec2::ZERO));
+        let image = zoomed.at(lines::D).landing(Ray { origin: DVec3::ZERO, direction: DVec3::Z }, Apertures::Clip);
+        assert_eq!(image, Some(DVec2::ZERO));
     }
     for beyond in [14.0, 160.0, f64::NAN] {
         let error = lens.zoomed(&prescription.positions, beyond).expect_err("out of range");
@@ -142,8 +142,9 @@ fn a_zoom_goes_through_its_positions_and_keeps_its_focus_between_them() {
     assert!(error.message.contains("has one focal length"), "{error}");
 }
 
-/// A zoom whose front group also focuses: of each position at infinity two at a distance. At the positions its gaps are
-/// theirs; between them, in zoom and in focus, they are those of the front group alone, which needs no positions.
+/// A zoom whose front group also focuses has two positions at a distance for each position at infinity. At the
+/// positions its gaps are theirs; between them, in zoom and in focus, they are those of the front group alone, which
+/// needs no positions.
 #[test]
 fn a_zoom_with_positions_of_focus_follows_both() {
     const DISTANCES: [f64; 2] = [6000.0, 3000.0];
@@ -230,8 +231,8 @@ fn a_zoom_with_positions_of_focus_follows_both() {
     assert!(error.contains("positions[1]: it is at infinity as another"), "{error}");
 }
 
-/// A stop with blades lets the same light through however it is turned. Where its rays are least spread is told by a square
-/// grid of rays over all of the pupil.
+/// A stop with blades lets the same light through however it is turned. A square grid of rays over all of the pupil
+/// finds where they are least spread.
 #[rstest]
 #[case::triangle(3)]
 #[case::pentagon(5)]

@@ -13,15 +13,16 @@ use rand::RngExt;
 use crate::neutral::{Case, cases, close, number, prescription, read};
 
 const PUPIL_NM: [f64; 3] = [450.0, 550.0, 650.0];
-/// Rays of each case.
+/// Number of rays of each case.
 const RAYS: u32 = 3000;
-/// Rays that are also led through the lens one by one.
+/// Number of rays that are also traced one by one.
 const ALONE: usize = 500;
-/// Where rays land, mm, and what a surface lets through. A direction that is off by δ shows what is f·δ off in the picture.
+/// Tolerances of landing points, mm, and of the transmittance of a surface. A direction error of δ moves the image by
+/// f·δ.
 const POINT_MM: f64 = 1e-4;
 const TRANSMITTANCE: f64 = 1e-4;
 
-/// Draws rays from the sensor out, and leads each back in at another wavelength. Rays within the error of single precision
+/// Traces rays from the sensor out, and each back in at another wavelength. Rays within the error of single precision
 /// of a rim may pass in one and not in the other: 1e-4 mm of a pupil of millimetres, and 1e-3 of the rays at most.
 fn compare(name: &str, lens: &Lens, corner_mm: f64) {
     let pupil = PupilTable::new(lens, corner_mm, &PUPIL_NM);

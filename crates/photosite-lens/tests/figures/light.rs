@@ -1,4 +1,4 @@
-//! What passes, and where it lands.
+//! Passing light, and where it lands.
 
 use std::f64::consts::PI;
 
@@ -15,9 +15,9 @@ use rand::RngExt;
 
 use crate::neutral::{Case, cases, cases_with, close, number, numbers};
 
-/// Wavelengths that a table is made of.
+/// Wavelengths of a table.
 const TABLE_NM: [f64; 5] = [400.0, 475.0, 550.0, 625.0, 700.0];
-/// Rays of each case.
+/// Number of rays of each case.
 const RAYS: u32 = 39_000;
 
 /// Both programs agree to 2e-4 at equal azimuths, and their polygons of 360 corners are within 5e-5 of the region.
@@ -36,7 +36,7 @@ fn projected_solid_angles_from_axis_to_corner() {
     }
 }
 
-/// 41 × 41 rays on the plane of the first vertex, of which the same number pass.
+/// Grids of 41 × 41 rays on the plane of the first vertex, of which the same number pass.
 #[test]
 fn spots_of_the_same_rays() {
     for Case { name, lens, wavelengths, figures } in cases() {
@@ -61,8 +61,8 @@ fn spots_of_the_same_rays() {
     }
 }
 
-/// Quadrature over what passes against a grid of rays, which counts cells that the edge cuts as whole or not at all: 4·300 of
-/// π/4·300² cells at most, by half.
+/// Quadrature over the pupil agrees with a grid of rays, which counts cells that the edge cuts as whole or not at all:
+/// 4·300 of π/4·300² cells at most, by half.
 #[test]
 fn spots_by_quadrature_are_those_of_many_rays() {
     for (name, distance) in [("double-gauss", f64::INFINITY), ("canon-ef50", 700.0), ("canon-rf24", 400.0)] {
@@ -79,8 +79,8 @@ fn spots_by_quadrature_are_those_of_many_rays() {
     }
 }
 
-/// Rays drawn by the table pass for the most part, and none passes beyond it: of as many, half close to its edge, half up
-/// to four times as far out. Open and stopped to 0.35, from the axis to the corner, at any wavelength.
+/// Rays drawn by the table mostly pass, and none passes beyond it: of as many, half close to its edge, half up to four
+/// times as far out. The lens is open or stopped down to 0.35, the rays from the axis to the corner, at any wavelength.
 fn the_pupil_table_draws_what_passes_and_misses_nothing(blades: Option<Blades>, rays: u32) {
     for Case { name, lens, figures, .. } in cases_with(blades) {
         // Of the zoom's positions the first and the last.
@@ -126,8 +126,8 @@ fn of_a_stop_with_blades_the_pupil_table_draws_what_passes() {
     }
 }
 
-/// Points drawn for points of the scene are in the way of light that passes for the most part, and no light that comes to
-/// the picture goes beside where they are drawn: near and far, open and stopped to 0.35, at any wavelength.
+/// Points drawn for scene points mostly lie on light that passes, and no light that reaches the image goes beside the
+/// region they are drawn from: near and far, open and stopped down to 0.35, at any wavelength.
 #[test]
 fn the_entrance_table_draws_what_passes_and_misses_nothing() {
     for Case { name, lens, figures, .. } in cases() {
@@ -170,7 +170,7 @@ fn the_entrance_table_draws_what_passes_and_misses_nothing() {
     }
 }
 
-/// Curves through 512 chief rays against rays of their own: 1e-5 mm is 1/100 of a small pixel.
+/// Curves through 512 chief rays agree with rays of their own to 1e-5 mm, 1/100 of a small pixel.
 #[test]
 fn the_chief_map_knows_what_a_place_looks_at_and_where_a_point_appears() {
     for Case { name, lens, wavelengths, figures } in cases() {
@@ -183,7 +183,7 @@ fn the_chief_map_knows_what_a_place_looks_at_and_where_a_point_appears() {
             let chief = at.chief_ray_at_height(height).expect("a chief ray");
             let point = DVec2::from_angle(0.3 * f64::from(i)) * height;
             let sighting = map.sighting(point).expect("known");
-            // A change of the field angle moves the picture by about the focal length times it.
+            // A change of the field angle moves the image by about the focal length times it.
             let scale = at.first_order().efl_mm;
             close(&what, map.field_rad(height).expect("known"), chief.field_rad, 1e-5 / scale);
             close(&what, sighting.pupil_mm, chief.entrance_pupil_mm(), 1e-3);

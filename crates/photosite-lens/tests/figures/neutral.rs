@@ -29,7 +29,7 @@ pub(crate) fn read(name: &str) -> Value {
     serde_json::from_str(&text).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// A number; null is none.
+/// Number of a value; null is NaN.
 pub(crate) fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("not a number: {value}"))
 }
@@ -118,7 +118,7 @@ pub(crate) fn cases() -> Vec<Case> {
     cases_with(None)
 }
 
-/// The same with blades.
+/// All lenses, with blades.
 pub(crate) fn cases_with(blades: Option<Blades>) -> Vec<Case> {
     let of_file = |name: &str| {
         let file = read(name);

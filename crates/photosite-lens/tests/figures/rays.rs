@@ -8,7 +8,7 @@ use rstest::rstest;
 
 use crate::neutral::{Case, cases, close, list, number, numbers, prescription, read, vector};
 
-/// From the sensor out: all points of six rays, ends of the others, and where those that are cut off end.
+/// Rays from the sensor out: all points of six rays, ends of the others, and the surfaces where blocked ones end.
 #[test]
 fn rays_at_every_surface() {
     for Case { name, lens, figures, .. } in cases() {

@@ -1,4 +1,4 @@
-//! Pictures of points by diffraction, for objects at any distance, and offsets that are drawn from them.
+//! Point spread functions by diffraction, for objects at any distance, and offsets that are drawn from them.
 
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
@@ -25,7 +25,7 @@ fn lens(name: &str, f_number: f64, distance_mm: f64) -> Lens {
     lens.focused_by_spot(FocusBy::WholeLens, distance, &spectrum).expect("within reach")
 }
 
-/// How far along a chief ray the plane at a distance before the first vertex is.
+/// Distance along a chief ray to the plane at a distance before the first vertex.
 fn along(chief: &photosite_lens::chief::ChiefRay, distance_mm: f64) -> f64 {
     (chief.before.origin.z + distance_mm) / chief.before.direction.z
 }
@@ -42,7 +42,7 @@ fn drawn(draw: impl Fn([f64; 2]) -> DVec2) -> Vec<DVec2> {
     (0..N * N).map(|i| draw([at(i % N), at(i / N)])).collect()
 }
 
-/// That of diffraction at a round aperture at a part of the limit (M. Born, E. Wolf, §9.5.2).
+/// Modulation by diffraction at a round aperture, at a fraction of the limit (M. Born, E. Wolf, §9.5.2).
 fn round(part: f64) -> f64 {
     if part >= 1.0 { 0.0 } else { 2.0 / PI * (part.acos() - part * (1.0 - part * part).sqrt()) }
 }
@@ -118,7 +118,7 @@ fn objects_far_away_are_those_at_infinity() {
     assert!(worst < 3e-8, "{worst} mm");
 }
 
-/// On a coarse grid and interpolated, with cells at the edge that are covered in part, against a fine grid that is traced.
+/// Interpolation from a coarse grid, with partly covered cells at the edge, agrees with a fine traced grid.
 #[test]
 fn interpolated_wave_fronts_have_the_modulation_of_traced_ones() {
     for (name, f_number) in [("double-gauss", 2.8), ("retrofocus", 5.6), ("phone-us7535658", 2.8), ("canon-rf24", 4.0)]
@@ -135,7 +135,7 @@ fn interpolated_wave_fronts_have_the_modulation_of_traced_ones() {
             for axis in [DVec2::X, DVec2::Y] {
                 for frequency in [0.03, 0.1, 0.2, 0.4, 0.7].map(|part| part * limit) {
                     let (a, b) = (found.mtf(axis, frequency), expected.mtf(axis, frequency));
-                    // 0.3 and 0.2 % of the light is folded back into the two pictures, whose sizes differ.
+                    // 0.3 and 0.2 % of the light is folded back into the two images, whose sizes differ.
                     assert!((a - b).abs() < 6e-3, "{name} {part} {axis} {frequency}/mm: {a} {b}");
                 }
             }
@@ -144,7 +144,7 @@ fn interpolated_wave_fronts_have_the_modulation_of_traced_ones() {
 }
 
 #[test]
-fn offsets_of_a_table_have_the_modulation_of_the_picture() {
+fn offsets_of_a_table_have_the_modulation_of_the_image() {
     for (f_number, height) in [(2.0, 0.0), (2.0, 15.0), (4.0, 10.0), (8.0, 20.0), (22.0, 0.0)] {
         let lens = lens("double-gauss", f_number, 1500.0);
         let at = lens.at(NM);
@@ -164,8 +164,8 @@ fn offsets_of_a_table_have_the_modulation_of_the_picture() {
     }
 }
 
-/// Of many waves of coma, so that where rays land tells the picture but for the modulation of diffraction alone; with its
-/// phase, which a picture upside down, or shifted, would change.
+/// Many waves of coma, so that the landing points of rays determine the point spread function but for the modulation of
+/// diffraction alone; with its phase, which an image upside down, or shifted, would change.
 #[test]
 fn light_of_large_aberrations_lands_where_rays_do() {
     let distance = 1200.0;
@@ -176,7 +176,7 @@ fn light_of_large_aberrations_lands_where_rays_do() {
     let object = chief.before.origin - chief.before.direction * from;
     let table = SpreadTable::new(&at.point_spread(chief, from).expect("light"));
     let offsets = drawn(|u| table.sample(u));
-    // Rays evenly over the directions from the sensor are those of the pupil's picture; here evenly over those to the
+    // Rays evenly over the directions from the sensor are those of the pupil's image; here evenly over those to the
     // lens, whose density there differs by little.
     let (sagittal, meridional) = (DVec3::X, DVec3::X.cross(chief.before.direction));
     let reach = 40.0 / from;
@@ -224,7 +224,7 @@ fn a_lens_of_small_aberrations_makes_airys_pattern() {
     assert!((within - 0.838).abs() < 0.012, "{within}");
 }
 
-/// In the middle between the nodes of height and of wavelength, whose pictures are mixed.
+/// Modulation in the middle between the nodes of height and of wavelength, whose tables are mixed.
 #[test]
 fn between_nodes_the_modulation_is_nearly_that_of_the_place() {
     let distance = 2000.0;
@@ -253,7 +253,7 @@ fn between_nodes_the_modulation_is_nearly_that_of_the_place() {
     }
 }
 
-/// Every number that pictures follow from is in the key: a change of any makes another one.
+/// Every number that point spread functions depend on is in the key: a change of any makes another key.
 #[test]
 fn another_lens_stop_focus_wavelength_or_sensor_has_another_key() {
     let prescription = files::shipped("canon-rf24").expect("ships").prescription;
@@ -310,10 +310,10 @@ impl Shelf for Kept {
     }
 }
 
-/// Offsets from what was kept are those of what is worked out, to the last bit, and so are those where what was kept is of
+/// Offsets from kept tables equal those computed anew, to the last bit, and so do those where the kept bytes are of
 /// something else.
 #[test]
-fn pictures_that_were_kept_are_the_same() {
+fn images_that_were_kept_are_the_same() {
     let prescription = files::shipped("double-gauss").expect("ships").prescription;
     for blades in [None, Some(photosite_lens::prescription::Blades { count: 6, rotation_deg: 20.0 })] {
         let lens = Lens::new(&photosite_lens::Prescription { blades, ..prescription.clone() }).expect("a lens");
@@ -332,9 +332,9 @@ fn pictures_that_were_kept_are_the_same() {
     }
 }
 
-/// The opening of a stop with blades lies as it does whatever the azimuth: so do the spikes of its picture.
+/// Openings of a stop with blades do not turn with the azimuth, and neither do the spikes of the point spread function.
 #[test]
-fn pictures_turn_with_the_place_and_spikes_do_not() {
+fn images_turn_with_the_place_and_spikes_do_not() {
     let distance = 2000.0;
     let prescription = files::shipped("double-gauss").expect("ships").prescription;
     let blades = Some(photosite_lens::prescription::Blades { count: 5, rotation_deg: 11.0 });
@@ -358,10 +358,9 @@ fn pictures_turn_with_the_place_and_spikes_do_not() {
     }
 }
 
-/// Where the tables have an azimuth, worked out or as a mirror image of another: edges lie at 47° + k·72°, so that pictures are
-/// tabled at 29° + k·18° from y.
+/// Azimuths of the tables, computed or mirrored: edges lie at 47° + k·72°, so that tables are at 29° + k·18° from y.
 #[test]
-fn pictures_of_blades_are_those_of_the_lens_turned_to_the_place() {
+fn images_of_blades_are_those_of_the_lens_turned_to_the_place() {
     const HEIGHT: f64 = 16.0 / 24.0 * 21.6;
     // What a mirror image cuts off or in half at the borders of the levels of a table: rows with below a thousandth of the light.
     const BOUND: f64 = 1e-3;

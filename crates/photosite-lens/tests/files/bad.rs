@@ -1,4 +1,4 @@
-//! Bad files: each an error that names file, line, surface and value, and says what to write instead.
+//! Errors of bad files: each names file, line, surface and value, and what to write instead.
 
 use rstest::rstest;
 

@@ -26,7 +26,7 @@ fn is_even(lens: &Prescription) -> bool {
     lens.surfaces.iter().flat_map(|surface| &surface.asphere).all(|(order, _)| order % 2 == 0)
 }
 
-/// That a lens is another one but for rounding. Positions are those of the file.
+/// Checks that two lenses are the same up to rounding. Positions are those of the file.
 fn assert_same(name: &str, read: &Prescription, expected: &Prescription, index_error: f64) {
     assert_eq!(read.surfaces.len(), expected.surfaces.len(), "{name}");
     for (i, (a, b)) in read.surfaces.iter().zip(&expected.surfaces).enumerate() {

@@ -10,7 +10,8 @@ use super::{error, reading};
 /// Radii of the faces of a biconvex lens, its half and whole thickness, mm.
 const R: f64 = 50.0;
 
-/// Where the faces of a biconvex lens of this thickness meet: each has half of it as its sag, r² = R² − (R − d/2)².
+/// Distance from the axis at which the faces of a biconvex lens of this thickness meet: each has half of it as its sag,
+/// r² = R² − (R − d/2)².
 fn meeting(r: f64, d: f64) -> f64 {
     (r * r - (r - 0.5 * d).powi(2)).sqrt()
 }

@@ -1,4 +1,4 @@
-//! What these formats mislead readers with.
+//! Traps of lens file formats.
 
 use photosite_core::spectrum::dispersion::lines;
 use photosite_lens::files::{self, Reading};
@@ -88,8 +88,8 @@ fn with_table(table: &[(f64, f64)]) -> String {
     SEQ.replace("EPD 10", &format!("{catalogue}EPD 10")).replace("NBK7_SCHOTT", "'MINE'")
 }
 
-/// Schott's Sellmeier formulas of the data sheets, from which tables of few and of many lines are made: photosite goes
-/// through the lines, and between them differs from the formula by less than what three terms leave.
+/// Schott's Sellmeier formulas of the data sheets give tables of few and of many lines: photosite goes through the
+/// lines, and between them differs from the formula by less than three terms leave.
 #[test]
 fn a_private_catalogue_goes_through_its_table() {
     let glasses: [(&str, [f64; 3], [f64; 3]); 3] = [

@@ -1,4 +1,4 @@
-//! Draws places again and again and prints them with the meshes as JSON, for `tests/judges/placement.py`.
+//! Repeated draws of places, printed with the meshes as JSON, for `tests/judges/placement.py`.
 //!
 //! ```sh
 //! cargo run -p photosite-placement --example draws -- 1000 > draws.json

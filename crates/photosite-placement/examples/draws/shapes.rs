@@ -8,7 +8,7 @@ use photosite_placement::cuboid;
 /// Positions in metres, and triangles.
 pub(crate) type Mesh = (Vec<DVec3>, Vec<[u32; 3]>);
 
-/// All of them, by name.
+/// All shapes, by name.
 pub(crate) fn all() -> Vec<(&'static str, Mesh)> {
     vec![
         ("box", cuboid(DVec3::new(-0.03, -0.01, -0.02), DVec3::new(0.03, 0.02, 0.04))),

@@ -6,7 +6,7 @@ use exr::math::Vec2;
 use exr::meta::attribute::{AttributeValue, Chromaticities};
 use exr::meta::header::{ImageAttributes, LayerAttributes};
 
-/// A value in the header of a file.
+/// Value of an attribute in the header of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Attribute {
     /// Text.
@@ -22,12 +22,12 @@ pub enum Attribute {
 }
 
 impl Attribute {
-    /// The text that it is.
+    /// Text of the attribute, if it is one.
     pub fn text(&self) -> Option<&str> {
         if let Self::Text(text) = self { Some(text) } else { None }
     }
 
-    /// The number that it is.
+    /// Number of the attribute, if it is one.
     pub fn number(&self) -> Option<f64> {
         if let Self::Number(number) = self {
             return Some(*number);
@@ -35,7 +35,7 @@ impl Attribute {
         if let AttributeValue::F32(number) = self.other()? { Some(f64::from(*number)) } else { None }
     }
 
-    /// The value of another type that it is.
+    /// Value of another type, if the attribute is one.
     pub fn other(&self) -> Option<&AttributeValue> {
         if let Self::Other(value) = self { Some(value) } else { None }
     }
@@ -66,12 +66,12 @@ fn of_type(value: &AttributeValue, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     if let AttributeValue::I32(number) = value { write!(f, "{number}") } else { write!(f, "{value:?}") }
 }
 
-/// The shape of pixels that are not square.
+/// Pixel aspect ratio, where pixels are not square.
 pub fn not_square(aspect: f64) -> Option<f64> {
     (aspect != 1.0).then_some(aspect)
 }
 
-/// The attributes that are no standard ones, and of these the ones that say what the numbers mean, sorted by name.
+/// Attributes that are not standard, and standard ones that give pixel values their meaning, sorted by name.
 pub(super) fn of_headers(shared: &ImageAttributes, own: &LayerAttributes) -> Vec<(String, Attribute)> {
     let text = |value: &Option<exr::meta::attribute::Text>| value.clone().map(AttributeValue::Text);
     let standard = [

@@ -9,7 +9,7 @@ pub(crate) enum Samples {
 }
 
 impl Samples {
-    /// The number of their type in channel lists, and the bytes of each value.
+    /// Number of the type in channel lists, and the bytes of each value.
     fn bytes(&self) -> (i32, Vec<Vec<u8>>) {
         match self {
             Self::U32(values) => (0, values.iter().map(|value| value.to_le_bytes().to_vec()).collect()),
@@ -28,11 +28,11 @@ pub(crate) struct Part {
     pub(crate) channels: Vec<(&'static str, Samples)>,
     /// First column, first row, last column and last row that are stored.
     pub(crate) data: [i32; 4],
-    /// The same of the picture.
+    /// First column, first row, last column and last row of the image.
     pub(crate) display: [i32; 4],
     /// Whether lines follow from the bottom to the top.
     pub(crate) decreasing: bool,
-    /// Pixels of the picture for each sample.
+    /// Sampling: pixels of the image for each sample.
     pub(crate) sampling: i32,
 }
 
@@ -86,7 +86,7 @@ impl Part {
         header
     }
 
-    /// Each line with the number of its row before it, from the top.
+    /// Bytes of each line behind the number of its row, from the top.
     fn lines(&self) -> Vec<Vec<u8>> {
         let width = (self.data[2] - self.data[0] + 1) as usize;
         let channels: Vec<_> = self.channels.iter().map(|(_, samples)| samples.bytes().1).collect();

@@ -1,9 +1,7 @@
-//! OpenEXR files: their planes as 32-bit floats, as the windows of the header place them, and what else the header
-//! says.
+//! OpenEXR files: channels as 32-bit floats, placed by the windows of the header, and the header's attributes.
 //!
-//! Order of lines, tiles, compression and resolution levels never change the numbers. Deep pixels and planes of fewer
-//! samples than pixels are refused. Of several parts the first that holds a picture is read; the others are named in a
-//! warning.
+//! Order of lines, tiles, compression and resolution levels never change pixel values. Deep pixels and subsampled
+//! channels are refused. Of several parts the first with an image is read; the others are named in a warning.
 
 mod attribute;
 #[cfg(test)]
@@ -30,25 +28,25 @@ use photosite_core::{Error, Invalid, Result, input, memory};
 pub use attribute::{Attribute, not_square};
 use window::Window;
 
-/// Most bytes of pixels that are read: more is a damaged header, or not a picture of ours.
+/// Largest size of pixels that are read, bytes: a larger one comes from a damaged header, or is no image of ours.
 const MAX_BYTES: usize = 16 << 30;
-/// Bytes of pixels for each of a file: those of even areas are coded by the wavelets of DWA in next to nothing.
+/// Largest ratio of pixel bytes to file bytes: uniform areas are coded by the wavelets of DWA in next to nothing.
 const MOST_INFLATION: usize = 1 << 14;
-/// Most pixels of a display window that is not stored as a whole.
+/// Largest number of pixels of a display window that is not stored as a whole.
 const MAX_DISPLAYED: usize = 1 << 27;
 
 /// Contents of an EXR file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ExrPicture {
-    /// The planes of the display window, sorted by name as EXR wants it.
+pub struct ExrImage {
+    /// Channels in the display window, sorted by name as EXR requires.
     pub planes: Planes,
-    /// The attributes that are no standard ones, and of these the ones that say what the numbers mean, sorted by name.
+    /// Attributes that are not standard, and standard ones that give pixel values their meaning, sorted by name.
     pub attributes: Vec<(String, Attribute)>,
-    /// What of the file is left out or filled in.
+    /// Warnings of omitted and filled-in parts.
     pub warnings: Vec<String>,
 }
 
-impl ExrPicture {
+impl ExrImage {
     /// The attribute of that name.
     pub fn attribute(&self, name: &str) -> Option<&Attribute> {
         self.attributes.iter().find_map(|(n, value)| (n == name).then_some(value))
@@ -64,22 +62,17 @@ impl ExrPicture {
         self.attribute(name).and_then(Attribute::number)
     }
 
-    /// What the header says of the colours of the picture, where that is not linear sRGB.
+    /// Statements of the header about the image's colours, where they are not linear sRGB.
     pub fn stated_of_colours(&self) -> Vec<String> {
-        let srgb = ColourSpace::Srgb.chromaticities();
-        let is_srgb =
-            |value: &Attribute| if let Attribute::Chromaticities(p) = value { are_alike(*p, srgb) } else { false };
-        let of_colours = ["chromaticities", "colorInteropID", "acesImageContainerFlag", "whiteLuminance"];
-        let stated = of_colours.iter().filter_map(|name| Some((name, self.attribute(name)?)));
-        stated.filter(|(_, value)| !is_srgb(value)).map(|(name, value)| format!("{name} {value}")).collect()
+        of_colours(&self.attributes).map(|(name, value)| format!("{name} {value}")).collect()
     }
 
-    /// The width of a pixel over its height.
+    /// Pixel aspect ratio: width of a pixel over its height.
     pub fn pixel_aspect(&self) -> f64 {
         if let Some(Attribute::PixelAspect(aspect)) = self.attribute("pixelAspectRatio") { *aspect } else { 1.0 }
     }
 
-    /// The picture of a file that holds a quantity, of which nothing may be left out or filled in.
+    /// Image that holds a quantity; an error if any part of it was omitted or filled in.
     pub fn whole(self) -> Result<Self, Invalid> {
         match self.warnings.first() {
             None => Ok(self),
@@ -89,7 +82,17 @@ impl ExrPicture {
     }
 }
 
-/// The names of the channels of an OpenEXR file, of which its head alone is read.
+/// Attributes about colours, but for those that say what a file without them says: linear sRGB.
+pub fn of_colours(attributes: &[(String, Attribute)]) -> impl Iterator<Item = (&'static str, &Attribute)> {
+    let srgb = ColourSpace::Srgb.chromaticities();
+    let is_srgb =
+        move |value: &Attribute| if let Attribute::Chromaticities(p) = value { are_alike(*p, srgb) } else { false };
+    let stated = move |name| attributes.iter().find_map(|(other, value)| (other == name).then_some((name, value)));
+    let names = ["chromaticities", "colorInteropID", "acesImageContainerFlag", "whiteLuminance"];
+    names.into_iter().filter_map(stated).filter(move |(_, value)| !is_srgb(value))
+}
+
+/// Names of the channels of an OpenEXR file, from its header alone.
 pub fn channel_names(path: &Path) -> Result<Vec<String>> {
     let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
     let meta =
@@ -98,13 +101,13 @@ pub fn channel_names(path: &Path) -> Result<Vec<String>> {
 }
 
 /// Reads a file, as [`read_exr`] does.
-pub fn read_exr_file(path: &Path) -> Result<ExrPicture> {
+pub fn read_exr_file(path: &Path) -> Result<ExrImage> {
     let file = input::open(path).map_err(|reason| Error::io(path, "read", reason))?;
     read_exr(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
 }
 
 /// Reads all channels of a part at full resolution, as 32-bit floats.
-pub fn read_exr<R: BufRead + Seek>(mut from: R) -> Result<ExrPicture, Invalid> {
+pub fn read_exr<R: BufRead + Seek>(mut from: R) -> Result<ExrImage, Invalid> {
     let length = from.seek(SeekFrom::End(0)).and_then(|length| from.rewind().map(|()| length));
     let length = usize::try_from(length.map_err(|e| unreadable(&e))?).unwrap_or(usize::MAX);
     // The sizes in the headers decide how much is allocated, so they are looked at first.
@@ -114,7 +117,7 @@ pub fn read_exr<R: BufRead + Seek>(mut from: R) -> Result<ExrPicture, Invalid> {
     let reader = read().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
     let image = reader.from_buffered(from).map_err(|e| refused(&e))?;
     let (mut layers, shared) = (image.layer_data.into_vec(), image.attributes);
-    let chosen = layers.iter().position(has_picture).unwrap_or(0);
+    let chosen = layers.iter().position(has_image).unwrap_or(0);
     if chosen >= layers.len() {
         return Err(unreadable(&"it has no parts"));
     }
@@ -154,18 +157,18 @@ pub fn read_exr<R: BufRead + Seek>(mut from: R) -> Result<ExrPicture, Invalid> {
         channels.push(Channel { name, data: data.placed_in(display, values) });
     }
     let planes = Planes::new(display.width, display.height, channels)?;
-    Ok(ExrPicture { planes, attributes, warnings })
+    Ok(ExrImage { planes, attributes, warnings })
 }
 
 type PartOfFile = Layer<AnyChannels<FlatSamples>>;
 
 /// Whether a part has colours or grey.
-fn has_picture(layer: &PartOfFile) -> bool {
-    let is_of_picture = |channel: &AnyChannel<FlatSamples>| {
+fn has_image(layer: &PartOfFile) -> bool {
+    let is_of_image = |channel: &AnyChannel<FlatSamples>| {
         let name = channel.name.to_string();
         ["R", "X", "Y"].contains(&name.rsplit('.').next().unwrap_or_default())
     };
-    layer.channel_data.list.iter().any(is_of_picture)
+    layer.channel_data.list.iter().any(is_of_image)
 }
 
 fn check_sizes(headers: &[Header], length: usize) -> Result<(), Invalid> {
@@ -180,14 +183,14 @@ fn check_sizes(headers: &[Header], length: usize) -> Result<(), Invalid> {
         let size = format!("{width} × {height} pixels");
         return Err(unreadable(&format!("its {size} are more than the file can hold, or than fit into memory")));
     }
-    memory::check(all as u64, &format!("reading its {width} × {height} pixels"), "make the picture smaller")
+    memory::check(all as u64, &format!("reading its {width} × {height} pixels"), "make the image smaller")
 }
 
 fn unreadable(error: &dyn Display) -> Invalid {
     Invalid::new("", format!("cannot read it as OpenEXR: {error}"))
 }
 
-/// Of what the library does not read, what would do instead.
+/// Error of the library, with a remedy for files that it does not read.
 fn refused(error: &ExrError) -> Invalid {
     let invalid = unreadable(error);
     if let ExrError::NotSupported(_) = error {
@@ -197,7 +200,7 @@ fn refused(error: &ExrError) -> Invalid {
     invalid
 }
 
-/// The numbers, and how many of them are rounded.
+/// Pixel values as f32, and the number of rounded ones.
 fn floats(samples: FlatSamples) -> (Vec<f32>, usize) {
     match samples {
         FlatSamples::F32(values) => (values, 0),

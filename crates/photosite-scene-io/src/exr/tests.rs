@@ -5,12 +5,12 @@ use proptest::prelude::*;
 use super::made_for_tests::{Part, Samples, file, floats};
 use super::*;
 
-fn read(parts: &[Part]) -> Result<ExrPicture, Invalid> {
+fn read(parts: &[Part]) -> Result<ExrImage, Invalid> {
     read_exr(Cursor::new(file(parts)))
 }
 
-fn plane(picture: &ExrPicture) -> &[f32] {
-    &picture.planes.channels()[0].data
+fn plane(image: &ExrImage) -> &[f32] {
+    &image.planes.channels()[0].data
 }
 
 #[test]
@@ -23,8 +23,8 @@ fn lines_in_either_order_and_values_of_every_type_are_the_same() {
         for decreasing in [false, true] {
             let channels = vec![("Y", samples.clone())];
             let part = Part { channels, data: window, display: window, decreasing, ..Part::row(&[]) };
-            let picture = read(&[part]).expect("a picture");
-            assert_eq!((plane(&picture), picture.warnings.len()), (&values[..], 0));
+            let image = read(&[part]).expect("an image");
+            assert_eq!((plane(&image), image.warnings.len()), (&values[..], 0));
         }
     }
 }
@@ -32,22 +32,22 @@ fn lines_in_either_order_and_values_of_every_type_are_the_same() {
 #[test]
 fn whole_numbers_that_floats_do_not_hold_are_counted() {
     let channels = vec![("id", Samples::U32(vec![16_777_216, 16_777_217, u32::MAX, 5]))];
-    let picture = read(&[Part { channels, ..Part::row(&[("id", &[0.0; 4])]) }]).expect("a picture");
-    assert_eq!(plane(&picture), [16_777_216.0, 16_777_216.0, 4_294_967_296.0, 5.0]);
-    assert!(picture.warnings[0].starts_with("2 whole numbers of its channel id are rounded"), "{picture:?}");
+    let image = read(&[Part { channels, ..Part::row(&[("id", &[0.0; 4])]) }]).expect("an image");
+    assert_eq!(plane(&image), [16_777_216.0, 16_777_216.0, 4_294_967_296.0, 5.0]);
+    assert!(image.warnings[0].starts_with("2 whole numbers of its channel id are rounded"), "{image:?}");
 }
 
 #[test]
-fn of_several_parts_the_first_picture_is_read_and_the_others_named() {
+fn of_several_parts_the_first_image_is_read_and_the_others_named() {
     let named = |name: &'static str, part: Part| part.with("name", "string", name.into());
     let depth = named("depth", Part::row(&[("Z", &[7.0])]));
     let left = named("beauty", Part::row(&[("B", &[3.0]), ("G", &[2.0]), ("R", &[1.0])]));
     let left = left.with("view", "string", b"left".to_vec());
     let right = named("other", Part::row(&[("B", &[6.0]), ("G", &[5.0]), ("R", &[4.0])]));
-    let picture = read(&[depth, left, right]).expect("a picture");
-    assert_eq!(picture.planes.plane("R"), Some(&[1.0][..]));
-    assert_eq!(picture.warnings, ["of its parts, beauty (view left) is read, and left out are depth, other"]);
-    assert!(picture.whole().is_err());
+    let image = read(&[depth, left, right]).expect("an image");
+    assert_eq!(image.planes.plane("R"), Some(&[1.0][..]));
+    assert_eq!(image.warnings, ["of its parts, beauty (view left) is read, and left out are depth, other"]);
+    assert!(image.whole().is_err());
 }
 
 #[test]
@@ -62,9 +62,9 @@ fn subsampled_channels_are_refused() {
 #[test]
 fn maps_of_surroundings_fill_their_data_window() {
     let part = Part { display: [0, 0, 9, 9], ..Part::row(&[("Y", &[1.0, 2.0])]) };
-    let picture = read(&[part.clone().with("envmap", "envmap", vec![0])]).expect("a picture");
-    assert_eq!((plane(&picture), picture.warnings.len()), (&[1.0, 2.0][..], 0));
-    assert_eq!(read(&[part]).expect("a picture").planes.width(), 10);
+    let image = read(&[part.clone().with("envmap", "envmap", vec![0])]).expect("an image");
+    assert_eq!((plane(&image), image.warnings.len()), (&[1.0, 2.0][..], 0));
+    assert_eq!(read(&[part]).expect("an image").planes.width(), 10);
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn windows_without_a_common_pixel_or_without_end_are_refused() {
 }
 
 proptest! {
-    /// A pixel is where its column and row are, whatever the windows.
+    /// Pixels lie at their column and row, whatever the windows.
     #[test]
     fn pixels_lie_where_the_windows_place_them(
         data in (-4i32..5, -4i32..5, 1i32..6, 1i32..6),
@@ -96,12 +96,12 @@ proptest! {
             shown.iter().map(|&[x, y]| if is_within(data, x, y) { number(x, y) } else { 0.0 }).collect();
         match read(&[part]) {
             Err(_) => prop_assert!(expected.iter().all(|&value| value == 0.0)),
-            Ok(picture) => {
-                prop_assert_eq!(plane(&picture), &expected[..]);
+            Ok(image) => {
+                prop_assert_eq!(plane(&image), &expected[..]);
                 let stored = (data[2] - data[0] + 1) * (data[3] - data[1] + 1);
                 let common = expected.iter().filter(|&&value| value != 0.0).count();
                 let said = usize::from(common < expected.len()) + usize::from(common < stored as usize);
-                prop_assert_eq!(picture.warnings.len(), said);
+                prop_assert_eq!(image.warnings.len(), said);
             }
         }
     }

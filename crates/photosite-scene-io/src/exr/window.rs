@@ -1,8 +1,8 @@
-//! The windows of an EXR file: what is stored, and what is the picture.
+//! Windows of an EXR file: the data window that is stored, and the display window that is the image.
 
 use exr::math::Vec2;
 
-/// A part of the plane of pixels.
+/// A rectangle of the pixel plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Window {
     x: i64,
@@ -27,12 +27,12 @@ impl Window {
         low as usize..high as usize
     }
 
-    /// What is said of a data window that is not the display window; an error where they have nothing in common.
+    /// Warnings of a data window that differs from the display window; an error where they do not overlap.
     pub(super) fn compared_with(self, display: Self) -> Result<Vec<String>, String> {
         let stored = Self::common(self.x, self.width, display.x, display.width).len()
             * Self::common(self.y, self.height, display.y, display.height).len();
         if stored == 0 {
-            return Err("lies outside of the display window: the file holds nothing of the picture".to_owned());
+            return Err("lies outside of the display window: the file holds nothing of the image".to_owned());
         }
         let mut said = Vec::new();
         if stored < display.pixels() {
@@ -50,7 +50,7 @@ impl Window {
         Ok(said)
     }
 
-    /// The values of this window as those of another, 0 where there are none.
+    /// Pixel values of this window placed in another, 0 where there are none.
     pub(super) fn placed_in(self, other: Self, values: Vec<f32>) -> Vec<f32> {
         if self == other {
             return values;

@@ -13,20 +13,20 @@ use photosite_core::Invalid;
 /// the file does not back, so its size is bounded.
 pub(super) const MAX_ZEROS: usize = 1 << 24;
 
-/// Reads accessors of a document.
+/// Reader of a document's accessors.
 #[derive(Clone, Copy)]
 pub(super) struct Accessors<'a> {
     pub(super) root: &'a Root,
     pub(super) buffers: &'a Buffers,
-    /// What stands for those of a primitive that is a Draco stream.
+    /// Values unpacked from a Draco stream, which replace those of a primitive's accessors.
     pub(super) unpacked: Option<&'a Unpacked>,
 }
 
-/// What an accessor says of its values.
+/// Kind of an accessor's values.
 pub(super) struct Kind {
-    /// Components of an element.
+    /// Number of components of an element.
     pub(super) width: usize,
-    /// What a normalised integer is divided by.
+    /// Divisor of a normalised integer.
     pub(super) largest: Option<f32>,
     pub(super) count: u64,
 }
@@ -45,7 +45,7 @@ impl Elements<'_> {
         &self.bytes[element * self.stride + component * self.component.size()..]
     }
 
-    /// A component as a real number; normalised integers as §3.6.2.2 of the specification has it.
+    /// A component as a real number; normalised integers are converted as in §3.6.2.2 of the specification.
     fn float(&self, element: usize, component: usize) -> f32 {
         let b = self.component(element, component);
         let value = match self.component {
@@ -103,7 +103,7 @@ impl<'a> Accessors<'a> {
         Ok(values)
     }
 
-    /// What an accessor says of its values.
+    /// Kind of an accessor's values.
     pub(super) fn kind(&self, index: usize, key: &str) -> Result<Kind, Invalid> {
         let (accessor, accessor_key) = self.find(index, key)?;
         let (component, kind) = types(accessor, &accessor_key)?;
@@ -192,7 +192,7 @@ impl<'a> Accessors<'a> {
     }
 }
 
-/// What a normalised integer is divided by; `None` of real numbers.
+/// Divisor of a normalised integer; `None` of real numbers.
 fn largest(component: ComponentType) -> Option<f32> {
     match component {
         ComponentType::I8 => Some(127.0),
@@ -225,8 +225,7 @@ fn zeros(accessor: &Accessor, key: &str) -> Result<usize, Invalid> {
     })
 }
 
-/// The part of `bytes` from `offset` on, once it is sure to hold `count` elements of `size` bytes, `stride` bytes
-/// apart.
+/// Part of `bytes` from `offset` on, checked to hold `count` elements of `size` bytes, `stride` bytes apart.
 fn slice<'a>(
     bytes: &'a [u8],
     offset: USize64,

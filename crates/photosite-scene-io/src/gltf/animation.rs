@@ -1,4 +1,4 @@
-//! Animations: where nodes stand, and how much of each morph target there is, at a time (§3.11).
+//! Animations: transforms of nodes and weights of morph targets at a time (§3.11).
 
 use glam::{DAffine3, DQuat};
 use gltf::json::Root;
@@ -13,23 +13,23 @@ use super::nodes::placed_nodes;
 use photosite_core::Invalid;
 use photosite_core::warnings::Warnings;
 
-/// The time that a picture takes of an animation.
+/// Time interval of an animation that an image is exposed to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Moment {
-    /// Name of the animation; files that have none of that name stand still.
+    /// Name of the animation; files without one of that name stand still.
     pub animation: String,
-    /// Its start, s of the animation.
+    /// Start, s of the animation.
     pub start_s: f64,
-    /// How long it lasts, s.
+    /// Duration, s.
     pub duration_s: f64,
 }
 
-/// Most parts that the time of a picture is cut into.
+/// Largest number of parts that the interval of an image is divided into.
 const MOST_PARTS: usize = 64;
 
-/// How far a transform may be from the straight line between the ends of a part: as a part of the length of its axes,
-/// of the whole way of its origin, and of the largest weight of a morph target. It is 1 − cos(2.6°): a body turns by at
-/// most 5° in a part.
+/// Largest deviation of a transform from linear interpolation within a part, relative to the length of its axes, the
+/// whole way of its origin, and the largest weight of a morph target. It is 1 − cos(2.6°): a body turns by at most 5°
+/// in a part.
 const TOLERANCE: f64 = 1e-3;
 
 /// The names of a document's animations, in order.
@@ -41,7 +41,7 @@ pub(super) fn names(root: &Root) -> Vec<String> {
 }
 
 /// The nodes of a document at evenly spaced times from the start of a moment to its end, close enough together for
-/// straight lines between them. Without a moment, or the animation that it names, there is one time: that of the file.
+/// linear interpolation. Without a moment, or the animation that it names, there is one pose, that of the file.
 pub(super) fn poses(
     accessors: Accessors<'_>,
     moment: Option<&Moment>,
@@ -69,7 +69,7 @@ pub(super) fn poses(
     Ok((0..=parts).map(|i| at(i as f64 / parts as f64)).collect())
 }
 
-/// Whether all nodes move on straight lines, near enough, between so many evenly spaced times.
+/// Whether all nodes move linearly, near enough, between `parts` + 1 evenly spaced times.
 fn straight(root: &Root, at: &impl Fn(f64) -> Vec<Node>, parts: usize) -> Result<bool, Invalid> {
     // Not all at even parts, where a swing could be taken for rest.
     const INNER: [f64; 3] = [0.31, 0.5, 0.77];
@@ -121,9 +121,9 @@ struct Curve {
     node: usize,
     property: Property,
     interpolation: Interpolation,
-    /// s, rising.
+    /// Times of the keyframes, s, rising.
     times: Vec<f64>,
-    /// `width` numbers for each time; for a cubic spline three times as many: tangent in, value, tangent out.
+    /// Values, `width` numbers for each time; for a cubic spline three times as many: tangent in, value, tangent out.
     values: Vec<f64>,
     width: usize,
 }
@@ -210,7 +210,7 @@ fn curve(
     Ok(Curve { node, property, interpolation, times, values, width })
 }
 
-/// How many values there are for each time.
+/// Number of values for each time.
 fn per_time(interpolation: Interpolation) -> usize {
     match interpolation {
         Interpolation::Linear | Interpolation::Step => 1,
@@ -230,7 +230,7 @@ impl Curve {
         }
     }
 
-    /// The value at a time; before the first and after the last it is theirs (Appendix C of the specification).
+    /// Value at a time; before the first and after the last keyframe it is constant (Appendix C of the specification).
     fn at(&self, time: f64) -> Vec<f64> {
         let next = self.times.partition_point(|t| *t <= time);
         let (Some(from), Some(to)) = (next.checked_sub(1), (next < self.times.len()).then_some(next)) else {
@@ -263,7 +263,7 @@ impl Curve {
         }
     }
 
-    /// The numbers for a time; of a cubic spline those of its `part`.
+    /// Numbers of a keyframe; of a cubic spline those of its `part`.
     fn value(&self, index: usize, part: usize) -> &[f64] {
         let first = match self.interpolation {
             Interpolation::Linear | Interpolation::Step => index,

@@ -1,4 +1,4 @@
-//! Where bytes come from: the binary chunk, files beside the document, data URIs, packed buffer views.
+//! Buffers of a document: the binary chunk, files beside the document, data URIs, packed buffer views.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -14,18 +14,18 @@ use super::meshopt::{self, Packed};
 use photosite_core::input;
 use photosite_core::{Invalid, Sandbox};
 
-/// The bytes of all buffers of a document.
+/// Bytes of all buffers of a document.
 #[derive(Debug)]
 pub(super) struct Buffers {
-    /// None of those that stand in for packed ones where a reader cannot unpack them.
+    /// Bytes by buffer; `None` for fallbacks of packed buffers, for readers that cannot unpack them.
     data: Vec<Option<Vec<u8>>>,
-    /// Of each buffer view that is packed and was asked for, what it holds.
+    /// Unpacked bytes of each packed buffer view that was used.
     unpacked: Vec<OnceLock<Result<Vec<u8>, Invalid>>>,
 }
 
 impl Buffers {
-    /// Loads every buffer. `chunk` is the binary chunk of a GLB file, `place` what URIs are relative to.
-    pub(super) fn load(root: &Root, chunk: Option<&[u8]>, place: Place<'_>) -> Result<Self, Invalid> {
+    /// Loads every buffer. `chunk` is the binary chunk of a GLB file; URIs are relative to `place`.
+    pub(super) fn load(root: &Root, chunk: Option<&[u8]>, place: FileLocation<'_>) -> Result<Self, Invalid> {
         let mut data = Vec::with_capacity(root.buffers.len());
         for (i, buffer) in root.buffers.iter().enumerate() {
             let key = format!("buffers[{i}]");
@@ -85,7 +85,7 @@ impl Buffers {
         Ok((bytes, view))
     }
 
-    /// So many bytes of a buffer. `key` names what refers to them.
+    /// Slice of a buffer. `key` names what refers to it.
     fn bytes(&self, index: usize, offset: u64, length: u64, key: &str) -> Result<&[u8], Invalid> {
         let buffer_key = format!("{key}.buffer");
         let buffer =
@@ -106,35 +106,35 @@ impl Buffers {
     }
 }
 
-/// Whether all views of a buffer are packed, in other ones.
+/// Whether all views of a buffer are packed, with their bytes in other buffers.
 fn is_packed_elsewhere(root: &Root, buffer: usize) -> bool {
     let mut views = root.buffer_views.iter().filter(|view| view.buffer.value() == buffer).peekable();
     views.peek().is_some() && views.all(meshopt::is_packed)
 }
 
-/// The error of an index that points to nothing.
+/// Error of an index that is out of range.
 pub(super) fn out_of_range(key: &str, array: &str, index: usize, len: usize) -> Invalid {
     Invalid::new(key, format!("refers to {array}[{index}], but the file has {len} of them (counted from 0)"))
         .help("the file is damaged; correct the number, or export it again")
 }
 
-/// Where the files are that a document names.
+/// Location of the files that a document names.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place<'a> {
-    /// What URIs are relative to.
+pub(super) struct FileLocation<'a> {
+    /// Folder that URIs are relative to.
     pub(super) folder: &'a Path,
-    /// What they may not lead out of.
+    /// Sandbox that URIs may not lead out of.
     pub(super) sandbox: Option<&'a Sandbox>,
 }
 
-/// Refuses a URI that leads to where files may not be read.
-pub(super) fn check_uri(uri: Option<&str>, place: Place<'_>) -> Result<(), Invalid> {
+/// Refuses a URI that leads out of the sandbox.
+pub(super) fn check_uri(uri: Option<&str>, place: FileLocation<'_>) -> Result<(), Invalid> {
     let path = uri.and_then(|uri| path_of(uri, place.folder));
     path.map_or(Ok(()), |path| place.sandbox.map_or(Ok(()), |sandbox| sandbox.check(&path)))
 }
 
-/// Reads what a URI stands for: a data URI, or a percent-encoded relative path.
-pub(super) fn read_uri(uri: &str, place: Place<'_>) -> Result<Vec<u8>, Invalid> {
+/// Reads the content of a URI: a data URI, or a percent-encoded relative path.
+pub(super) fn read_uri(uri: &str, place: FileLocation<'_>) -> Result<Vec<u8>, Invalid> {
     if let Some(rest) = uri.strip_prefix("data:") {
         return decode_data_uri(rest);
     }
@@ -146,12 +146,12 @@ pub(super) fn read_uri(uri: &str, place: Place<'_>) -> Result<Vec<u8>, Invalid> 
     })
 }
 
-/// The file that a URI names; none where it holds its data itself.
+/// File that a URI names; `None` for a data URI.
 pub(super) fn path_of(uri: &str, folder: &Path) -> Option<PathBuf> {
     if uri.starts_with("data:") { None } else { decoded_path(uri).ok().map(|path| folder.join(&*path)) }
 }
 
-/// The relative path that a URI names.
+/// Relative path that a URI names.
 fn decoded_path(uri: &str) -> Result<Cow<'_, str>, Invalid> {
     // A single letter before the colon is a drive, not a scheme.
     if let Some((scheme, _)) = uri.split_once(':')
@@ -187,8 +187,8 @@ mod tests {
 
     use super::*;
 
-    fn place(folder: &Path) -> Place<'_> {
-        Place { folder, sandbox: None }
+    fn place(folder: &Path) -> FileLocation<'_> {
+        FileLocation { folder, sandbox: None }
     }
 
     #[test]

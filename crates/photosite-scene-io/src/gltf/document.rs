@@ -1,8 +1,8 @@
-//! The JSON of a document, as the types of the `gltf` crate have it.
+//! The JSON of a document, in the types of the `gltf` crate.
 //!
-//! They ask for fields that the specification leaves open, as the node of an animation's channel and the nodes of a scene;
-//! those are filled in before a document is given up. Channels of KHR_animation_pointer that move a node become channels
-//! of that node.
+//! These types require fields that the specification leaves open, such as the node of an animation's channel and the
+//! nodes of a scene; missing ones are filled in before a document is refused. Channels of KHR_animation_pointer that
+//! move a node become channels of that node.
 
 use std::path::Path;
 
@@ -12,10 +12,10 @@ use serde_json::{Value, json};
 
 use photosite_core::{Invalid, Result};
 
-/// The extension by which channels name what they move.
+/// Extension for animation channels that name their target by a pointer.
 pub(super) const POINTER: &str = "KHR_animation_pointer";
 
-/// The node of a channel that moves none.
+/// Node of a channel that moves none.
 pub(super) const NO_NODE: usize = u32::MAX as usize;
 
 /// Help for files of the first version.
@@ -25,19 +25,19 @@ pub(super) const CONVERT: &str =
 /// A document.
 pub(super) struct Document {
     pub(super) root: Root,
-    /// Channels of its animations that move no node.
+    /// Animation channels that move no node.
     pub(super) still: Vec<StillChannel>,
 }
 
 /// A channel of an animation that moves no node.
 pub(super) struct StillChannel {
     key: String,
-    /// What it moves instead.
+    /// Pointer to its target instead.
     pointer: Option<String>,
 }
 
 impl Document {
-    /// Reads the text of a document; `is_text` tells whether its lines are of use in messages.
+    /// Parses the text of a document; `is_text` tells whether its lines are of use in messages.
     pub(super) fn parse(json: &[u8], path: &Path, is_text: bool) -> Result<Self> {
         let refused = |error: serde_json::Error| {
             let text = if error.is_eof() { "it ends too early".to_owned() } else { error.to_string() };
@@ -67,7 +67,7 @@ impl Document {
         }
     }
 
-    /// Says which channels move nothing.
+    /// Reports channels that move nothing.
     ///
     /// # Errors
     ///
@@ -94,7 +94,7 @@ impl Document {
     }
 }
 
-/// The version of a document before 2.0, of which lists were tables by name.
+/// Version of a document before 2.0, whose lists were tables by name.
 fn first_version(document: &Value) -> Option<String> {
     let version = document.pointer("/asset/version");
     let version = version.and_then(|version| {
@@ -110,7 +110,8 @@ fn first_version(document: &Value) -> Option<String> {
     }
 }
 
-/// Fills in what the specification leaves open. Returns the channels that move no node, and whether anything was missing.
+/// Fills in fields that the specification leaves open. Returns the channels that move no node, and whether anything was
+/// missing.
 fn complete(document: &mut Value) -> (Vec<StillChannel>, bool) {
     let (mut still, mut is_changed) = (Vec::new(), false);
     for scene in elements(document, "scenes").filter_map(Value::as_object_mut) {
@@ -143,7 +144,7 @@ fn elements<'a>(of: &'a mut Value, list: &str) -> impl Iterator<Item = &'a mut V
     of.get_mut(list).and_then(Value::as_array_mut).into_iter().flatten()
 }
 
-/// The node and the property that a pointer names, `/nodes/3/rotation`.
+/// Node and property that a pointer names, `/nodes/3/rotation`.
 fn moved_node(pointer: &str) -> Option<(u32, &str)> {
     let (node, property) = pointer.strip_prefix("/nodes/")?.split_once('/')?;
     let property = Some(property).filter(|name| VALID_PROPERTIES.contains(name));

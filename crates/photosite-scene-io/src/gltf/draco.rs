@@ -1,7 +1,7 @@
 //! Primitives whose geometry is a Draco stream (KHR_draco_mesh_compression).
 //!
-//! In: the stream of a primitive. Out: its triangles, and values for the accessors of its attributes, which say no more
-//! than what the values are. Morph targets are never in a stream.
+//! The stream of a primitive is decoded into its triangles, and into values for the accessors of its attributes, which
+//! only describe their kind. Morph targets are never in a stream.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -18,10 +18,10 @@ use photosite_core::{Invalid, memory};
 
 pub(super) const NAME: &str = "KHR_draco_mesh_compression";
 
-/// Vertices that a byte of a stream stands for at most, but in small ones: those of scanned and made things take a byte
-/// or more each. Only vertices that are all alike take no more than any number of them.
+/// Largest number of vertices per byte of a stream, except in small ones: those of scanned and modelled shapes take a
+/// byte or more each. Only identical vertices take fewer.
 const MOST_VERTICES: u64 = 64;
-/// Triangles of a vertex, likewise: about two.
+/// Largest number of triangles per vertex; a mesh has about two.
 const MOST_TRIANGLES: u64 = 8;
 /// Bytes of a vertex that is decoded, mapped and read out, with its triangles.
 const VERTEX: u64 = 160;

@@ -1,4 +1,4 @@
-//! The `KHR_materials_*` extensions as they stand in the file, with the defaults of their schemas.
+//! The `KHR_materials_*` extensions as found in files, with the defaults of their schemas.
 
 use gltf::json::material::{Material, NormalTexture};
 use gltf::json::texture::Info;
@@ -37,39 +37,39 @@ macro_rules! extension {
 }
 
 extension! {
-    /// `KHR_materials_ior`.
+    /// Extension `KHR_materials_ior`.
     Ior { ior: f32 = 1.5 }
 }
 extension! {
-    /// `KHR_materials_dispersion`: 20 over the Abbe number.
+    /// Extension `KHR_materials_dispersion`: 20 over the Abbe number.
     Dispersion { dispersion: f32 = 0.0 }
 }
 extension! {
-    /// `KHR_materials_specular`.
+    /// Extension `KHR_materials_specular`.
     Specular {
         specular_factor: f32 = 1.0, specular_color_factor: [f32; 3] = [1.0; 3];
         specular_texture, specular_color_texture
     }
 }
 extension! {
-    /// `KHR_materials_transmission`.
+    /// Extension `KHR_materials_transmission`.
     Transmission { transmission_factor: f32 = 0.0; transmission_texture }
 }
 extension! {
-    /// `KHR_materials_volume`. Its texture is for renderers that cannot measure how far light goes inside.
+    /// Extension `KHR_materials_volume`. Its texture is for renderers that cannot measure path lengths inside.
     Volume {
         thickness_factor: f32 = 0.0, attenuation_distance: f32 = f32::INFINITY, attenuation_color: [f32; 3] = [1.0; 3]
     }
 }
 extension! {
-    /// `KHR_materials_diffuse_transmission`.
+    /// Extension `KHR_materials_diffuse_transmission`.
     DiffuseTransmission {
         diffuse_transmission_factor: f32 = 0.0, diffuse_transmission_color_factor: [f32; 3] = [1.0; 3];
         diffuse_transmission_texture, diffuse_transmission_color_texture
     }
 }
 extension! {
-    /// `KHR_materials_clearcoat`.
+    /// Extension `KHR_materials_clearcoat`.
     Clearcoat {
         clearcoat_factor: f32 = 0.0, clearcoat_roughness_factor: f32 = 0.0;
         clearcoat_texture, clearcoat_roughness_texture;
@@ -77,18 +77,18 @@ extension! {
     }
 }
 extension! {
-    /// `KHR_materials_sheen`.
+    /// Extension `KHR_materials_sheen`.
     Sheen {
         sheen_color_factor: [f32; 3] = [0.0; 3], sheen_roughness_factor: f32 = 0.0;
         sheen_color_texture, sheen_roughness_texture
     }
 }
 extension! {
-    /// `KHR_materials_anisotropy`.
+    /// Extension `KHR_materials_anisotropy`.
     Anisotropy { anisotropy_strength: f32 = 0.0, anisotropy_rotation: f32 = 0.0; anisotropy_texture }
 }
 extension! {
-    /// `KHR_materials_iridescence`.
+    /// Extension `KHR_materials_iridescence`.
     Iridescence {
         iridescence_factor: f32 = 0.0, iridescence_ior: f32 = 1.3,
         iridescence_thickness_minimum: f32 = 100.0, iridescence_thickness_maximum: f32 = 400.0;
@@ -96,7 +96,7 @@ extension! {
     }
 }
 extension! {
-    /// `KHR_materials_pbrSpecularGlossiness`.
+    /// Extension `KHR_materials_pbrSpecularGlossiness`.
     SpecularGlossiness {
         diffuse_factor: [f32; 4] = [1.0; 4], specular_factor: [f32; 3] = [1.0; 3], glossiness_factor: f32 = 1.0;
         diffuse_texture, specular_glossiness_texture

@@ -14,7 +14,7 @@ pub(super) fn is_glb(bytes: &[u8]) -> bool {
 }
 
 /// Splits a binary glTF file into its JSON text and its binary chunk. Chunks of unknown type are skipped, as the
-/// specification (§4.4.3) asks for.
+/// specification (§4.4.3) requires.
 pub(super) fn split(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Invalid> {
     if bytes.len() < HEADER_LEN {
         return Err(truncated(HEADER_LEN, bytes.len()));
@@ -61,7 +61,7 @@ fn truncated(expected: usize, found: usize) -> Invalid {
         .help("the file is damaged; export or copy it again")
 }
 
-/// Little-endian; the caller has checked that the bytes are there.
+/// Little-endian number; the caller has checked that the bytes are there.
 fn read_u32(bytes: &[u8], at: usize) -> u32 {
     u32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]])
 }

@@ -1,4 +1,4 @@
-//! Pictures of Basis Universal in KTX2 files (KHR_texture_basisu): ETC1S and UASTC, the first of their sizes.
+//! Basis Universal images in KTX2 files (KHR_texture_basisu): ETC1S and UASTC, at full resolution.
 //!
 //! Offsets and sizes of a file are checked here before the decoder sees them.
 
@@ -12,9 +12,9 @@ use photosite_transport::texture::{Bitmap, Texels};
 const MAGIC: &[u8] = b"\xabKTX 20\xbb\r\n\x1a\n";
 const HEADER: usize = 80;
 const LEVEL: usize = 24;
-/// Sizes that a picture of the largest side has.
+/// Number of mip levels of an image of the largest side.
 const MOST_LEVELS: u32 = 16;
-/// Of the schemes of supercompression: Zstandard.
+/// Supercompression scheme Zstandard.
 const ZSTANDARD: u32 = 2;
 /// Bytes of a block of UASTC.
 const BLOCK: u64 = 16;
@@ -24,10 +24,10 @@ pub(super) fn is_ktx2(bytes: &[u8]) -> bool {
     bytes.starts_with(MAGIC)
 }
 
-/// A picture.
+/// A decoded image.
 pub(super) struct Decoded {
     pub(super) bitmap: Bitmap,
-    /// Whether the file says that its colours are sRGB-encoded, or that they are linear.
+    /// Whether the file declares its colours as sRGB-encoded; `None` where it states nothing.
     pub(super) is_srgb: Option<bool>,
 }
 
@@ -35,7 +35,7 @@ pub(super) struct Decoded {
 pub(super) fn decode(bytes: &[u8], name: String) -> Result<Decoded, Invalid> {
     let bad = |problem: &str| {
         Invalid::new("", format!("cannot decode {name}: {problem}"))
-            .help("the picture is damaged, or not one of ETC1S and UASTC of Basis Universal; make it again")
+            .help("the image is damaged, or not one of ETC1S and UASTC of Basis Universal; make it again")
     };
     let file = File::check(bytes).map_err(bad)?;
     let [width, height] = file.size;
@@ -43,7 +43,7 @@ pub(super) fn decode(bytes: &[u8], name: String) -> Result<Decoded, Invalid> {
         // Decoded, and in the form that it is kept in; unpacked before, a byte a pixel.
         u64::from(width) * u64::from(height) * 9,
         &format!("decoding the {width} × {height} pixels of {name}"),
-        "make the picture smaller",
+        "make the image smaller",
     )?;
     if let Some(orientation) = file.text("KTXorientation").filter(|text| !text.starts_with("rd")) {
         return Err(bad(&format!("its rows and columns run as {orientation:?} says, which must be \"rd\"")));
@@ -59,7 +59,7 @@ pub(super) fn decode(bytes: &[u8], name: String) -> Result<Decoded, Invalid> {
         let is_known = matches!(transcoder.source_format(), SourceFormat::Etc1s | SourceFormat::UastcLdr);
         is_known.then(|| transcoder.transcode(0, TargetFormat::Rgba32, DecodeFlags::NONE).ok()).flatten()
     });
-    let decoded = decoded.flatten().ok_or_else(|| bad("it is not a picture of ETC1S or UASTC, or damaged"))?;
+    let decoded = decoded.flatten().ok_or_else(|| bad("it is not an image of ETC1S or UASTC, or damaged"))?;
     let mut texels = decoded.as_chunks::<4>().0.to_vec();
     if file.has_green_for_alpha() {
         texels.iter_mut().for_each(|[_, g, b, a]| (*g, *b, *a) = (*a, 0, u8::MAX));
@@ -68,12 +68,12 @@ pub(super) fn decode(bytes: &[u8], name: String) -> Result<Decoded, Invalid> {
     Ok(Decoded { bitmap, is_srgb: file.is_srgb() })
 }
 
-/// A file whose parts are where it says.
+/// A file whose parts are checked to lie within it.
 struct File<'a> {
     size: [u32; 2],
-    /// What the channels are.
+    /// Data format descriptor.
     descriptor: &'a [u8],
-    /// Keys and values.
+    /// Key/value data.
     values: &'a [u8],
 }
 
@@ -92,7 +92,7 @@ impl<'a> File<'a> {
             return Err("it is too large to be decoded");
         }
         if depth != 0 || layers != 0 || faces != 1 {
-            return Err("it is not a plain picture, but has layers, faces or depth");
+            return Err("it is not a plain image, but has layers, faces or depth");
         }
         if levels > MOST_LEVELS || bytes.len() < HEADER + LEVEL * levels.max(1) as usize {
             return Err(SHORT);
@@ -138,7 +138,7 @@ impl<'a> File<'a> {
         }
     }
 
-    /// Whether there are two channels, red and green, of which the decoder takes the second for alpha.
+    /// Whether the file has two channels, red and green, the second of which the decoder takes for alpha.
     fn has_green_for_alpha(&self) -> bool {
         const ETC1S: u8 = 163;
         const UASTC: u8 = 166;
@@ -151,7 +151,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// Little-endian; the caller has checked that the bytes are there.
+/// Little-endian number; the caller has checked that the bytes are there.
 fn u32_at(bytes: &[u8], at: usize) -> u32 {
     u32::from_le_bytes(std::array::from_fn(|i| bytes[at + i]))
 }

@@ -20,7 +20,7 @@ use photosite_transport::scene::description::{
 const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 
 /// Luminance of the white of unlit materials, nit: that of the display that sRGB is defined for (IEC 61966-2-1, the
-/// reference viewing conditions). Their colours are what a display would show; they shine with that light themselves.
+/// reference viewing conditions). Unlit materials emit the light that the display would show.
 const UNLIT_WHITE_NIT: f64 = 80.0;
 
 /// Reads material number `index`.
@@ -76,19 +76,19 @@ pub(super) fn read_material(
     })
 }
 
-/// What glTF gives meshes without a material: white, a metal of roughness 1.
+/// Default material of glTF for meshes without one: white, a metal of roughness 1.
 pub(super) fn default_material() -> MaterialDescription {
     let layers = LayeredDescription { metallic: TexturedFactor::plain(1.0), ..LayeredDescription::default() };
     MaterialDescription::new("default", MaterialModel::Layered(Box::new(layers)))
 }
 
-/// The layers that either of the two basic models gives, and the alpha of the whole.
+/// Layers of either basic model, and the alpha of the whole.
 struct Base {
     layers: LayeredDescription,
     alpha_factor: f32,
 }
 
-/// Reads the parts of one material. Keys are relative to it.
+/// Reader of one material. Keys are relative to it.
 struct Reader<'a, 'b> {
     material: &'a Material,
     key: String,
@@ -127,8 +127,8 @@ impl Reader<'_, '_> {
         Ok(Base { layers, alpha_factor: self.unit(a, &at("baseColorFactor"))? })
     }
 
-    /// The deprecated model, as `KHR_materials_specular`, "Specular-glossiness materials", has it: no metal, F₀ the
-    /// specular colour, the diffuse colour under it.
+    /// Layers of the deprecated specular-glossiness model, converted as in `KHR_materials_specular`,
+    /// "Specular-glossiness materials": no metal, F₀ the specular colour, the diffuse colour under it.
     fn specular_glossiness(&mut self, table: &extensions::SpecularGlossiness) -> Result<Base, Invalid> {
         let at = |name: &str| format!("extensions.KHR_materials_pbrSpecularGlossiness.{name}");
         let [r, g, b, a] = table.diffuse_factor;
@@ -157,7 +157,7 @@ impl Reader<'_, '_> {
         Ok(Base { layers, alpha_factor: self.unit(a, &at("diffuseFactor"))? })
     }
 
-    /// Adds what the extensions say.
+    /// Adds the layers of the extensions.
     fn layers(&mut self, layers: &mut LayeredDescription) -> Result<(), Invalid> {
         self.index(layers)?;
         self.specular(layers)?;
@@ -212,7 +212,7 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    /// Transmission, diffuse transmission, volume.
+    /// Adds transmission, diffuse transmission and volume.
     fn behind(&mut self, layers: &mut LayeredDescription) -> Result<(), Invalid> {
         if let Some(table) = self.extension::<extensions::Transmission>("KHR_materials_transmission")? {
             let at = |name: &str| format!("extensions.KHR_materials_transmission.{name}");
@@ -377,7 +377,7 @@ impl Reader<'_, '_> {
         Ok((self.textures.describe(used, Holds::Normals, &key)?, finite(normal.scale, &format!("{key}.scale"))?))
     }
 
-    /// A factor that should lie in 0–1. Some programs write a little more; that is cut off with a warning.
+    /// A factor that should lie in 0–1. Some programs write a little more, which is clamped with a warning.
     fn unit(&mut self, value: f32, key: &str) -> Result<f32, Invalid> {
         let key = format!("{}.{key}", self.key);
         let value = finite(value, &key)?;
@@ -392,8 +392,8 @@ impl Reader<'_, '_> {
     }
 }
 
-/// The absorption that leaves white light with `colour` after `distance` metres (`volume`, "Attenuation"):
-/// σ = −ln(colour)/distance at every wavelength, m⁻¹.
+/// Absorption that gives white light `colour` after `distance` metres (`volume`, "Attenuation"): σ =
+/// −ln(colour)/distance at every wavelength, m⁻¹.
 fn absorption(colour: [f32; 3], distance: f64) -> Spectrum {
     // Perfect absorption would be infinite; what is left of a billionth is nothing to any sensor.
     const DARKEST: f64 = 1e-9;

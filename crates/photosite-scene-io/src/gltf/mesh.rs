@@ -12,10 +12,10 @@ use photosite_core::Invalid;
 use photosite_core::warnings::Warnings;
 use photosite_transport::scene::description::{MeshDescription, ShapeDescription};
 
-/// UV sets that a mesh can carry.
+/// Largest number of UV sets of a mesh.
 pub(super) const UV_SETS: usize = 2;
 
-/// How the meshes of a document are to be read.
+/// Reader of a document's meshes.
 pub(super) struct MeshReader<'a> {
     pub(super) accessors: Accessors<'a>,
     /// Index of glTF's default material.
@@ -24,7 +24,7 @@ pub(super) struct MeshReader<'a> {
     pub(super) variant: Option<usize>,
 }
 
-/// What changes the shape of a mesh at one of its nodes.
+/// Deformation of a mesh at one of its nodes.
 #[derive(Clone, Default, PartialEq)]
 pub(super) struct Pose<'a> {
     /// Weights of the morph targets, instead of the mesh's own.
@@ -34,13 +34,13 @@ pub(super) struct Pose<'a> {
 }
 
 impl Pose<'_> {
-    /// Whether the mesh has the shape that it has by itself.
+    /// Whether the mesh keeps its undeformed shape.
     pub(super) fn is_own(&self) -> bool {
         self.weights.is_none() && self.joints.is_none()
     }
 }
 
-/// Reads the triangles of mesh number `index` in the first of some poses, and where they go in the others.
+/// Reads the triangles of mesh number `index` in the first of some poses, and the vertex positions in the others.
 pub(super) fn read_mesh(
     reader: &MeshReader<'_>,
     index: usize,
@@ -94,7 +94,7 @@ pub(super) fn read_mesh(
     Ok((meshes, mended))
 }
 
-/// A primitive as the file has it; `None` if it has no triangles by design.
+/// Primitive of the file; `None` if it has no triangles by design.
 fn read_primitive(
     reader: &MeshReader<'_>,
     primitive: &Primitive,
@@ -210,7 +210,7 @@ fn read_primitive(
     Ok(Some(mesh))
 }
 
-/// The triangles that the indices of a primitive make, or its vertices in their order.
+/// Triangles from the indices of a primitive, or from its vertices in their order.
 fn read_triangles(
     accessors: Accessors<'_>,
     primitive: &Primitive,

@@ -1,8 +1,8 @@
 //! glTF 2.0 and its binary form GLB, as a [`SceneDescription`].
 //!
-//! In: a file and what it refers to. Out: meshes in metres, materials, textures, lights (candela, lux, nit) and cameras
-//! in world axes. The document is parsed by the `gltf` crate's JSON types; everything that they refer to by index,
-//! offset or count is checked here, since files come damaged and the crate's own accessors trust them.
+//! A file and the files that it refers to become meshes in metres, materials, textures, lights (candela, lux, nit) and
+//! cameras in world axes. The document is parsed by the `gltf` crate's JSON types; every index, offset and count in
+//! them is checked here, since files may be damaged and the crate's own accessors trust them.
 //!
 //! Left to others: tangents where they are missing ([`complete`](super::complete)), colours as spectra, and every
 //! extension but those in [`SUPPORTED_EXTENSIONS`].
@@ -10,6 +10,7 @@
 mod accessor;
 mod animation;
 mod buffers;
+mod cameras_and_lights;
 mod contained;
 mod document;
 mod draco;
@@ -17,7 +18,6 @@ mod extensions;
 mod glb;
 mod instancing;
 mod ktx2;
-mod light;
 mod material;
 mod mesh;
 mod meshopt;
@@ -43,7 +43,7 @@ use gltf::json::validation::Checked;
 
 use accessor::Accessors;
 pub use animation::Moment;
-use buffers::{Buffers, Place};
+use buffers::{Buffers, FileLocation};
 use document::Document;
 use mesh::{MeshReader, Pose};
 use photosite_core::input;
@@ -87,7 +87,7 @@ pub const SUPPORTED_EXTENSIONS: &[&str] = &[
 /// A glTF file.
 #[derive(Debug)]
 pub struct GltfFile {
-    /// What it describes.
+    /// Scene described by the file.
     pub scene: SceneDescription,
     /// Names of its material variants.
     pub variants: Vec<String>,
@@ -95,14 +95,14 @@ pub struct GltfFile {
     pub animations: Vec<String>,
 }
 
-/// What of a file is wanted.
+/// Selection of parts of a file, and limits of reading it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Choice<'a> {
-    /// The materials of this variant, where the file has one of that name.
+    /// Variant whose materials are used, where the file has one of that name.
     pub variant: Option<&'a str>,
-    /// Where things are then; without it, as the file has them.
+    /// Moment of the animation; without it, poses are those of the file.
     pub moment: Option<&'a Moment>,
-    /// Where the files must lie that it names, if anywhere.
+    /// Sandbox that named files must lie in, if any.
     pub sandbox: Option<&'a Sandbox>,
     /// Whether a texture that is missing or broken gets a stand-in with a warning.
     pub is_lenient: bool,
@@ -124,7 +124,7 @@ pub fn read_bytes(bytes: &[u8], path: &Path, choice: Choice<'_>) -> Result<GltfF
     let is_binary = is_glb || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb"));
     let document = Document::parse(json, path, !is_binary && !json.is_empty())?;
     let root = &document.root;
-    let place = Place { folder: path.parent().unwrap_or(Path::new("")), sandbox: choice.sandbox };
+    let place = FileLocation { folder: path.parent().unwrap_or(Path::new("")), sandbox: choice.sandbox };
     let in_text = |invalid| if is_glb { Invalid::in_file(invalid, path) } else { located(invalid, path, json) };
     let read = || {
         check(root)?;
@@ -142,8 +142,8 @@ pub fn read_bytes(bytes: &[u8], path: &Path, choice: Choice<'_>) -> Result<GltfF
     })
 }
 
-/// The files that a document names, each once. What must be read and names none is an error by then.
-fn named_files(root: &Root, place: Place<'_>) -> Vec<PathBuf> {
+/// Files that a document names, each once. Required data without a file is an error before this.
+fn named_files(root: &Root, place: FileLocation<'_>) -> Vec<PathBuf> {
     let buffers = root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
     let images = root.images.iter().filter_map(|image| image.uri.as_deref());
     let mut files: Vec<PathBuf> = buffers.chain(images).filter_map(|uri| buffers::path_of(uri, place.folder)).collect();
@@ -153,7 +153,7 @@ fn named_files(root: &Root, place: Place<'_>) -> Vec<PathBuf> {
     files
 }
 
-/// Checks what a document needs from a reader.
+/// Checks that the version and the required extensions of a document are supported.
 fn check(root: &Root) -> Result<(), Invalid> {
     let version = root.asset.min_version.as_ref().unwrap_or(&root.asset.version);
     if !version.starts_with("2.") || root.asset.min_version.as_ref().is_some_and(|v| v != "2.0") {
@@ -170,7 +170,8 @@ fn check(root: &Root) -> Result<(), Invalid> {
     Ok(())
 }
 
-/// Refuses geometry that takes more memory than there is, of buffers that are there: corners and triangles, read, checked and kept.
+/// Refuses geometry that takes more memory than there is: corners and triangles of buffers that exist, read, checked
+/// and kept.
 fn check_memory(root: &Root) -> Result<(), Invalid> {
     /// Bytes of a number, three times over.
     const NUMBER: u64 = 3 * 4;
@@ -188,7 +189,7 @@ fn check_memory(root: &Root) -> Result<(), Invalid> {
 fn convert(
     root: &Root,
     chunk: Option<&[u8]>,
-    place: Place<'_>,
+    place: FileLocation<'_>,
     variant: Option<usize>,
     choice: Choice<'_>,
     warnings: &mut Warnings,
@@ -218,13 +219,13 @@ fn convert(
         // The node at all times.
         let always = || times.iter().map(|time| &time.placed[i]);
         let later: Vec<DAffine3> = always().skip(1).map(|placed| nodes::rigid(&placed.to_world)).collect();
-        let camera = light::read_camera(root, placed, warnings)?;
+        let camera = cameras_and_lights::read_camera(root, placed, warnings)?;
         scene.cameras.extend(camera.map(|camera| CameraDescription { later: later.clone(), ..camera }));
         // Cameras stay where things are hidden.
         if !placed.is_visible {
             continue;
         }
-        let light = light::read_light(root, placed, warnings)?;
+        let light = cameras_and_lights::read_light(root, placed, warnings)?;
         scene.lights.extend(light.map(|light| LightDescription { later, ..light }));
         let Some(mesh) = placed.node.mesh else { continue };
         let key = format!("nodes[{}].mesh", placed.index);
@@ -285,9 +286,9 @@ fn convert(
     Ok(scene)
 }
 
-/// Where all nodes are at a time.
+/// Transforms of all nodes at a time.
 struct Moved<'a> {
-    /// Those of the scene, in the same order at every time.
+    /// Nodes of the scene, in the same order at every time.
     placed: Vec<nodes::PlacedNode<'a>>,
     /// Node → world by index, if it is in the scene.
     to_world: Vec<Option<DAffine3>>,

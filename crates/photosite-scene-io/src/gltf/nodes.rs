@@ -1,4 +1,4 @@
-//! The node hierarchy: which nodes are in the scene, and where each one stands.
+//! Node hierarchy: nodes of the scene and their transforms to the world.
 
 use glam::{DAffine3, DMat4, DQuat, DVec3};
 use gltf::json::Root;
@@ -7,17 +7,17 @@ use gltf::json::scene::Node;
 use super::buffers::out_of_range;
 use photosite_core::Invalid;
 
-/// A node of the scene with its place in the world.
+/// A node of the scene with its transform to the world.
 pub(super) struct PlacedNode<'a> {
     pub(super) index: usize,
     pub(super) node: &'a Node,
     pub(super) name: String,
     pub(super) to_world: DAffine3,
-    /// Whether neither it nor a node above it is hidden (KHR_node_visibility).
+    /// Whether neither the node nor one above it is hidden (KHR_node_visibility).
     pub(super) is_visible: bool,
 }
 
-/// All nodes of the default scene, parents before children. `nodes` are those of the document as they are at some time.
+/// Nodes of the default scene, parents before children. `nodes` are those of the document at some time.
 pub(super) fn placed_nodes<'a>(root: &Root, nodes: &'a [Node]) -> Result<Vec<PlacedNode<'a>>, Invalid> {
     let mut placed = Vec::new();
     let mut parents: Vec<Visit> = vec![Visit::Never; nodes.len()];
@@ -50,11 +50,11 @@ pub(super) fn placed_nodes<'a>(root: &Root, nodes: &'a [Node]) -> Result<Vec<Pla
 struct Pending {
     index: usize,
     parent: Option<usize>,
-    /// Parent → world.
+    /// Transform parent → world.
     to_world: DAffine3,
     /// Whether all nodes above it are visible.
     is_visible: bool,
-    /// What refers to the node, for messages.
+    /// Path of the reference to the node, for messages.
     key: String,
 }
 
@@ -65,7 +65,7 @@ enum Visit {
     ChildOf(usize),
 }
 
-/// The roots of the default scene; without scenes, all nodes that are nobody's children.
+/// Roots of the default scene; without scenes, all nodes that are nobody's children.
 fn roots(root: &Root) -> Result<Vec<Pending>, Invalid> {
     let pending = |index, key| Pending { index, parent: None, to_world: DAffine3::IDENTITY, is_visible: true, key };
     let scene = root.scene.map_or(0, |scene| scene.value());
@@ -92,7 +92,7 @@ fn roots(root: &Root) -> Result<Vec<Pending>, Invalid> {
     Ok(roots)
 }
 
-/// The error of a node that is reached a second time, from `parent`.
+/// Error of a node that is reached a second time, from `parent`.
 fn visited_twice(parents: &[Visit], index: usize, parent: Option<usize>, key: &str) -> Invalid {
     let mut ancestor = parent;
     while let Some(node) = ancestor {
@@ -109,7 +109,7 @@ fn visited_twice(parents: &[Visit], index: usize, parent: Option<usize>, key: &s
         .help("every node has at most one parent; to place a mesh twice, make two nodes that refer to it")
 }
 
-/// What KHR_node_visibility says of a node; left out, it is visible.
+/// Visibility of a node by KHR_node_visibility, true by default.
 fn says_visible(node: &Node, index: usize) -> Result<bool, Invalid> {
     const NAME: &str = "KHR_node_visibility";
     let Some(table) = node.extensions.as_ref().and_then(|e| e.others.get(NAME)) else { return Ok(true) };
@@ -122,7 +122,7 @@ fn says_visible(node: &Node, index: usize) -> Result<bool, Invalid> {
     }
 }
 
-/// Node → parent.
+/// Transform node → parent.
 fn local_transform(node: &Node, index: usize, name: &str) -> Result<DAffine3, Invalid> {
     let key = format!("nodes[{index}]");
     let wide = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
@@ -157,15 +157,15 @@ fn local_transform(node: &Node, index: usize, name: &str) -> Result<DAffine3, In
 }
 
 /// Whether a transform is finite and keeps three dimensions. The determinant is compared with the lengths of the axes,
-/// so that tiny scales are no problem but parallel axes are: those of f32 numbers leave at least about 1e-7 of it.
+/// so that tiny scales pass and parallel axes do not: rounding to f32 leaves at least about 1e-7 of their product.
 pub(super) fn is_invertible(transform: &DAffine3) -> bool {
     let m = transform.matrix3;
     let volume = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
     transform.is_finite() && volume > 0.0 && m.determinant().abs() > 1e-12 * volume && transform.inverse().is_finite()
 }
 
-/// The rotation and translation of a transform, without scale, shear or mirroring: what cameras and lights stand by.
-/// The direction of −Z is kept exactly.
+/// Rotation and translation of a transform, without scale, shear or mirroring, for cameras and lights. The direction of
+/// −Z is kept exactly.
 pub(super) fn rigid(transform: &DAffine3) -> DAffine3 {
     let m = transform.matrix3;
     let z = m.z_axis.normalize();

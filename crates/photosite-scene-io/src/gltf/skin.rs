@@ -1,4 +1,4 @@
-//! Skins: meshes that follow joints, as those stand in the file (§3.7.3).
+//! Skins: meshes that follow joints (§3.7.3).
 
 use glam::{DAffine3, DMat4, DVec3, Vec3};
 use gltf::json::mesh::{Primitive, Semantic};
@@ -9,8 +9,8 @@ use super::buffers::out_of_range;
 use photosite_core::Invalid;
 use photosite_transport::scene::description::MeshDescription;
 
-/// Mesh → world of every joint of skin number `index`: where the joint stands, times its inverse bind matrix.
-/// `to_world` is where each node stands, if it is in the scene.
+/// Transforms mesh → world of every joint of skin number `index`: the joint's transform times its inverse bind matrix.
+/// `to_world` holds the transform of each node in the scene.
 pub(super) fn joints(
     accessors: Accessors<'_>,
     index: usize,
@@ -42,7 +42,7 @@ pub(super) fn joints(
     skin.joints.iter().enumerate().map(joint).collect()
 }
 
-/// Moves the vertices of a primitive into the world by the joints that each follows.
+/// Moves the vertices of a primitive into the world by their joints.
 pub(super) fn bend(
     mesh: &mut MeshDescription,
     primitive: &Primitive,

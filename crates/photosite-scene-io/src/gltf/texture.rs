@@ -10,48 +10,48 @@ use gltf::json::texture::{MagFilter, MinFilter, Sampler, WrappingMode};
 use gltf::json::validation::Checked;
 use rayon::prelude::*;
 
-use super::buffers::{Buffers, Place, check_uri, out_of_range, read_uri};
+use super::buffers::{Buffers, FileLocation, check_uri, out_of_range, read_uri};
 use super::ktx2;
 use super::mesh::UV_SETS;
-use crate::picture::decode_picture;
+use crate::bitmap_file::decode_bitmap;
 use crate::stand_in::{Holds, stand_in, stands_in};
 use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, Remedy};
 use photosite_transport::scene::description::TextureDescription;
 use photosite_transport::texture::{Bitmap, Filter, SamplerSettings, Texels, UvTransform, Wrap};
 
-/// A reference to a texture, as materials make it in several shapes.
+/// A reference to a texture, which materials write in several forms.
 pub(super) struct TextureUse<'a> {
     pub(super) texture: usize,
     pub(super) uv_set: u32,
     pub(super) transform: Option<&'a TextureTransform>,
 }
 
-/// Collects the textures that materials use.
+/// Collector of the textures that materials use.
 pub(super) struct Textures<'a> {
     root: &'a Root,
-    /// Picture → index among the images of the scene description.
-    slots: HashMap<Picture, usize>,
-    /// Pictures in the order of their slots.
+    /// Index of each image among those of the scene description.
+    slots: HashMap<TextureImage, usize>,
+    /// Images in the order of their slots.
     used: Vec<Used>,
 }
 
-/// A picture, and who first asked for it.
+/// A used image, with the first reference to it.
 struct Used {
-    picture: Picture,
+    content: TextureImage,
     holds: Holds,
     key: String,
 }
 
-/// What is made of a glTF image.
+/// Image derived from a glTF image.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-enum Picture {
-    /// The image itself.
+enum TextureImage {
+    /// Unchanged image.
     Image(usize),
-    /// The roughness 1 − factor·alpha, in the green channel, of an image whose alpha is glossiness. The factor is kept
-    /// by its bits.
+    /// Roughness 1 − factor·alpha, in the green channel, of an image whose alpha is glossiness. The factor is kept by
+    /// its bits.
     Roughness(usize, u32),
-    /// The image that a glTF texture lacks.
+    /// Stand-in for the image that a glTF texture lacks.
     Missing(usize),
 }
 
@@ -60,34 +60,34 @@ impl<'a> Textures<'a> {
         Self { root, slots: HashMap::new(), used: Vec::new() }
     }
 
-    /// Describes the use of a texture, which holds something, and notes that its image is needed. `key` names what
-    /// refers to it.
+    /// Describes the use of a texture that holds `holds`, and notes that its image is needed. `key` names what refers
+    /// to it.
     pub(super) fn describe(
         &mut self,
         used: TextureUse<'_>,
         holds: Holds,
         key: &str,
     ) -> Result<TextureDescription, Invalid> {
-        self.describe_picture(used, holds, key, Picture::Image)
+        self.describe_image(used, holds, key, TextureImage::Image)
     }
 
-    /// The same for a texture whose alpha is glossiness, as a texture whose green is the roughness that
-    /// `glossiness`·alpha leaves.
+    /// Describes the use of a texture whose alpha is glossiness, as a texture whose green channel is the roughness 1 −
+    /// `glossiness`·alpha.
     pub(super) fn describe_roughness(
         &mut self,
         used: TextureUse<'_>,
         glossiness: f32,
         key: &str,
     ) -> Result<TextureDescription, Invalid> {
-        self.describe_picture(used, Holds::Colours, key, |image| Picture::Roughness(image, glossiness.to_bits()))
+        self.describe_image(used, Holds::Colours, key, |image| TextureImage::Roughness(image, glossiness.to_bits()))
     }
 
-    fn describe_picture(
+    fn describe_image(
         &mut self,
         used: TextureUse<'_>,
         holds: Holds,
         key: &str,
-        picture: impl FnOnce(usize) -> Picture,
+        content: impl FnOnce(usize) -> TextureImage,
     ) -> Result<TextureDescription, Invalid> {
         let index = used.texture;
         let textures = &self.root.textures;
@@ -98,10 +98,10 @@ impl<'a> Textures<'a> {
         // A file may offer a PNG or JPEG beside them, for readers that know neither.
         let extension = ["EXT_texture_webp", "KHR_texture_basisu"].into_iter().find_map(named);
         let image = extension.map_or(texture.source.value(), |image| image as usize);
-        let picture = if image == u32::MAX as usize {
-            Picture::Missing(index)
+        let content = if image == u32::MAX as usize {
+            TextureImage::Missing(index)
         } else if image < self.root.images.len() {
-            picture(image)
+            content(image)
         } else {
             return Err(out_of_range(&format!("textures[{index}].source"), "images", image, self.root.images.len()));
         };
@@ -122,24 +122,26 @@ impl<'a> Textures<'a> {
             return Err(Invalid::new(format!("{key}.texCoord"), message).help("write 0 or 1"));
         }
         let transform = used.transform.map(|t| uv_transform(t, key)).transpose()?.unwrap_or_default();
-        let slot = *self.slots.entry(picture).or_insert_with(|| {
-            self.used.push(Used { picture, holds, key: key.to_owned() });
+        let slot = *self.slots.entry(content).or_insert_with(|| {
+            self.used.push(Used { content, holds, key: key.to_owned() });
             self.used.len() - 1
         });
         Ok(TextureDescription { image: slot, uv_set, sampler, transform })
     }
 
-    /// Decodes the images that were asked for, in parallel. One that cannot be had is an error, or gets a stand-in.
+    /// Decodes the used images, in parallel. A missing or broken one is an error, or gets a stand-in.
     pub(super) fn decode(
         self,
         buffers: &Buffers,
-        place: Place<'_>,
+        place: FileLocation<'_>,
         is_lenient: bool,
         warnings: &mut Warnings,
     ) -> Result<Vec<Arc<Bitmap>>, Invalid> {
-        let decode = |used: &Used| match used.picture {
-            Picture::Image(image) | Picture::Roughness(image, _) => read_image(self.root, image, buffers, place),
-            Picture::Missing(texture) => {
+        let decode = |used: &Used| match used.content {
+            TextureImage::Image(image) | TextureImage::Roughness(image, _) => {
+                read_image(self.root, image, buffers, place)
+            }
+            TextureImage::Missing(texture) => {
                 Err(Invalid::new(format!("textures[{texture}]"), "has no image that can be read")
                     .help("export the textures as PNG, JPEG, WebP or KTX2"))
             }
@@ -148,18 +150,18 @@ impl<'a> Textures<'a> {
         let decoded: Vec<Result<ktx2::Decoded, Invalid>> = self.used.par_iter().map(decode).collect();
         let mut bitmaps = Vec::with_capacity(decoded.len());
         for (decoded, used) in decoded.into_iter().zip(&self.used) {
-            let Used { picture, holds, key } = used;
+            let Used { content, holds, key } = used;
             let bitmap = match decoded {
                 Ok(ktx2::Decoded { bitmap, is_srgb }) => {
                     if let Some(says) = is_srgb.filter(|&is_srgb| is_srgb != (*holds == Holds::Colours)) {
                         let (says, is) = if says { ("sRGB-encoded", "linear") } else { ("linear", "sRGB-encoded") };
                         let name = &bitmap.name;
-                        warnings.once(format!("{key}: the KTX2 picture {name} says that it is {says}, but is taken as {is}, which its use demands"));
+                        warnings.once(format!("{key}: the KTX2 image {name} says that it is {says}, but is taken as {is}, which its use demands"));
                     }
                     bitmap
                 }
                 Err(invalid) if is_lenient => {
-                    if let Picture::Image(image) | Picture::Roughness(image, _) = picture {
+                    if let TextureImage::Image(image) | TextureImage::Roughness(image, _) = content {
                         check_uri(self.root.images[*image].uri.as_deref(), place)?;
                     }
                     warnings.once(stands_in(&invalid.to_string(), *holds));
@@ -167,16 +169,16 @@ impl<'a> Textures<'a> {
                 }
                 Err(invalid) => return Err(invalid.or(Remedy::Lenient)),
             };
-            bitmaps.push(Arc::new(match picture {
-                Picture::Image(_) | Picture::Missing(_) => bitmap,
-                Picture::Roughness(_, glossiness) => roughness(&bitmap, f32::from_bits(*glossiness)),
+            bitmaps.push(Arc::new(match content {
+                TextureImage::Image(_) | TextureImage::Missing(_) => bitmap,
+                TextureImage::Roughness(_, glossiness) => roughness(&bitmap, f32::from_bits(*glossiness)),
             }));
         }
         Ok(bitmaps)
     }
 }
 
-fn read_image(root: &Root, index: usize, buffers: &Buffers, place: Place<'_>) -> Result<ktx2::Decoded, Invalid> {
+fn read_image(root: &Root, index: usize, buffers: &Buffers, place: FileLocation<'_>) -> Result<ktx2::Decoded, Invalid> {
     let image = &root.images[index];
     let key = format!("images[{index}]");
     let (bytes, name) = match (&image.uri, image.buffer_view) {
@@ -189,17 +191,17 @@ fn read_image(root: &Root, index: usize, buffers: &Buffers, place: Place<'_>) ->
             let (bytes, _) = buffers.view(root, view.value(), &format!("{key}.bufferView"))?;
             (std::borrow::Cow::from(bytes), image.name.clone().unwrap_or_else(|| key.clone()))
         }
-        (None, None) => return Err(Invalid::new(key, "has neither a uri nor a bufferView, so no picture")),
+        (None, None) => return Err(Invalid::new(key, "has neither a uri nor a bufferView, so no image")),
     };
     let decoded = if ktx2::is_ktx2(&bytes) {
         ktx2::decode(&bytes, name)
     } else {
-        decode_picture(&bytes, name).map(|bitmap| ktx2::Decoded { bitmap, is_srgb: None })
+        decode_bitmap(&bytes, name).map(|bitmap| ktx2::Decoded { bitmap, is_srgb: None })
     };
     decoded.map_err(|e| e.within(&key))
 }
 
-/// 1 − factor·alpha in the green channel.
+/// Roughness 1 − factor·alpha in the green channel.
 fn roughness(glossy: &Bitmap, factor: f32) -> Bitmap {
     let texel = |i: usize| {
         let roughness = ((1.0 - factor * glossy.linear_texel(i)[3]) * f32::from(u16::MAX)).round() as u16;

@@ -1,16 +1,16 @@
-//! What a packed primitive holds, in place of its accessors.
+//! Values of a packed primitive, in place of its accessors.
 
 use std::collections::HashMap;
 
-/// What a stream holds.
+/// Content of a Draco stream.
 pub(super) struct Unpacked {
-    /// By the accessor that describes them, the components of all values.
+    /// Components of all values, by the accessor that describes them.
     pub(super) values: HashMap<usize, Vec<f32>>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
 impl Unpacked {
-    /// The values that an accessor stands for, if they are of the stream.
+    /// Values of an accessor, if they are in the stream.
     pub(super) fn values<const N: usize>(&self, accessor: usize) -> Option<Vec<[f32; N]>> {
         Some(self.values.get(&accessor)?.as_chunks::<N>().0.to_vec())
     }

@@ -37,7 +37,7 @@ pub(super) fn names(root: &Root) -> Result<Vec<String>, Invalid> {
     Ok(table.variants.into_iter().map(|variant| variant.name).collect())
 }
 
-/// The material that a primitive has in a variant, where it says so.
+/// Material of a primitive in a variant, if the primitive has one for it.
 pub(super) fn material(primitive: &Primitive, variant: usize, key: &str) -> Result<Option<usize>, Invalid> {
     let Some(value) = primitive.extensions.as_ref().and_then(|e| e.others.get(NAME)) else { return Ok(None) };
     let table: Mappings = serde_json::from_value(value.clone())

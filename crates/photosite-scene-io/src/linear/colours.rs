@@ -1,4 +1,4 @@
-//! The colours of linear pictures: from what a file says of red, green, blue and white to linear sRGB.
+//! Colours of linear images: from the primaries and white of a file to linear sRGB.
 
 use glam::{DMat3, DVec3};
 
@@ -12,7 +12,7 @@ pub type Chromaticities = [[f64; 2]; 4];
 ///
 /// # Errors
 ///
-/// Points that are no primaries: they lie on a line, or white has no luminance.
+/// Points that are no primaries, because they lie on a line, or white has no luminance.
 pub fn to_srgb(stated: Chromaticities) -> Result<DMat3, Invalid> {
     // Files round what they say; those of sRGB are meant to be it.
     if are_alike(stated, ColourSpace::Srgb.chromaticities()) {
@@ -23,7 +23,7 @@ pub fn to_srgb(stated: Chromaticities) -> Result<DMat3, Invalid> {
     if to_srgb.is_finite() { Ok(to_srgb) } else { Err(no_primaries(stated)) }
 }
 
-/// What R, G and B of these primaries add to luminance, 1 in all.
+/// Weights of R, G and B of these primaries in luminance, 1 in all.
 pub(super) fn luminance_weights(stated: Chromaticities) -> Result<DVec3, Invalid> {
     Ok(to_xyz(stated)?.row(1))
 }
@@ -37,40 +37,40 @@ fn to_xyz(stated: Chromaticities) -> Result<DMat3, Invalid> {
     if is_fit { Ok(primaries * DMat3::from_diagonal(parts)) } else { Err(no_primaries(stated)) }
 }
 
-/// Twice the area of a triangle of primaries in x and y below which the figures of a header, of 24 bits, no longer tell
-/// it from a line. That of sRGB is 0.22.
+/// Smallest doubled area of a triangle of primaries in x and y: below it, a header's 24-bit numbers no longer tell the
+/// triangle from a line. That of sRGB is 0.22.
 const LEAST_AREA: f64 = 1e-6;
 
 fn no_primaries(stated: Chromaticities) -> Invalid {
     let message = format!("red, green, blue and white at {stated:?} (CIE x, y) span no colours");
-    Invalid::new("chromaticities", message).help("correct them, or leave them out where the picture is linear sRGB")
+    Invalid::new("chromaticities", message).help("correct them, or leave them out where the image is linear sRGB")
 }
 
-/// Of a chromaticity, X + Y + Z = 1.
+/// Tristimulus values of a chromaticity, with X + Y + Z = 1.
 fn xyz([x, y]: [f64; 2]) -> DVec3 {
     DVec3::new(x, y, 1.0 - x - y)
 }
 
-/// Whether points agree as far as files round them.
+/// Whether chromaticities agree up to the rounding of files.
 pub(crate) fn are_alike(a: Chromaticities, b: Chromaticities) -> bool {
     a.as_flattened().iter().zip(b.as_flattened()).all(|(a, b)| (a - b).abs() < 1e-3)
 }
 
-/// What an identifier of the Color Interop Forum says of a picture.
+/// Meaning of an identifier of the Color Interop Forum.
 pub(super) enum Interop {
     /// Linear light of these primaries.
     Linear(Chromaticities),
     /// Linear X, Y and Z relative to D65.
     Xyz,
-    /// Nothing.
+    /// Unknown identifier.
     Unknown,
-    /// Numbers that are no colours, codes of a display, or a space that is not known.
+    /// Non-colour data, codes of a display, or an unsupported space.
     Other,
 }
 
 const D65: [f64; 2] = [0.3127, 0.329];
 const ACES_WHITE: [f64; 2] = [0.321_68, 0.337_67];
-/// Primaries and white of the names (SMPTE ST 2065-1, ACEScg, SMPTE EG 432-1, BT.2020, Adobe RGB (1998)).
+/// Primaries and white of named spaces (SMPTE ST 2065-1, ACEScg, SMPTE EG 432-1, BT.2020, Adobe RGB (1998)).
 const LINEAR: [(&str, Chromaticities); 6] = [
     ("rec709", [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], D65]),
     ("ap0", [[0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.077], ACES_WHITE]),

@@ -1,8 +1,8 @@
-//! Linear light of files, recognised by what they begin with.
+//! Decoding of linear light from files, recognised by their first bytes.
 
 use std::io::Cursor;
 
-use super::LinearPicture;
+use super::LinearImage;
 use super::openexr::of_exr;
 use super::radiance::{decode_radiance, is_radiance};
 use crate::exr::read_exr;
@@ -11,8 +11,8 @@ use photosite_core::Invalid;
 /// First bytes of an OpenEXR file.
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
-/// Linear light of a file that begins as OpenEXR or Radiance HDR do; `None` of others.
-pub(crate) fn decode_linear(bytes: &[u8]) -> Option<Result<LinearPicture, Invalid>> {
+/// Linear light of an OpenEXR or Radiance HDR file; `None` of others.
+pub(crate) fn decode_linear(bytes: &[u8]) -> Option<Result<LinearImage, Invalid>> {
     if bytes.starts_with(&EXR_MAGIC) {
         return Some(read_exr(Cursor::new(bytes)).and_then(of_exr));
     }

@@ -1,10 +1,10 @@
-//! Pictures of linear light: OpenEXR and Radiance HDR, as linear sRGB by what their headers say.
+//! Images of linear light: OpenEXR and Radiance HDR, turned into linear sRGB by their headers.
 //!
 //! | header of an EXR file | |
 //! |---|---|
-//! | channels `R`, `G`, `B`; `Y`; `Y`, `RY`, `BY`; `X`, `Y`, `Z` | the picture; those of the only layer where none has a plain name |
+//! | channels `R`, `G`, `B`; `Y`; `Y`, `RY`, `BY`; `X`, `Y`, `Z` | the image; those of the only layer where none has a plain name |
 //! | other channels, transparency `A` below 1, other parts | named in a warning; light is that over black |
-//! | `dataWindow`, `displayWindow` | the picture is the display window, 0 where nothing is stored; with `envmap` the data window |
+//! | `dataWindow`, `displayWindow` | the image is the display window, 0 where nothing is stored; with `envmap` the data window |
 //! | `colorInteropID`, `chromaticities`, `acesImageContainerFlag`, photosite's own `colorSpace` | used, in this order; linear sRGB without any |
 //! | `pixelAspectRatio`, `whiteLuminance`, `envmap` | for those who use them, such as surroundings |
 //! | `adoptedNeutral`, `renderingTransform`, `lookModTransform`, `originalDataWindow`, other names of colour spaces | named in a warning |
@@ -19,7 +19,7 @@
 //! | `PIXASPECT` | the shape of pixels, the product of all of them |
 //! | `VIEW` | for those who use it, such as surroundings |
 //! | `GAMMA` other than 1, `NCOMP` other than 3 | refused |
-//! | axes in any of the eight orders | the picture is turned upright |
+//! | axes in any of the eight orders | the image is turned upright |
 //!
 //! All else in a header says nothing of what the numbers mean.
 
@@ -39,49 +39,49 @@ pub(crate) use decode::decode_linear;
 pub use openexr::of_exr;
 pub use radiance::{decode_radiance, is_radiance};
 
-/// A picture as its file has it, in linear light.
+/// An image of a file, in linear light.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LinearPicture {
-    /// First R, G and B of linear sRGB, or Y, then planes that have no part in the picture.
+pub struct LinearImage {
+    /// Channels: first R, G and B of linear sRGB, or Y, then those that are not part of the image.
     pub planes: Planes,
-    /// How many planes are the picture: 3, 1, or none.
+    /// Number of channels of the image: 3, 1, or none.
     pub components: usize,
     /// Width of a pixel over its height.
     pub pixel_aspect: f64,
     /// Luminance of R = G = B = 1, cd/m².
     pub white_luminance_nit: Option<f64>,
-    /// How directions become pixels.
+    /// Mapping from directions to pixels.
     pub mapping: Mapping,
-    /// What of the file is left out, filled in or assumed.
+    /// Warnings of omitted, filled-in and assumed parts.
     pub warnings: Vec<String>,
 }
 
-/// How a picture shows what is around.
+/// Mapping from directions to pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mapping {
-    /// Nothing is said of it.
+    /// No statement in the file.
     Unstated,
     /// Columns are longitudes, rows are latitudes, both with texels at their ends.
     LatitudeLongitude,
     /// Six faces of a cube, one below the other.
     Cube,
-    /// As a camera sees it, in the words of the file.
+    /// View of a camera, in the words of the file.
     View(String),
 }
 
-impl LinearPicture {
-    /// The names of the planes that have no part in the picture.
+impl LinearImage {
+    /// Names of the channels that are not part of the image.
     pub fn others(&self) -> Vec<&str> {
         self.planes.channels().iter().skip(self.components).map(|channel| &channel.name[..]).collect()
     }
 
-    /// What is left out where nothing but the picture is used.
+    /// Message on the channels that are left out where only the image is used; `None` where there are none.
     pub fn left_out(&self) -> Option<String> {
         let others = self.others();
-        (!others.is_empty()).then(|| format!("of its planes, {} have no part in the picture", others.join(", ")))
+        (!others.is_empty()).then(|| format!("of its planes, {} have no part in the image", others.join(", ")))
     }
 
-    /// A picture of a file that says nothing besides: R, G and B, or Y, first.
+    /// An image without further statements, whose first channels are R, G and B, or Y.
     pub fn plain(planes: Planes) -> Self {
         let names: Vec<&str> = planes.channels().iter().map(|channel| &channel.name[..]).collect();
         let components = match names[..] {
@@ -100,11 +100,11 @@ impl LinearPicture {
     }
 }
 
-/// Negative numbers that small beside the largest of a texel are roundings of a matrix of colours.
+/// Largest ratio of a negative value to the largest of its texel that counts as rounding of a colour matrix.
 const ROUNDING: f32 = 1.0 / (1 << 20) as f32;
 
-impl LinearPicture {
-    /// The texels of the picture, with 0 for negative numbers, and what these were. Numbers that are not finite are
+impl LinearImage {
+    /// Texels of the image, with 0 for negative values, and a description of these. Values that are not finite are
     /// refused.
     pub(crate) fn into_texels(self) -> Result<(Vec<[f32; 3]>, Option<String>), Invalid> {
         let [width, height] = [self.planes.width(), self.planes.height()];
@@ -113,7 +113,7 @@ impl LinearPicture {
         let planes = Planes::new(width, height, channels)?;
         if let Some(found) = NotFinite::of(&planes) {
             return Err(Invalid::new("", found.to_string())
-                .help("correct the picture; a sun brighter than 65504 does not fit into half-precision files"));
+                .help("correct the image; a sun brighter than 65504 does not fit into half-precision files"));
         }
         let texel = |i: usize| {
             let value = |channel: &Channel| channel.data.get(i).copied().unwrap_or_default();
@@ -145,8 +145,8 @@ impl LinearPicture {
     }
 }
 
-/// The error of a picture of that name, whose key is one of its header.
-pub(crate) fn in_picture(invalid: Invalid, name: &str) -> Invalid {
+/// Error of an image of that name, whose key is one of its header.
+pub(crate) fn in_image(invalid: Invalid, name: &str) -> Invalid {
     let colon = if invalid.key.is_empty() { "" } else { ": " };
     let message = format!("{name}: {}{colon}{}", invalid.key, invalid.message);
     Invalid { key: String::new(), message, help: invalid.help }

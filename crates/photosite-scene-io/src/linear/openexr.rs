@@ -1,4 +1,4 @@
-//! The picture of an OpenEXR file.
+//! Linear light of OpenEXR images.
 
 use exr::meta::attribute::{AttributeValue, EnvironmentMap};
 use exr::prelude::Vec2;
@@ -6,13 +6,13 @@ use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
 use super::colours::{ACES, Chromaticities, Interop, are_alike, luminance_weights, to_srgb};
-use super::{LinearPicture, Mapping};
-use crate::exr::{Attribute, ExrPicture};
+use super::{LinearImage, Mapping};
+use crate::exr::{Attribute, ExrImage};
 use photosite_core::Invalid;
 use photosite_core::colour::ColourSpace;
 use photosite_core::image::{Channel, Planes};
 
-/// The channels that are the picture of a file.
+/// Kind of the channels that are the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Rgb,
@@ -35,39 +35,39 @@ impl Kind {
     }
 }
 
-/// Attributes that say how a picture is to be shown or where it comes from, which no number here follows.
+/// Attributes on display or origin of an image, which are not applied.
 const NOT_APPLIED: [(&str, &str); 3] = [
     ("renderingTransform", "light is not rendered for a display"),
     ("lookModTransform", "light is not rendered for a display"),
-    ("originalDataWindow", "the picture is a part of that, and taken as a whole"),
+    ("originalDataWindow", "the image is a part of that, and taken as a whole"),
 ];
-/// Texts by which programs name colour spaces.
+/// Attributes by which programs name colour spaces.
 const NAMES_OF_SPACES: [&str; 3] = ["oiio:ColorSpace", "colorSpace", "color_space"];
 
-/// The light of a file that holds a picture.
+/// Linear light of a file that holds an image.
 ///
 /// # Errors
 ///
-/// Colours that are not linear light, or that nothing can be made of.
-pub fn of_exr(picture: ExrPicture) -> Result<LinearPicture, Invalid> {
-    let colours = Colours::of(&picture)?;
-    let pixel_aspect = picture.pixel_aspect();
-    let white_luminance_nit = picture.number("whiteLuminance").filter(|nit| nit.is_finite() && *nit > 0.0);
-    let mapping = match picture.attribute("envmap").and_then(Attribute::other) {
+/// Colours that are not linear light, or have no meaning.
+pub fn of_exr(image: ExrImage) -> Result<LinearImage, Invalid> {
+    let colours = Colours::of(&image)?;
+    let pixel_aspect = image.pixel_aspect();
+    let white_luminance_nit = image.number("whiteLuminance").filter(|nit| nit.is_finite() && *nit > 0.0);
+    let mapping = match image.attribute("envmap").and_then(Attribute::other) {
         Some(AttributeValue::EnvironmentMap(EnvironmentMap::LatitudeLongitude)) => Mapping::LatitudeLongitude,
         Some(AttributeValue::EnvironmentMap(EnvironmentMap::Cube)) => Mapping::Cube,
         Some(_) | None => Mapping::Unstated,
     };
-    let mut warnings = picture.warnings.clone();
-    warnings.extend(not_applied(&picture, &colours));
-    let [width, height] = [picture.planes.width(), picture.planes.height()];
-    let mut others = picture.planes.into_channels();
+    let mut warnings = image.warnings.clone();
+    warnings.extend(not_applied(&image, &colours));
+    let [width, height] = [image.planes.width(), image.planes.height()];
+    let mut others = image.planes.into_channels();
     let Some((kind, layer)) = kind_and_layer(&others) else {
         let planes = Planes::new(width, height, others)?;
-        return Ok(LinearPicture { planes, components: 0, pixel_aspect, white_luminance_nit, mapping, warnings });
+        return Ok(LinearImage { planes, components: 0, pixel_aspect, white_luminance_nit, mapping, warnings });
     };
     if !layer.is_empty() {
-        warnings.push(format!("the picture is its layer {}", layer.trim_end_matches('.')));
+        warnings.push(format!("the image is its layer {}", layer.trim_end_matches('.')));
     }
     let mut chosen = Vec::new();
     for name in kind.names() {
@@ -83,7 +83,7 @@ pub fn of_exr(picture: ExrPicture) -> Result<LinearPicture, Invalid> {
     let planes: Vec<Channel> = names_of_result(kind).iter().zip(colours.srgb(kind, chosen)?).map(named).collect();
     let components = planes.len();
     let planes = Planes::new(width, height, planes.into_iter().chain(others).collect())?;
-    Ok(LinearPicture { planes, components, pixel_aspect, white_luminance_nit, mapping, warnings })
+    Ok(LinearImage { planes, components, pixel_aspect, white_luminance_nit, mapping, warnings })
 }
 
 fn names_of_result(kind: Kind) -> &'static [&'static str] {
@@ -94,8 +94,7 @@ fn named((name, data): (&&str, Vec<f32>)) -> Channel {
     Channel { name: (*name).to_owned(), data }
 }
 
-/// What the channels are, with what stands before the names of theirs: nothing, or the name of the only layer of
-/// colours or grey.
+/// Kind of the channels, and the prefix of their names: nothing, or the name of the only layer of colours or grey.
 fn kind_and_layer(channels: &[Channel]) -> Option<(Kind, String)> {
     let holds = |layer: &str, kind: Kind| {
         kind.names().iter().all(|name| channels.iter().any(|channel| channel.name == format!("{layer}{name}")))
@@ -115,7 +114,7 @@ fn kind_and_layer(channels: &[Channel]) -> Option<(Kind, String)> {
 
 /// Colours as the header states them.
 struct Colours {
-    /// Of R, G and B; `None` for sRGB.
+    /// Chromaticities of R, G and B; `None` for sRGB.
     chromaticities: Option<Chromaticities>,
     /// Whether X, Y and Z are relative to D65.
     is_xyz: bool,
@@ -123,12 +122,12 @@ struct Colours {
 }
 
 impl Colours {
-    fn of(picture: &ExrPicture) -> Result<Self, Invalid> {
-        let stated = picture.attribute("chromaticities");
+    fn of(image: &ExrImage) -> Result<Self, Invalid> {
+        let stated = image.attribute("chromaticities");
         let stated = if let Some(Attribute::Chromaticities(points)) = stated { Some(*points) } else { None };
-        let is_xyz = picture.text("colorSpace") == Some(ColourSpace::Xyz.name());
+        let is_xyz = image.text("colorSpace") == Some(ColourSpace::Xyz.name());
         let plain = Self { chromaticities: stated, is_xyz, warning: None };
-        if let Some(id) = picture.text("colorInteropID") {
+        if let Some(id) = image.text("colorInteropID") {
             return match Interop::of(id) {
                 Interop::Linear(points) => {
                     let warning = stated.filter(|stated| !are_alike(*stated, points)).map(|_| {
@@ -139,15 +138,15 @@ impl Colours {
                 Interop::Xyz => Ok(Self { is_xyz: true, ..plain }),
                 Interop::Unknown => Ok(plain),
                 Interop::Other => Err(Invalid::new("colorInteropID", format!("{id:?} is no linear light of colours"))
-                    .help("convert the picture to lin_rec709_scene first")),
+                    .help("convert the image to lin_rec709_scene first")),
             };
         }
         let is_aces =
-            picture.attribute("acesImageContainerFlag").and_then(Attribute::other) == Some(&AttributeValue::I32(1));
+            image.attribute("acesImageContainerFlag").and_then(Attribute::other) == Some(&AttributeValue::I32(1));
         Ok(if is_aces && stated.is_none() { Self { chromaticities: Some(ACES), ..plain } } else { plain })
     }
 
-    /// Linear sRGB, or grey, of the planes of that kind.
+    /// Linear sRGB, or grey, of the channels of a kind.
     fn srgb(&self, kind: Kind, planes: Vec<Vec<f32>>) -> Result<Vec<Vec<f32>>, Invalid> {
         let of_rgb = || self.chromaticities.map_or(Ok(DMat3::IDENTITY), to_srgb);
         match kind {
@@ -174,8 +173,8 @@ impl Colours {
     }
 }
 
-/// Three planes as a conversion of each pixel has them. Numbers that are not finite stay what they are: where one
-/// component is infinite, a matrix would make all of them none.
+/// Three channels after a conversion of each pixel. Values that are not finite stay as they are: where one component is
+/// infinite, a matrix would turn all of them into NaN.
 pub(super) fn converted(mut planes: Vec<Vec<f32>>, convert: impl Fn(DVec3) -> DVec3 + Sync) -> Vec<Vec<f32>> {
     if let [x, y, z] = &mut planes[..] {
         x.par_iter_mut().zip(y).zip(z).for_each(|((x, y), z)| {
@@ -188,19 +187,19 @@ pub(super) fn converted(mut planes: Vec<Vec<f32>>, convert: impl Fn(DVec3) -> DV
     planes
 }
 
-/// What the header says and nothing here follows.
-fn not_applied(picture: &ExrPicture, colours: &Colours) -> Vec<String> {
+/// Statements of the header that are not applied.
+fn not_applied(image: &ExrImage, colours: &Colours) -> Vec<String> {
     let mut said: Vec<String> = colours.warning.iter().cloned().collect();
     let white = colours.chromaticities.unwrap_or(ColourSpace::Srgb.chromaticities())[3];
-    if let Some(AttributeValue::FloatVec2(Vec2(x, y))) = picture.attribute("adoptedNeutral").and_then(Attribute::other)
+    if let Some(AttributeValue::FloatVec2(Vec2(x, y))) = image.attribute("adoptedNeutral").and_then(Attribute::other)
         && [*x, *y].iter().zip(white).any(|(stated, white)| (f64::from(*stated) - white).abs() > 1e-3)
     {
         said.push(format!("its adoptedNeutral ({x}, {y}) is left out: white is that of its chromaticities"));
     }
-    let present = NOT_APPLIED.iter().filter(|(name, _)| picture.attribute(name).is_some());
+    let present = NOT_APPLIED.iter().filter(|(name, _)| image.attribute(name).is_some());
     said.extend(present.map(|(name, why)| format!("its {name} is left out: {why}")));
-    if colours.chromaticities.is_none() && !colours.is_xyz && picture.attribute("colorInteropID").is_none() {
-        let stated = NAMES_OF_SPACES.iter().filter_map(|name| Some((name, picture.text(name)?)));
+    if colours.chromaticities.is_none() && !colours.is_xyz && image.attribute("colorInteropID").is_none() {
+        let stated = NAMES_OF_SPACES.iter().filter_map(|name| Some((name, image.text(name)?)));
         let unknown = stated.filter(|(_, space)| !is_name_of_srgb(space));
         said.extend(unknown.map(|(name, space)| {
             format!("its {name} {space:?} is not known here: it is taken for linear sRGB; state chromaticities")
@@ -209,7 +208,7 @@ fn not_applied(picture: &ExrPicture, colours: &Colours) -> Vec<String> {
     said
 }
 
-/// Whether a name of a colour space says what a file without one is.
+/// Whether a name of a colour space means the default of a file without one.
 fn is_name_of_srgb(name: &str) -> bool {
     let plain: String = name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect();
     ["srgb", "linear", "linearsrgb", "linrec709", "linrec709scene", "linearrec709", "linearrec709srgb", "lin709"]

@@ -3,7 +3,7 @@ use std::io::Cursor;
 use rstest::rstest;
 
 use super::openexr::of_exr;
-use super::{LinearPicture, Mapping};
+use super::{LinearImage, Mapping};
 use crate::exr::made_for_tests::{Part, file, floats};
 use crate::exr::read_exr;
 use photosite_core::Invalid;
@@ -16,32 +16,32 @@ fn rgb() -> Part {
     Part::row(&[("B", &[b, 0.2]), ("G", &[g, 0.2]), ("R", &[r, 0.2])])
 }
 
-fn light(part: Part) -> Result<LinearPicture, Invalid> {
+fn light(part: Part) -> Result<LinearImage, Invalid> {
     read_exr(Cursor::new(file(&[part]))).and_then(of_exr)
 }
 
-fn texel(light: &LinearPicture, i: usize) -> [f32; 3] {
+fn texel(light: &LinearImage, i: usize) -> [f32; 3] {
     ["R", "G", "B"].map(|name| light.planes.plane(name).expect("a colour")[i])
 }
 
 /// Treatment of an attribute.
 enum Outcome {
-    /// The first pixel is that, to three decimals, and grey stays grey.
+    /// Colour of the first pixel, to three decimals; grey stays grey.
     Colour([f32; 3]),
-    /// The picture says so.
-    Says(fn(&LinearPicture) -> bool),
-    /// The file is refused, and the message or its key says this.
+    /// Statement of the image.
+    Says(fn(&LinearImage) -> bool),
+    /// Refusal of the file, with this in the message or its key.
     Refused(&'static str),
-    /// The picture is the same, and a warning says this.
+    /// Unchanged image, with this in a warning.
     Warned(&'static str),
-    /// The picture is the same, and nothing is said, as the attribute says nothing of what the numbers mean.
+    /// Unchanged image without a warning, as the attribute does not concern pixel values.
     Beside,
 }
 use Outcome::{Beside, Colour, Refused, Says, Warned};
 
-/// ITU-R BT.2087, annex 1: BT.2020 to BT.709.
+/// Matrix row of ITU-R BT.2087, annex 1: BT.2020 to BT.709.
 const OF_REC2020: [f32; 3] = [1.6605 - 0.2938 - 0.0182, -0.1246 + 0.566_45 - 0.0021, -0.0182 - 0.0503 + 0.2797];
-/// ACES2065-1 to linear BT.709 with white adapted by Bradford, as OpenColorIO's ACES configuration has it.
+/// Conversion of ACES2065-1 to linear BT.709 with white adapted by Bradford, as in OpenColorIO's ACES configuration.
 const OF_ACES: [f32; 3] =
     [2.521_69 - 0.567_07 - 0.096_89, -0.276_48 + 0.686_36 - 0.024_06, -0.015_38 - 0.076_49 + 0.292_13];
 
@@ -49,8 +49,8 @@ fn ints(values: &[i32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-/// Every attribute that OpenEXR 3.5 names as a standard one (ImfStandardAttributes.h and the header's own), but for
-/// those that every file has: windows, order of lines and shape of pixels have tests of their own.
+/// Standard attributes of OpenEXR 3.5 (ImfStandardAttributes.h and the header's own), except those that every file has:
+/// windows, order of lines and shape of pixels have tests of their own.
 #[test]
 fn every_standard_attribute_is_used_refused_or_warned_of_unless_it_says_nothing_of_the_numbers() {
     let text = |text: &str| text.as_bytes().to_vec();
@@ -145,7 +145,7 @@ fn every_standard_attribute_is_used_refused_or_warned_of_unless_it_says_nothing_
     let numbers = floating.into_iter().map(|name| (name, "float", floats(&[2.0]), Beside));
     let pairs = pairs.into_iter().map(|name| (name, "v2f", floats(&[2.0; 2]), Beside));
     let texts = texts.into_iter().map(|name| (name, "string", text("a text"), Beside));
-    let plain = light(rgb()).expect("a picture");
+    let plain = light(rgb()).expect("an image");
     assert!(plain.warnings.is_empty());
     for (name, kind, value, outcome) in table.into_iter().chain(numbers).chain(pairs).chain(texts) {
         let found = light(rgb().with(name, kind, value.clone()));
@@ -179,16 +179,16 @@ fn every_standard_attribute_is_used_refused_or_warned_of_unless_it_says_nothing_
 fn of_two_statements_of_colours_the_identifier_holds_and_is_said_to() {
     let srgb = floats(&[0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329]);
     let part = rgb().with("chromaticities", "chromaticities", srgb);
-    let found = light(part.with("colorInteropID", "string", b"lin_rec2020_scene".to_vec())).expect("a picture");
+    let found = light(part.with("colorInteropID", "string", b"lin_rec2020_scene".to_vec())).expect("an image");
     assert!((texel(&found, 0)[0] - OF_REC2020[0]).abs() < 1e-3);
     assert!(found.warnings[0].contains("lin_rec2020_scene, which is used"), "{found:?}");
 }
 
-/// The primaries of XYZ as R, G and B, as in the pictures of OpenEXR: equal energy is white.
+/// Primaries of XYZ as R, G and B, as in the sample images of OpenEXR: equal energy is white.
 #[test]
 fn red_green_and_blue_may_be_the_axes_of_xyz() {
     let axes = floats(&[1.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0 / 3.0, 1.0 / 3.0]);
-    let found = light(rgb().with("chromaticities", "chromaticities", axes)).expect("a picture");
+    let found = light(rgb().with("chromaticities", "chromaticities", axes)).expect("an image");
     assert!(texel(&found, 1).into_iter().all(|value| (value - 0.2).abs() < 1e-6), "{found:?}");
 }
 
@@ -202,8 +202,8 @@ fn red_green_and_blue_may_be_the_axes_of_xyz() {
 #[case::opaque(&[("A", 1.0), ("B", 3.0), ("G", 2.0), ("R", 1.0)], &[1.0, 2.0, 3.0], &[], "")]
 #[case::transparent(&[("A", 0.5), ("B", 3.0), ("G", 2.0), ("R", 1.0)], &[1.0, 2.0, 3.0], &["A"], "")]
 #[case::beside_a_layer(&[("B", 3.0), ("G", 2.0), ("R", 1.0), ("right.B", 6.0), ("right.G", 5.0), ("right.R", 4.0)], &[1.0, 2.0, 3.0], &["right.B", "right.G", "right.R"], "")]
-#[case::only_layer(&[("View.Combined.B", 3.0), ("View.Combined.G", 2.0), ("View.Combined.R", 1.0), ("View.Depth.Z", 9.0)], &[1.0, 2.0, 3.0], &["View.Depth.Z"], "the picture is its layer View.Combined")]
-#[case::beside_normals(&[("N.X", 0.1), ("N.Y", 0.2), ("N.Z", 0.3), ("a.B", 3.0), ("a.G", 2.0), ("a.R", 1.0)], &[1.0, 2.0, 3.0], &["N.X", "N.Y", "N.Z"], "the picture is its layer a")]
+#[case::only_layer(&[("View.Combined.B", 3.0), ("View.Combined.G", 2.0), ("View.Combined.R", 1.0), ("View.Depth.Z", 9.0)], &[1.0, 2.0, 3.0], &["View.Depth.Z"], "the image is its layer View.Combined")]
+#[case::beside_normals(&[("N.X", 0.1), ("N.Y", 0.2), ("N.Z", 0.3), ("a.B", 3.0), ("a.G", 2.0), ("a.R", 1.0)], &[1.0, 2.0, 3.0], &["N.X", "N.Y", "N.Z"], "the image is its layer a")]
 #[case::of_two_layers_none(&[("a.B", 3.0), ("a.G", 2.0), ("a.R", 1.0), ("b.B", 3.0), ("b.G", 2.0), ("b.R", 1.0)], &[], &["a.B", "a.G", "a.R", "b.B", "b.G", "b.R"], "")]
 #[case::depth(&[("Z", 9.0)], &[], &["Z"], "")]
 #[case::two_colours(&[("G", 9.0), ("R", 9.0)], &[], &["G", "R"], "")]
@@ -218,9 +218,9 @@ fn channels_are_known_by_their_names(
     let planes: Vec<(&'static str, &[f32])> =
         channels.iter().zip(&planes).map(|((name, _), (_, value))| (*name, &value[..])).collect();
     let found = light(Part::row(&planes)).expect("read");
-    let picture: Vec<f32> = found.planes.channels()[..found.components].iter().map(|c| c.data[0]).collect();
+    let image: Vec<f32> = found.planes.channels()[..found.components].iter().map(|c| c.data[0]).collect();
     // The tabulated D65 differs from the rounded one in the fourth decimal.
-    assert!(picture.len() == expected.len() && picture.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3));
+    assert!(image.len() == expected.len() && image.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3));
     assert_eq!(found.others(), others);
     assert!(found.warnings.concat().contains(warning), "{found:?}");
     assert_eq!(found.warnings.is_empty(), warning.is_empty(), "{found:?}");

@@ -5,13 +5,13 @@ use image::DynamicImage;
 
 use super::colours::to_srgb;
 use super::openexr::converted;
-use super::{LinearPicture, Mapping};
+use super::{LinearImage, Mapping};
 use crate::decoded::decode;
 use photosite_core::Invalid;
 use photosite_core::colour::ColourSpace;
 use photosite_core::image::{Channel, Planes};
 
-/// Longest header.
+/// Largest header, bytes.
 const MAX_HEADER: usize = 1 << 20;
 
 /// Whether the bytes are those of such a file: "#?", and the name of the program that wrote it.
@@ -19,12 +19,12 @@ pub fn is_radiance(bytes: &[u8]) -> bool {
     bytes.starts_with(b"#?")
 }
 
-/// The light of a file: watts of visible light per steradian and square metre, or relative to that.
+/// Linear light of a file: watts of visible light per steradian and square metre, or relative to that.
 ///
 /// # Errors
 ///
 /// A header or scanlines that cannot be read.
-pub fn decode_radiance(bytes: &[u8]) -> Result<LinearPicture, Invalid> {
+pub fn decode_radiance(bytes: &[u8]) -> Result<LinearImage, Invalid> {
     let bad = |message: String| Invalid::new("", format!("cannot read it as Radiance HDR: {message}"));
     let mut header = Header::default();
     let mut lines = Lines { bytes, at: 0 };
@@ -41,7 +41,7 @@ pub fn decode_radiance(bytes: &[u8]) -> Result<LinearPicture, Invalid> {
     }
     let size = lines.next().ok_or_else(|| bad("it ends before its size".to_owned()))?;
     let size = Size::parse(&size).ok_or_else(|| {
-        bad(format!("{size:?} is not the size of a picture")).help("it is -Y, rows, +X and columns: -Y 512 +X 1024")
+        bad(format!("{size:?} is not the size of an image")).help("it is -Y, rows, +X and columns: -Y 512 +X 1024")
     })?;
     let start = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {} +X {}\n", size.lines, size.of_line);
     let plain = [start.as_bytes(), bytes.get(lines.at..).unwrap_or_default()].concat();
@@ -62,14 +62,14 @@ pub fn decode_radiance(bytes: &[u8]) -> Result<LinearPicture, Invalid> {
     let planes = planes.into();
     let planes = if to_srgb == DMat3::IDENTITY { planes } else { converted(planes, |rgb| to_srgb * rgb) };
     let channels = ["R", "G", "B"].into_iter().zip(planes).map(|(name, data)| Channel { name: name.to_owned(), data });
-    Ok(LinearPicture {
+    Ok(LinearImage {
         pixel_aspect: 1.0 / header.pixel_aspect,
         mapping: header.view.map_or(Mapping::Unstated, Mapping::View),
-        ..LinearPicture::plain(Planes::new(width, height, channels.collect())?)
+        ..LinearImage::plain(Planes::new(width, height, channels.collect())?)
     })
 }
 
-/// Lines that end with LF or CR LF.
+/// Iterator over lines that end with LF or CR LF.
 struct Lines<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -86,9 +86,9 @@ impl Iterator for Lines<'_> {
     }
 }
 
-/// Statements of a header about the numbers.
+/// Statements of a header about pixel values.
 struct Header {
-    /// Factors that the numbers were multiplied by.
+    /// Factors that pixel values were multiplied by.
     factors: DVec3,
     primaries: Option<[[f64; 2]; 4]>,
     is_xyz: bool,
@@ -104,7 +104,7 @@ impl Default for Header {
 }
 
 impl Header {
-    /// Takes in a line. Those that are indented are of pictures that this one was made of.
+    /// Reads a line. Indented lines belong to images that this one was made of.
     fn take(&mut self, line: &str) -> Result<(), Invalid> {
         let Some((key, value)) = line.split_once('=') else { return Ok(()) };
         let value = value.trim();
@@ -129,7 +129,7 @@ impl Header {
         Ok(())
     }
 
-    /// From the numbers of the file.
+    /// Conversion of the file's values to linear sRGB.
     fn to_srgb(&self) -> Result<DMat3, Invalid> {
         let colours = if self.is_xyz {
             ColourSpace::Srgb.to_xyz().inverse()
@@ -142,10 +142,10 @@ impl Header {
 }
 
 fn refused(key: &str, value: &str, wanted: &str) -> Invalid {
-    Invalid::new(key, format!("{value:?} is not read")).help(format!("write the picture anew as {wanted}"))
+    Invalid::new(key, format!("{value:?} is not read")).help(format!("write the image anew as {wanted}"))
 }
 
-/// As many numbers as wanted, without regard to what follows.
+/// Numbers at the start of a text, without regard to what follows.
 fn numbers<const N: usize>(key: &str, text: &str) -> Result<[f64; N], Invalid> {
     let parsed: Vec<f64> = text.split_whitespace().map_while(|word| word.parse().ok()).take(N).collect();
     let wanted = if N == 1 { "a number".to_owned() } else { format!("{N} numbers") };
@@ -160,14 +160,14 @@ fn positive<const N: usize>(key: &str, text: &str) -> Result<[f64; N], Invalid> 
     Err(Invalid::new(key, format!("must be above 0, got {text:?}")).help("correct the header, or write the file anew"))
 }
 
-/// The size of a picture, and how its scanlines lie.
+/// Size of an image, and the order of its scanlines.
 struct Size {
     lines: usize,
     of_line: usize,
     lines_are_rows: bool,
     /// Whether lines follow each other from bottom to top, or from right to left.
     lines_turn: bool,
-    /// Whether the texels of a line do.
+    /// Whether the texels of a line run from right to left, or from bottom to top.
     texels_turn: bool,
 }
 
@@ -193,12 +193,12 @@ impl Size {
         })
     }
 
-    /// Columns and rows of the upright picture.
+    /// Columns and rows of the upright image.
     fn upright(&self) -> [usize; 2] {
         if self.lines_are_rows { [self.of_line, self.lines] } else { [self.lines, self.of_line] }
     }
 
-    /// Where the texel of a column and row is stored.
+    /// Storage index of the texel of a column and row.
     fn index(&self, [x, y]: [usize; 2]) -> usize {
         let (line, texel) = if self.lines_are_rows { (y, x) } else { (x, y) };
         let line = if self.lines_turn { self.lines - 1 - line } else { line };

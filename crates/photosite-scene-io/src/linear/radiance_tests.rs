@@ -2,20 +2,20 @@ use proptest::prelude::*;
 use rstest::rstest;
 
 use super::radiance::decode_radiance;
-use super::{LinearPicture, Mapping};
+use super::{LinearImage, Mapping};
 use photosite_core::Invalid;
 
-/// A file of these lines of its header, the line of its size, and bytes.
+/// A file with these header lines, size line and texels.
 fn file(header: &str, size: &str, texels: &[[u8; 4]]) -> Vec<u8> {
     [header.as_bytes(), size.as_bytes(), b"\n", texels.as_flattened()].concat()
 }
 
-/// Of one texel: mantissas over 256 times 2 to the exponent less 128, so 1, 0.5 and 0.25.
-fn one(header: &str) -> Result<LinearPicture, Invalid> {
+/// A file of one texel: mantissas over 256 times 2 to the exponent minus 128, so 1, 0.5 and 0.25.
+fn one(header: &str) -> Result<LinearImage, Invalid> {
     decode_radiance(&file(header, "-Y 1 +X 1", &[[128, 64, 32, 129]]))
 }
 
-fn texel(light: &LinearPicture, i: usize) -> [f32; 3] {
+fn texel(light: &LinearImage, i: usize) -> [f32; 3] {
     ["R", "G", "B"].map(|name| light.planes.plane(name).expect("a colour")[i])
 }
 
@@ -31,7 +31,7 @@ fn headers_of_all_programs_are_read(#[case] header: &str) {
     assert_eq!(texel(&one(header).expect("read"), 0), [1.0, 0.5, 0.25]);
 }
 
-/// The variables of "The RADIANCE Picture File Format" and those that other programs write.
+/// Variables of "The RADIANCE Image File Format" and those that other programs write.
 #[rstest]
 #[case::exposure("EXPOSURE=4.0", Ok([0.25, 0.125, 0.0625]))]
 #[case::exposures("EXPOSURE=4\nEXPOSURE= 0.5", Ok([0.5, 0.25, 0.125]))]
@@ -73,7 +73,7 @@ fn shapes_and_views_are_told() {
     assert_eq!((found.pixel_aspect, found.mapping), (0.25, Mapping::View("-vtv -vh 40".to_owned())));
 }
 
-/// X, Y and Z of D65, as near as eight bits come, are white.
+/// Tristimulus values of D65 become white, as near as eight bits allow.
 #[test]
 fn xyz_becomes_srgb() {
     let bytes = file("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n", "-Y 1 +X 1", &[[122, 128, 139, 129]]);
@@ -82,7 +82,7 @@ fn xyz_becomes_srgb() {
     assert!(found.iter().all(|value| (value - 1.0).abs() < 0.5 / 128.0 * 5.3), "{found:?}");
 }
 
-/// The same picture of 3 × 2 texels in the eight orders: each scanline in the direction of the second axis.
+/// An image of 3 × 2 texels in the eight orders: each scanline runs in the direction of the second axis.
 #[rstest]
 #[case("-Y 2 +X 3", [0, 1, 2, 3, 4, 5])]
 #[case("-Y 2 -X 3", [2, 1, 0, 5, 4, 3])]
@@ -92,7 +92,7 @@ fn xyz_becomes_srgb() {
 #[case("+X 3 +Y 2", [3, 0, 4, 1, 5, 2])]
 #[case("-X 3 -Y 2", [2, 5, 1, 4, 0, 3])]
 #[case("-X 3 +Y 2", [5, 2, 4, 1, 3, 0])]
-fn pictures_are_turned_upright(#[case] size: &str, #[case] stored: [u8; 6]) {
+fn images_are_turned_upright(#[case] size: &str, #[case] stored: [u8; 6]) {
     // Mantissas from 128 on are those of normal numbers; an exponent of 136 makes them whole.
     let texels = stored.map(|number| [128 + number, 0, 0, 136]);
     let found = decode_radiance(&file("#?RADIANCE\n\n", size, &texels)).expect("read");
@@ -107,7 +107,7 @@ fn pictures_are_turned_upright(#[case] size: &str, #[case] stored: [u8; 6]) {
 #[case::not_a_number("-Y one +X 1")]
 fn sizes_that_are_none_are_refused(#[case] size: &str) {
     let error = decode_radiance(&file("#?RADIANCE\n\n", size, &[[128; 4]])).expect_err("refused");
-    assert!(error.message.contains("is not the size of a picture"), "{error:?}");
+    assert!(error.message.contains("is not the size of an image"), "{error:?}");
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn scanlines_of_both_kinds_of_runs_are_read() {
 }
 
 proptest! {
-    /// The numbers of a file are those before its exposures, whatever these are.
+    /// Pixel values of a file are those before its exposures, whatever these are.
     #[test]
     fn exposures_of_all_lines_are_taken_back(factors in prop::collection::vec(-8i32..8, 0..5)) {
         let lines: String = factors.iter().map(|power| format!("EXPOSURE={}\n", 2f64.powi(*power))).collect();

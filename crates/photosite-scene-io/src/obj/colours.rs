@@ -4,7 +4,7 @@
 //! | the material of the surface | colours |
 //! |---|---|
 //! | none that a library describes | are its reflectance |
-//! | has a picture of its colour | are left out, with a warning |
+//! | has an image of its colour | are left out, with a warning |
 //! | has a colour `Kd` | are multiplied by it, as glTF has it; alone where it is black, with a warning |
 //! | glass, or a mix with a filter | are left out, with a warning |
 
@@ -20,27 +20,27 @@ use photosite_transport::scene::description::{
     TexturedFactor,
 };
 
-/// A colour of a vertex that the file gives none: no colour of a reflectance is below 0.
+/// Marker of a vertex without a colour: no component of a reflectance is below 0.
 const NONE: Vec3 = Vec3::NEG_ONE;
 
 /// Colours of the vertices of a file.
 #[derive(Debug, Default)]
 pub(super) struct VertexColours {
-    /// Behind the positions, as they are written; shorter than the list of positions where the last have none.
+    /// Colours written behind the positions; shorter than the list of positions where the last have none.
     of_positions: Vec<Vec3>,
-    /// Of `#MRGB`, 0–1.
+    /// Colours of `#MRGB` comments, 0–1.
     of_comments: Vec<Vec3>,
 }
 
 impl VertexColours {
-    /// The colour of the position of that number.
+    /// Sets the colour of a position.
     pub(super) fn set(&mut self, position: usize, colour: [f32; 3]) {
         self.of_positions.resize(position, NONE);
         self.of_positions.push(colour.into());
     }
 
-    /// Reads what follows `#MRGB`: a mask, red, green and blue of each vertex, in two hexadecimal digits each. `None` where
-    /// it is none of that.
+    /// Reads what follows `#MRGB`: a mask, red, green and blue of each vertex, in two hexadecimal digits each. `None`
+    /// where the digits are none of that.
     pub(super) fn add_comment(&mut self, digits: &str) -> Option<()> {
         let colour = |digits: &[u8; 8]| {
             let number = u32::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok()?;
@@ -53,7 +53,7 @@ impl VertexColours {
         Some(())
     }
 
-    /// The linear colour of each of so many positions, `None` of those without; nothing where none has one.
+    /// Linear colours of `positions` positions, `None` for those without; empty where none has one.
     pub(super) fn linear(self, positions: usize, warnings: &mut Warnings) -> Vec<Option<Vec3>> {
         let Self { of_positions, of_comments } = self;
         let mut colours = if of_positions.is_empty() { of_comments } else { of_positions };
@@ -78,9 +78,9 @@ impl VertexColours {
     }
 }
 
-/// Gives the materials of meshes with colours a place for them, or drops the colours where there is none. A missing colour
-/// has no number in the meshes; it is filled in. `is_described` tells which materials a library describes. Returns the
-/// others that got their colours.
+/// Lets materials use the colours of their meshes' vertices, or drops the colours where they cannot. Missing colours
+/// are filled in. `is_described` tells which materials a library describes. Returns the undescribed materials that use
+/// colours.
 pub(super) fn settle(
     meshes: &mut [MeshDescription],
     materials: &mut [MaterialDescription],
@@ -121,7 +121,7 @@ pub(super) fn settle(
     found
 }
 
-/// A colour of a vertex of a mesh.
+/// Colour attribute of a mesh vertex.
 pub(super) fn of_vertex(colour: Option<Vec3>) -> Vec4 {
     colour.unwrap_or(NONE).extend(1.0)
 }
@@ -144,7 +144,7 @@ fn make_room(material: &mut MaterialDescription, warnings: &mut Warnings) -> boo
     };
     if layers.base_colour.texture.is_some() {
         warnings.once(format!(
-            "material {name:?}: the colours of the vertices are left out, as its picture has those of the surface"
+            "material {name:?}: the colours of the vertices are left out, as its image has those of the surface"
         ));
         return false;
     }

@@ -1,4 +1,4 @@
-//! The statements of an OBJ file that make geometry, as lists of numbers and faces.
+//! Geometry statements of an OBJ file, as lists of numbers and faces.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -11,13 +11,13 @@ use crate::polygon::MOST_CORNERS;
 use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, Result};
 
-/// What an OBJ file says, with indices counted from 0 and checked.
+/// Geometry of an OBJ file, with indices counted from 0 and checked.
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
     pub(super) positions: Vec<Vec3>,
-    /// Linear colours of the positions, of those that have one; empty where none has.
+    /// Linear colours of the positions, `None` for those without; empty where none has one.
     pub(super) colours: Vec<Option<Vec3>>,
-    /// v grows downwards as in glTF; OBJ has it growing upwards.
+    /// UV coordinates, v downwards as in glTF; in OBJ files v grows upwards.
     pub(super) uvs: Vec<Vec2>,
     pub(super) normals: Vec<Vec3>,
     pub(super) corners: Vec<Corner>,
@@ -44,9 +44,9 @@ pub(super) struct Face {
     pub(super) first_corner: usize,
     pub(super) corners: usize,
     pub(super) object: usize,
-    /// Index among the names; `None` before any `usemtl`.
+    /// Index into the material names; `None` before any `usemtl`.
     pub(super) material: Option<usize>,
-    /// 0 is off.
+    /// Smoothing group; 0 is off.
     pub(super) smoothing_group: u32,
     line: usize,
 }
@@ -202,7 +202,7 @@ impl Geometry {
     }
 }
 
-/// What holds until another statement changes it.
+/// State that holds until another statement changes it.
 #[derive(Default)]
 struct State {
     object: usize,

@@ -15,12 +15,12 @@ pub(super) struct Statement<'a> {
 }
 
 impl Statement<'_> {
-    /// The first word.
+    /// First word of the statement.
     pub(super) fn keyword(&self) -> &str {
         &self.text[..self.keyword_len]
     }
 
-    /// What follows it, trimmed.
+    /// Text after the keyword, trimmed.
     pub(super) fn rest(&self) -> &str {
         self.text[self.keyword_len..].trim()
     }
@@ -30,8 +30,8 @@ impl Statement<'_> {
         Words { words: self.text[self.keyword_len..].split_whitespace() }
     }
 
-    /// Parses the words as numbers: at least `least`, at most `N`. What is left out is zero. Returns how many there
-    /// are.
+    /// Parses the words as numbers: at least `least`, at most `N`. Missing ones are zero. Returns the number of those
+    /// present.
     pub(super) fn numbers<const N: usize>(&self, least: usize) -> Result<([f32; N], usize), Invalid> {
         let mut values = [0.0; N];
         let mut count = 0;

@@ -7,35 +7,35 @@ use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, Result};
 use photosite_transport::texture::{SamplerSettings, UvTransform, Wrap};
 
-/// A reference to a picture.
+/// A reference to an image.
 #[derive(Clone, Debug)]
 pub(super) struct Map {
     pub(super) file: String,
     pub(super) sampler: SamplerSettings,
     pub(super) transform: UvTransform,
-    /// `-imfchan`: what of a texel counts where one number is wanted. Left out: the luminance.
+    /// Channel (`-imfchan`) that counts where one number is wanted; by default the luminance.
     pub(super) channel: Option<MapChannel>,
-    /// `-mm`: the picture's values v stand for base + gain·v.
+    /// Range (`-mm`): the image's values v stand for base + gain·v.
     pub(super) range: Range,
-    /// `-bm`: factor of bumps.
+    /// Factor of bumps (`-bm`).
     pub(super) bumps: f32,
     /// Line and keyword, for messages.
     pub(super) line: usize,
     pub(super) key: String,
 }
 
-/// What of a texel counts.
+/// Channel of a texel, where one number is wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum MapChannel {
     R,
     G,
     B,
-    /// The matte: alpha.
+    /// Matte channel: alpha.
     Matte,
     Luminance,
 }
 
-/// Values v of a picture as they are meant: base + gain·v.
+/// Mapping of an image's values v to base + gain·v.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Range {
     pub(super) base: f32,
@@ -43,16 +43,16 @@ pub(super) struct Range {
 }
 
 impl Range {
-    /// The values as they are.
+    /// Identity mapping.
     pub(super) const WHOLE: Self = Self { base: 0.0, gain: 1.0 };
 
-    /// Cut off at 0 and 1.
+    /// Mapped value, clamped to 0–1.
     pub(super) fn apply(self, value: f32) -> f32 {
         (self.base + self.gain * value).clamp(0.0, 1.0)
     }
 }
 
-/// A file name after its options.
+/// Parses a file name behind its options.
 pub(super) fn map(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<Map, Invalid> {
     let mut left_out = |option: &str| {
         let (line, key) = (statement.line, statement.keyword());
@@ -92,7 +92,7 @@ pub(super) fn map(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<
                     "b" => channel = Some(MapChannel::B),
                     "m" => channel = Some(MapChannel::Matte),
                     "l" => channel = Some(MapChannel::Luminance),
-                    // Depth, which pictures no longer have.
+                    // Depth, which images no longer have.
                     _ => left_out(option),
                 }
                 after = next;
@@ -121,20 +121,20 @@ pub(super) fn map(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<
     if rest.is_empty() {
         return Err(Invalid::new("", "names no file"));
     }
-    // OBJ scales and moves from the bottom of the picture, glTF (v' = 1 − v) from its top:
+    // OBJ scales and moves from the bottom of the image, glTF (v' = 1 − v) from its top:
     // 1 − (s·(1 − v') + o) = s·v' + (1 − s − o).
     let transform = UvTransform { offset: Vec2::new(offset.x, 1.0 - scale.y - offset.y), rotation_rad: 0.0, scale };
     let (line, key) = (statement.line, statement.keyword().to_owned());
     Ok(Map { file: rest.to_owned(), sampler, transform, channel, range, bumps, line, key })
 }
 
-/// The first word and what follows it.
+/// Splits off the first word of a text.
 fn split_word(text: &str) -> (&str, &str) {
     let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
     (word, rest.trim_start())
 }
 
-/// One to three numbers, of which the third (for solid textures) does not count, and what follows them.
+/// One to three numbers and the text behind them; the third number, for solid textures, is ignored.
 fn vector(text: &str, default: f32) -> (Vec2, &str) {
     let mut values = [default; 3];
     let mut rest = text;

@@ -1,6 +1,6 @@
-//! What MTL materials mean physically. The format describes formulas of the early nineties
+//! Physical meaning of MTL materials. The format describes formulas of the early nineties
 //! ([Mtl95](photosite_core::references#mtl95)) and was extended by the parameters of Burley's model
-//! ([Houston15](photosite_core::references#houston15)); this is the reading, the first row that fits:
+//! ([Houston15](photosite_core::references#houston15)); the first row that fits applies:
 //!
 //! | the file says | it is taken as |
 //! |---|---|
@@ -23,8 +23,8 @@
 //! in texels (assumed: the format has no unit for it). `Ke` is in nit. Surfaces scatter on both sides, since the format
 //! has no notion of a front. `illum` 0, a colour without light, is diffuse: light from nowhere is left out.
 
+use super::material_textures::MaterialTextures;
 use super::mtl::{MtlMaterial, roughness_of_exponent};
-use super::pictures::MaterialTextures;
 use crate::assemble::DEFAULT_REFLECTANCE;
 use photosite_core::spectrum::upsampling::reflectance_spectrum;
 use photosite_core::spectrum::{Dispersion, Spectrum};
@@ -35,15 +35,15 @@ use photosite_transport::scene::description::{
     TexturedFactor, ThinDielectric,
 };
 
-/// Perceptual roughness of sheen, of which the format says nothing.
+/// Perceptual roughness of sheen, which the format does not define.
 const SHEEN_ROUGHNESS: f32 = 0.5;
 
-/// `Ks` of a surface that reflects as its index says.
+/// Value of `Ks` for a surface that reflects as its index demands.
 const ORDINARY_SPECULAR: f32 = 0.5;
 
 const WHITE: [f32; 3] = [1.0; 3];
 
-/// The material that the module's table gives.
+/// Material by the table of this module.
 pub(super) fn describe(
     mtl: &MtlMaterial,
     mut textures: MaterialTextures,
@@ -83,7 +83,7 @@ fn is_glass(mtl: &MtlMaterial) -> bool {
     mtl.index.is_some_and(|index| index > 1.0) && refracts && mtl.opacity_map.is_none()
 }
 
-/// `Tf`, where it is a colour.
+/// Transmission filter `Tf`, where it is a colour.
 fn filter(mtl: &MtlMaterial) -> Option<[f32; 3]> {
     mtl.transmission_filter.map(|filter| filter.map(|c| c.clamp(0.0, 1.0))).filter(|filter| *filter != WHITE)
 }
@@ -116,13 +116,13 @@ fn unit(value: Option<f32>, default: f32) -> f32 {
     value.unwrap_or(default).clamp(0.0, 1.0)
 }
 
-/// A number and its map; a map without its number stands alone.
+/// Factor and its map; a map without a factor is used alone.
 fn factor(value: Option<f32>, texture: Option<TextureDescription>, otherwise: f32) -> TexturedFactor {
     let value = unit(value, if texture.is_some() { 1.0 } else { otherwise });
     TexturedFactor { value, texture: texture.map(|texture| (texture, Channel::R)) }
 }
 
-/// A colour and its map, the same way.
+/// Colour and its map; a map without a colour is used alone.
 fn colour(
     mtl: &MtlMaterial,
     (key, value): (&str, Option<[f32; 3]>),
@@ -182,7 +182,7 @@ fn layered(layers: LayeredDescription, base_colour: TexturedColour, specular: Op
     MaterialModel::Layered(Box::new(LayeredDescription { base_colour, specular_colour, ..layers }))
 }
 
-/// What the extension of the format for glTF's like says, but for colours.
+/// Layers of the physically based extension of the format, which resembles glTF, without colours.
 fn physically_based(mtl: &MtlMaterial, mut textures: MaterialTextures) -> LayeredDescription {
     let coat = factor(mtl.coat, textures.coat.take(), 0.0);
     let sheen = unit(mtl.sheen, if textures.sheen.is_some() { 1.0 } else { 0.0 });
@@ -217,7 +217,7 @@ fn is_physically_based(mtl: &MtlMaterial) -> bool {
     numbers.iter().any(Option::is_some) || maps.iter().any(|map| map.is_some())
 }
 
-/// Perceptual roughness: `Pr`, else what `Ns` gives.
+/// Perceptual roughness: `Pr`, or else derived from `Ns`.
 fn roughness(mtl: &MtlMaterial, textures: &mut MaterialTextures, otherwise: f32) -> TexturedFactor {
     let by_exponent = textures.roughness_of_exponent.take();
     if mtl.roughness.is_some() || textures.roughness.is_some() || by_exponent.is_none() {
@@ -232,7 +232,7 @@ fn emission(mtl: &MtlMaterial, texture: Option<TextureDescription>) -> Option<Em
     (colour != [0.0; 3]).then_some(EmissionDescription { colour: Colour::Rgb(colour), level: Some(1.0), texture })
 }
 
-/// A colour within 0–1; what is outside is cut off with a warning.
+/// Colour clamped to 0–1 with a warning.
 fn reflectance(mtl: &MtlMaterial, key: &str, colour: [f32; 3], warnings: &mut Warnings) -> [f32; 3] {
     if colour.iter().any(|c| !(0.0..=1.0).contains(c)) {
         let name = &mtl.name;

@@ -1,4 +1,4 @@
-//! From faces to meshes: one for each material of each object.
+//! Meshes from faces: one for each material of each object.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -80,10 +80,10 @@ fn mesh_name(geometry: &Geometry, object: usize, material: usize) -> String {
     if names.is_empty() { "mesh".to_owned() } else { names.join("/") }
 }
 
-/// Smooth normals of faces that the file gives none.
+/// Smooth normals of faces without normals in the file.
 struct GroupNormals {
     missing: MissingNormals,
-    /// (smoothing group, position) → sum of the normals around, weighted by their angles as in
+    /// Sum of the normals around each (smoothing group, position), weighted by their angles as in
     /// [`smooth_normals`](crate::mesh::smooth_normals).
     sums: HashMap<(u32, u32), DVec3>,
 }
@@ -111,7 +111,7 @@ impl GroupNormals {
         normals
     }
 
-    /// The smoothing group that counts; 0 for none.
+    /// Smoothing group in effect; 0 for none.
     fn group(&self, face: &Face) -> u32 {
         match self.missing {
             MissingNormals::Flat => face.smoothing_group,

@@ -1,7 +1,7 @@
 //! OBJ geometry with MTL materials, as a [`SceneDescription`].
 //!
-//! In: an `.obj` file, the material libraries and pictures that it names. Out: meshes in the file's own unit, one for
-//! each material of each object, at the origin; materials with what the MTL file says of them.
+//! An `.obj` file, with the material libraries and images that it names, becomes meshes in the file's own unit, one for
+//! each material of each object, at the origin, and materials as described in the MTL file.
 //!
 //! Concave polygons, continued lines, smoothing groups, colours of vertices and the options of textures are followed;
 //! curves, free-form surfaces and groups (`g`) are not. The parser is our own because files of this format are often
@@ -14,9 +14,9 @@ mod geometry;
 mod lines;
 mod map;
 mod material;
+mod material_textures;
 mod mesh;
 mod mtl;
-mod pictures;
 
 #[cfg(test)]
 mod tests;
@@ -29,27 +29,27 @@ use super::mesh::MissingNormals;
 use files::{file_beside, read_text};
 use geometry::Geometry;
 use material::describe;
+use material_textures::ImageCache;
 use mtl::MtlMaterial;
 use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, Result, Sandbox, memory};
 use photosite_transport::scene::description::SceneDescription;
-use pictures::Pictures;
 
-/// An OBJ file as read.
+/// Content of an OBJ file.
 #[derive(Debug)]
 pub struct ObjFile {
-    /// What it holds.
+    /// Scene described by the file.
     pub scene: SceneDescription,
-    /// Materials that faces use but no library describes; they are diffuse grey in the scene. A capture file may
+    /// Materials that faces use but no library describes; these are diffuse grey in the scene. A capture file may
     /// describe them, so they are not yet worth a warning.
     pub undescribed_materials: Vec<String>,
 }
 
 /// Refuses geometry that takes more memory than there is: corners and triangles, parsed and kept.
 fn check_memory(text: &str) -> Result<(), Invalid> {
-    /// Bytes of a triangle with its part of the corners, as they are measured.
+    /// Bytes of a triangle with its share of the corners, by measurement.
     const TRIANGLE: u64 = 210;
-    /// Most bytes for one of a text: the shortest face is "f 1 2 3".
+    /// Largest memory per byte of text: the shortest face is "f 1 2 3".
     const MOST: u64 = 32;
     // Seldom is it close enough to be counted.
     if memory::left().is_none_or(|left| text.len() as u64 * MOST <= left.bytes()) {
@@ -63,14 +63,14 @@ fn check_memory(text: &str) -> Result<(), Invalid> {
     memory::check(triangles * TRIANGLE, &format!("its geometry of {triangles} triangles"), "simplify it")
 }
 
-/// How a file is read.
+/// Options for reading a file.
 #[derive(Clone, Debug, Default)]
 pub struct Choice {
-    /// What its faces without normals get.
+    /// Normals for faces without any.
     pub missing_normals: MissingNormals,
-    /// Where its materials and their pictures must lie.
+    /// Sandbox that materials and their images must lie in.
     pub sandbox: Sandbox,
-    /// Whether a picture that is missing or broken gets a stand-in with a warning.
+    /// Whether an image that is missing or broken gets a stand-in with a warning.
     pub is_lenient: bool,
 }
 
@@ -87,10 +87,10 @@ pub fn parse(text: &str, path: &Path, choice: &Choice) -> Result<ObjFile> {
     let libraries = read_libraries(&geometry, path, &choice.sandbox, &mut warnings)?;
 
     let mut scene = SceneDescription::default();
-    let mut pictures = Pictures::within(&choice.sandbox, choice.is_lenient);
+    let mut images = ImageCache::within(&choice.sandbox, choice.is_lenient);
     for name in &geometry.materials {
         scene.materials.push(match libraries.get(name) {
-            Some((library, mtl)) => describe(mtl, pictures.of_material(mtl, library)?, &mut warnings),
+            Some((library, mtl)) => describe(mtl, images.of_material(mtl, library)?, &mut warnings),
             None => undescribed(name),
         });
     }
@@ -106,14 +106,14 @@ pub fn parse(text: &str, path: &Path, choice: &Choice) -> Result<ObjFile> {
     if scene.meshes.iter().all(|mesh| mesh.material != default_material) {
         scene.materials.truncate(default_material);
     }
-    pictures.warnings.into_messages().into_iter().for_each(|message| warnings.once(message));
+    images.warnings.into_messages().into_iter().for_each(|message| warnings.once(message));
     let libraries = libraries.into_values().map(|(path, _)| path);
-    scene.files = libraries.chain(pictures.slots.into_keys().map(|(path, _)| path)).collect();
-    // Something may stand for a picture that is missing.
+    scene.files = libraries.chain(images.slots.into_keys().map(|(path, _)| path)).collect();
+    // Something may stand for an image that is missing.
     scene.files.retain(|path| path.is_file());
     scene.files.sort();
     scene.files.dedup();
-    scene.images = pictures.images;
+    scene.images = images.images;
     scene.warnings = warnings.of_file(path);
     Ok(ObjFile { scene, undescribed_materials })
 }

@@ -1,4 +1,4 @@
-//! The statements of an MTL file, as lists of parameters.
+//! Statements of an MTL file, as lists of parameters.
 
 use std::path::Path;
 
@@ -10,46 +10,46 @@ use photosite_core::spectrum::rgb;
 use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, Result};
 
-/// A material as the file has it. Colours are taken as linear sRGB: the format does not say.
+/// A material of the file. Colours are taken as linear sRGB, since the format does not define their space.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MtlMaterial {
     pub(super) name: String,
-    /// `Kd`.
+    /// Diffuse colour `Kd`.
     pub(super) diffuse: Option<[f32; 3]>,
-    /// `Ks`.
+    /// Specular colour `Ks`.
     pub(super) specular: Option<[f32; 3]>,
-    /// `Ke`.
+    /// Emission `Ke`, nit.
     pub(super) emission: Option<[f32; 3]>,
-    /// `Ns`, exponent of a Blinn–Phong lobe.
+    /// Exponent `Ns` of a Blinn–Phong lobe.
     pub(super) shininess: Option<f32>,
-    /// `Ni`.
+    /// Index of refraction `Ni`.
     pub(super) index: Option<f32>,
-    /// `d`, or what `Tr` is taken for.
+    /// Opacity `d`, or derived from `Tr`.
     pub(super) opacity: Option<f32>,
-    /// `Tr`.
+    /// Transparency `Tr`.
     pub(super) transparency: Option<f32>,
-    /// `illum`.
+    /// Illumination model `illum`.
     pub(super) illumination_model: Option<u32>,
-    /// `Pr`, perceptual roughness 0–1.
+    /// Perceptual roughness `Pr`, 0–1.
     pub(super) roughness: Option<f32>,
-    /// `Pm`, 0–1.
+    /// Metallic weight `Pm`, 0–1.
     pub(super) metallic: Option<f32>,
-    /// `Tf`, the colour of light that passes.
+    /// Transmission filter `Tf`, the colour of transmitted light.
     pub(super) transmission_filter: Option<[f32; 3]>,
-    /// `Pc`, weight of a clear coat 0–1.
+    /// Weight `Pc` of a clear coat, 0–1.
     pub(super) coat: Option<f32>,
-    /// `Pcr`, its perceptual roughness.
+    /// Perceptual roughness `Pcr` of the clear coat.
     pub(super) coat_roughness: Option<f32>,
-    /// `Ps`, weight of sheen 0–1.
+    /// Weight `Ps` of sheen, 0–1.
     pub(super) sheen: Option<f32>,
-    /// `aniso`, 0–1.
+    /// Strength `aniso` of anisotropy, 0–1.
     pub(super) anisotropy: Option<f32>,
-    /// `anisor`, in turns.
+    /// Rotation `anisor` of anisotropy, turns.
     pub(super) anisotropy_rotation: Option<f32>,
     pub(super) diffuse_map: Option<Map>,
     pub(super) specular_map: Option<Map>,
     pub(super) emission_map: Option<Map>,
-    /// Factor of the exponent.
+    /// Map that multiplies the exponent.
     pub(super) shininess_map: Option<Map>,
     pub(super) opacity_map: Option<Map>,
     pub(super) roughness_map: Option<Map>,
@@ -57,9 +57,9 @@ pub(super) struct MtlMaterial {
     pub(super) sheen_map: Option<Map>,
     pub(super) coat_map: Option<Map>,
     pub(super) coat_roughness_map: Option<Map>,
-    /// `norm`: a tangent-space normal map.
+    /// Tangent-space normal map `norm`.
     pub(super) normal_map: Option<Map>,
-    /// `bump`: heights.
+    /// Height map `bump`.
     pub(super) bump_map: Option<Map>,
 }
 
@@ -125,7 +125,7 @@ impl MtlMaterial {
             "map_Ps" => self.sheen_map = Some(map(statement, warnings)?),
             "map_Pc" => self.coat_map = Some(map(statement, warnings)?),
             "map_Pcr" => self.coat_roughness_map = Some(map(statement, warnings)?),
-            // Roughness, metalness and occlusion in one picture, in the order that the letters say.
+            // Roughness, metalness and occlusion in one image, in the order that the letters say.
             "map_RMA" | "map_ORM" => {
                 let [roughness, metallic] = match key {
                     "map_RMA" => [MapChannel::R, MapChannel::G],
@@ -138,7 +138,7 @@ impl MtlMaterial {
             "norm" | "map_Kn" => self.normal_map = Some(map(statement, warnings)?),
             "map_Bump" | "map_bump" | "bump" => self.bump_map = Some(map(statement, warnings)?),
             "disp" | "decal" | "refl" => left_out("a texture"),
-            // Of pictures that stand for surroundings, of light that comes from nowhere, of rasterisers.
+            // Of images that stand for surroundings, of light that comes from nowhere, of rasterisers.
             "sharpness" | "Ka" | "map_Ka" | "map_aat" => {}
             _ => left_out("an unknown statement"),
         }
@@ -147,7 +147,7 @@ impl MtlMaterial {
 }
 
 impl MtlMaterial {
-    /// Decides where the statements of a material contradict each other, or mean different things to different programs, as
+    /// Resolves statements of a material that contradict each other, or mean different things to different programs, as
     /// most programs do.
     fn settle(&mut self, warnings: &mut Warnings) {
         let name = &self.name;
@@ -171,13 +171,10 @@ impl MtlMaterial {
         if let Some(opacity) = self.opacity.filter(|opacity| !(0.0..=1.0).contains(opacity)) {
             say(format!("d {opacity} is outside 0–1 and is cut off there"));
         }
-        // Programs write what they do not use as 0 beside a picture of it, and read the picture alone.
+        // Programs write what they do not use as 0 beside an image of it, and read the image alone.
         let mut alone = |key: &str, map: &Option<Map>, is_zero: bool| {
             let Some(map) = map.as_ref().filter(|_| is_zero) else { return false };
-            say(format!(
-                "{key} 0 beside {} would leave nothing of the picture {:?} and is left out",
-                map.key, map.file
-            ));
+            say(format!("{key} 0 beside {} would leave nothing of the image {:?} and is left out", map.key, map.file));
             true
         };
         for (key, colour, map) in [
@@ -205,8 +202,8 @@ impl MtlMaterial {
     }
 }
 
-/// `r g b`, or `r` for grey; the same after `xyz`, where white has the XYZ of D65 at Y = 1. Files of spectra are left
-/// out with a warning.
+/// Colour of `r g b`, or of `r` for grey; after `xyz`, tristimulus values, where white has the XYZ of D65 at Y = 1.
+/// Files of spectra are left out with a warning.
 fn colour(statement: &Statement<'_>, warnings: &mut Warnings) -> Result<Option<[f32; 3]>, Invalid> {
     let mut words = statement.words();
     let form = words.next().filter(|word| matches!(*word, "spectral" | "xyz"));
@@ -282,14 +279,15 @@ mod tests {
         assert_eq!(material("norm -odd name.png").expect("valid").normal_map.expect("a map").file, "-odd name.png");
     }
 
-    /// A material, and what is said of it.
+    /// A material, and its warnings.
     fn told(lines: &str) -> (MtlMaterial, Vec<String>) {
         let mut warnings = Warnings::default();
         let found = parse(&format!("newmtl m\n{lines}"), Path::new("a.mtl"), &mut warnings).expect("valid");
         (found.into_iter().next().expect("one material"), warnings.into_messages())
     }
 
-    /// What MeshLab, OpenMVS, mvs-texturing and 3ds Max write of opaque surfaces, and what the format itself says.
+    /// Transparency of opaque surfaces as MeshLab, OpenMVS, mvs-texturing and 3ds Max write it, and as the format
+    /// defines it.
     #[test]
     fn transparency_without_d_is_opaque_where_it_is_0_or_1() {
         for (lines, opacity, words) in [
@@ -322,7 +320,7 @@ mod tests {
     #[case("Ps 0", "map_Ps")]
     #[case("Pc 0", "map_Pc")]
     #[case("Pcr 0", "map_Pcr")]
-    fn nothing_beside_a_picture_leaves_the_picture(#[case] zero: &str, #[case] map: &str) {
+    fn nothing_beside_an_image_leaves_the_image(#[case] zero: &str, #[case] map: &str) {
         for lines in [format!("{zero}\n{map} a.png"), format!("{map} a.png\n{zero}")] {
             let (found, warnings) = told(&lines);
             let bare = format!("{:?}", told(&format!("{map} a.png")).0);

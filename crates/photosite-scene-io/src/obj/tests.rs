@@ -1,4 +1,4 @@
-//! Whole files, made here: what they mean, and what happens when they are damaged.
+//! Whole files, made here: their meaning, and errors of damaged ones.
 
 use std::fs;
 
@@ -11,7 +11,7 @@ use crate::mesh::checked;
 use photosite_transport::scene::description::{AlphaMode, Colour, Diffuse, MaterialModel};
 use photosite_transport::texture::Texels;
 
-/// A folder with `scene.obj` and what else a test needs.
+/// A folder with the files of a test, among them `scene.obj`.
 fn folder(files: &[(&str, &[u8])]) -> TempDir {
     let folder = tempfile::tempdir().expect("temporary folder");
     for (name, bytes) in files {
@@ -85,7 +85,7 @@ fn smoothing_groups_smooth_within_themselves() {
 }
 
 #[test]
-fn materials_come_from_the_library_and_pictures_from_beside_it() {
+fn materials_come_from_the_library_and_images_from_beside_it() {
     let mut png = std::io::Cursor::new(Vec::new());
     let grey = image::GrayImage::from_pixel(1, 1, image::Luma([77]));
     grey.write_to(&mut png, image::ImageFormat::Png).expect("encoded");
@@ -108,10 +108,10 @@ fn materials_come_from_the_library_and_pictures_from_beside_it() {
     assert_eq!(scene.materials[1].emission.as_ref().and_then(|e| e.level), Some(1.0));
 }
 
-/// The value of a half in sRGB (IEC 61966-2-1): ((½ + 0.055)/1.055)^2.4.
+/// Linear value of ½ in sRGB (IEC 61966-2-1): ((½ + 0.055)/1.055)^2.4.
 const HALF: f32 = 0.214_041_14;
 
-/// The linear colours of the vertices of a square without a material, and the warnings.
+/// Linear colours of the vertices of a square without a material, and the warnings.
 fn colours_of(text: &str) -> (Vec<Vec4>, Vec<String>) {
     let file = read_text(text).expect("valid");
     (file.scene.meshes[0].colours.clone(), file.scene.warnings)
@@ -173,7 +173,7 @@ fn colours_of_vertices_are_what_the_material_has_room_for() {
     for (mtl, expected, kept, words) in [
         ("newmtl red\nKd 0.5 0.5 0.5", [0.5; 3], true, ""),
         ("newmtl red\nKd 0 0 0", [1.0; 3], true, "Kd is black"),
-        ("newmtl red\nKd 0.5 0.5 0.5\nmap_Kd a.png", [0.5; 3], false, "its picture has those"),
+        ("newmtl red\nKd 0.5 0.5 0.5\nmap_Kd a.png", [0.5; 3], false, "its image has those"),
         ("newmtl red\nKd 0.5 0.5 0.5\nPr 0.2", [0.5; 3], true, ""),
     ] {
         let file = read(mtl, "usemtl red\nf 1 2 3");
@@ -189,7 +189,7 @@ fn colours_of_vertices_are_what_the_material_has_room_for() {
 }
 
 #[test]
-fn a_missing_library_is_a_warning_and_a_missing_picture_an_error() {
+fn a_missing_library_is_a_warning_and_a_missing_image_an_error() {
     let obj = format!("mtllib gone.mtl\n{SQUARE}usemtl red\nf 1 2 3\n");
     let file = read_text(&obj).expect("valid but for its colours");
     assert!(file.scene.warnings[0].contains("line 1") && file.scene.warnings[0].contains("gone.mtl"));
@@ -197,7 +197,7 @@ fn a_missing_library_is_a_warning_and_a_missing_picture_an_error() {
 
     let obj = format!("mtllib a.mtl\n{SQUARE}usemtl red\nf 1 2 3\n");
     let folder = folder(&[("scene.obj", obj.as_bytes()), ("a.mtl", b"newmtl red\nKd 1 0 0\nmap_Kd gone.png\n")]);
-    let error = read(&folder.path().join("scene.obj"), &Choice::default()).expect_err("no picture").to_string();
+    let error = read(&folder.path().join("scene.obj"), &Choice::default()).expect_err("no image").to_string();
     assert!(error.contains("a.mtl:3: map_Kd: ") && error.contains("gone.png"), "{error}");
 }
 
@@ -264,7 +264,7 @@ fn tobj_reads_the_same() {
 }
 
 #[test]
-fn pictures_that_cannot_be_had_get_a_stand_in_where_that_is_allowed() {
+fn images_that_cannot_be_had_get_a_stand_in_where_that_is_allowed() {
     let library = b"newmtl a\nmap_Kd gone.png\nmap_Pr torn.png\nbump gone.png\nnorm gone.png\n";
     let folder = folder(&[
         ("scene.obj", b"mtllib scene.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n"),

@@ -1,21 +1,21 @@
-//! The header of a PLY file: how values are written, and which there are.
+//! Header of a PLY file: the form of the values, and the elements.
 
 use std::path::Path;
 
 use photosite_core::{Error, Invalid, Result, text};
 
-/// What the header says.
+/// Content of the header.
 #[derive(Debug)]
 pub(super) struct Header {
     pub(super) form: Form,
     pub(super) elements: Vec<Element>,
-    /// What comments call `TextureFile`, with their lines.
-    pub(super) pictures: Vec<(usize, String)>,
-    /// Where the values begin: the byte, and the line, counted from 1.
+    /// Image names in `TextureFile` comments, with their lines.
+    pub(super) images: Vec<(usize, String)>,
+    /// Start of the values: the byte, and the line, counted from 1.
     pub(super) end: (usize, usize),
 }
 
-/// How values are written.
+/// Form of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Form {
     Ascii,
@@ -23,7 +23,7 @@ pub(super) enum Form {
     BigEndian,
 }
 
-/// A list of things that have the same properties.
+/// A list of items with the same properties.
 #[derive(Debug)]
 pub(super) struct Element {
     pub(super) name: String,
@@ -41,14 +41,14 @@ pub(super) struct Property {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Number(Number),
-    /// Its length, which is written first, and its items.
+    /// List: its length, which is written first, and its items.
     List {
         length: Number,
         item: Number,
     },
 }
 
-/// A type of numbers.
+/// Type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Number {
     I8,
@@ -82,12 +82,12 @@ impl Number {
         })
     }
 
-    /// Its usual name.
+    /// Usual name of the type.
     pub(super) fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(number, _)| *number == self).map_or("", |(_, names)| names[0])
     }
 
-    /// Bytes.
+    /// Size in bytes.
     pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -101,7 +101,7 @@ impl Number {
         !matches!(self, Self::F32 | Self::F64)
     }
 
-    /// The smallest and the largest whole number.
+    /// Smallest and largest whole number of the type.
     pub(super) fn range(self) -> (f64, f64) {
         match self {
             Self::I8 => (i8::MIN.into(), i8::MAX.into()),
@@ -116,17 +116,17 @@ impl Number {
 }
 
 impl Element {
-    /// The number of a property of numbers among the properties.
+    /// Index of a number property among the properties.
     pub(super) fn number(&self, name: &str) -> Option<usize> {
         self.properties.iter().position(|p| p.name == name && matches!(p.kind, Kind::Number(_)))
     }
 
-    /// The number of a property of lists.
+    /// Index of a list property among the properties.
     pub(super) fn list(&self, name: &str) -> Option<usize> {
         self.properties.iter().position(|p| p.name == name && matches!(p.kind, Kind::List { .. }))
     }
 
-    /// The type of a property, or of the items of its lists.
+    /// Type of a property, or of the items of a list property.
     pub(super) fn type_of(&self, property: usize) -> Number {
         match self.properties[property].kind {
             Kind::Number(number) | Kind::List { item: number, .. } => number,
@@ -147,7 +147,7 @@ impl Header {
             let help = "a PLY file begins with the line \"ply\"; name files of other kinds by their own ending";
             return Err(Invalid::new("", "is not a PLY file").help(help).in_file(path));
         }
-        let mut header = Self { form: Form::Ascii, elements: Vec::new(), pictures: Vec::new(), end: (0, 0) };
+        let mut header = Self { form: Form::Ascii, elements: Vec::new(), images: Vec::new(), end: (0, 0) };
         let first_end = bytes.iter().position(|&byte| is_end(byte)).unwrap_or(bytes.len());
         // Where lines end in \r alone, a \n behind the last one is a value.
         let is_lone = bytes[first_end..].starts_with(b"\r") && !bytes[first_end..].starts_with(b"\r\n");
@@ -176,7 +176,7 @@ impl Header {
         Ok(header)
     }
 
-    /// A line of it. Returns whether it tells the form.
+    /// Reads a line of the header. Returns whether it gives the form.
     fn add(&mut self, text: &str, line: usize) -> Result<bool, Invalid> {
         let words: Vec<&str> = text.split_whitespace().collect();
         let unknown = |help: &str| Err(Invalid::new("", format!("cannot be read: {text:?}")).help(help));
@@ -193,7 +193,7 @@ impl Header {
             ["format", ..] => return unknown("write, for example, \"format ascii 1.0\""),
             ["comment", "TextureFile", ..] => {
                 let name = text.split_once("TextureFile").map_or("", |(_, name)| name.trim());
-                self.pictures.push((line, name.to_owned()));
+                self.images.push((line, name.to_owned()));
             }
             [] | ["ply"] | ["comment" | "obj_info", ..] => {}
             ["element", name, count] => {
@@ -222,7 +222,7 @@ impl Header {
         Ok(false)
     }
 
-    /// Refuses elements and properties that are there twice, of which either may be meant.
+    /// Refuses duplicate elements and properties, since either may be meant.
     fn check(&self, path: &Path) -> Result<()> {
         for (i, element) in self.elements.iter().enumerate().filter(|(_, e)| matches!(&*e.name, "vertex" | "face")) {
             let twice = |name: &str, line: usize| {

@@ -14,12 +14,12 @@ use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, Result, memory};
 use photosite_transport::scene::description::MeshDescription;
 
-/// Vertices and polygons as the file has them, in range.
+/// Vertices and polygons of the file, checked to be in range.
 #[derive(Debug, Default)]
 pub(super) struct Geometry {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
-    /// v grows downwards as in glTF; PLY has it growing upwards.
+    /// UV coordinates, v downwards as in glTF; in PLY files v grows upwards.
     uvs: Vec<Vec2>,
     colours: Vec<Vec4>,
     /// The corners of all polygons, one after the other.
@@ -30,7 +30,7 @@ pub(super) struct Geometry {
     sizes: Vec<u32>,
 }
 
-/// Which properties of vertices mean what.
+/// Columns of the vertex properties that are used.
 struct Columns {
     position: [usize; 3],
     normal: Option<[usize; 3]>,
@@ -66,7 +66,7 @@ impl Columns {
         })
     }
 
-    /// Those that count.
+    /// Columns that are used.
     fn all(&self) -> impl Iterator<Item = usize> {
         let Self { position, normal, uv, colour, alpha } = *self;
         let others = normal.into_iter().chain(colour).flatten().chain(uv.into_iter().flatten()).chain(alpha);
@@ -74,13 +74,13 @@ impl Columns {
     }
 }
 
-/// The numbers of properties, if all are there.
+/// Columns of properties, if all are present.
 fn all_of<const N: usize>(element: &Element, names: [&str; N]) -> Option<[usize; N]> {
     let found = names.map(|name| element.number(name));
     found.iter().all(Option::is_some).then(|| found.map(Option::unwrap_or_default))
 }
 
-/// What stands for white, and whether it is sRGB-encoded; `None` for types that are not used for colours.
+/// Value of white, and whether colours are sRGB-encoded; `None` for types that are not used for colours.
 fn encoding(number: Number) -> Option<(f64, bool)> {
     match number {
         Number::U8 => Some((255.0, true)),
@@ -242,10 +242,10 @@ impl Geometry {
         Ok(())
     }
 
-    /// Refuses faces that take more memory than there is, by the bytes that are left for them.
+    /// Refuses faces that take more memory than there is, estimated from the bytes that are left for them.
     fn check_memory(&self, face: &Element, corners: usize, has_uvs: bool, values: &Values<'_>) -> Result<(), Invalid> {
-        /// Most bytes of a corner: its index, in a list that grows, and its part of a triangle; with UV, also those, and
-        /// the corner as a vertex of its own.
+        /// Largest memory of a corner, bytes: its index, in a list that grows, and its share of a triangle; with UV,
+        /// also those, and the corner as a vertex of its own.
         const CORNER: u64 = 20;
         const CORNER_WITH_UV: u64 = 120;
         let most = values.most(face.type_of(corners).size());
@@ -272,8 +272,8 @@ impl Geometry {
         MeshDescription { name, positions, normals, uvs, colours, triangles, ..MeshDescription::default() }
     }
 
-    /// With the vertices that corners have, and no others, which would enlarge the mesh unseen: each once, or once for
-    /// each UV that its corners have.
+    /// Geometry without unused vertices, which would enlarge the mesh unseen: each once, or once for each UV of its
+    /// corners.
     fn without_strays(mut self) -> Self {
         let mut is_used = vec![false; self.positions.len()];
         self.corners.iter().for_each(|&corner| is_used[corner as usize] = true);
@@ -298,12 +298,12 @@ impl Geometry {
     }
 }
 
-/// The values of these vertices, if there are any.
+/// Values of these vertices, if there are any.
 fn picked<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
     if values.is_empty() { Vec::new() } else { vertices.iter().map(|&vertex| values[vertex as usize]).collect() }
 }
 
-/// UV with v growing downwards.
+/// UV with v downwards.
 fn upright([u, v]: [f32; 2]) -> Vec2 {
     Vec2::new(u, 1.0 - v)
 }

@@ -1,4 +1,4 @@
-//! Whole files, made here: what they mean, and what happens when they are damaged.
+//! Whole files, made here: their meaning, and errors of damaged ones.
 
 use std::fs;
 
@@ -84,7 +84,7 @@ fn mesh(header: &str, rows: &str) -> MeshDescription {
     MeshDescription::clone(&scene(header, rows).meshes[0])
 }
 
-/// What a file with these changes gives, or the message that refuses it.
+/// Message of the error that refuses a file with these changes.
 fn error(header: &str, rows: &str) -> String {
     read_bytes(&file("ascii", header, rows)).expect_err("to be refused").to_string()
 }
@@ -238,7 +238,7 @@ fn lines_end_as_on_any_system() {
 }
 
 #[test]
-fn the_picture_of_meshlab_is_that_of_the_surface() {
+fn the_image_of_meshlab_is_that_of_the_surface() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scan.ply");
     let grey = image::RgbImage::from_pixel(1, 1, image::Rgb([77, 78, 79]));
@@ -268,7 +268,7 @@ fn the_picture_of_meshlab_is_that_of_the_surface() {
     assert_eq!(torn.meshes[0].triangles, [[0, 1, 2], [3, 2, 4]]);
     assert_eq!(torn.meshes[0].positions[3], Vec3::ZERO);
 
-    let error = read(&wedges.replace("my tex", "gone"), &rows).expect_err("no picture").to_string();
+    let error = read(&wedges.replace("my tex", "gone"), &rows).expect_err("no image").to_string();
     assert!(error.contains("scan.ply:4: TextureFile: ") && error.contains("gone.png"), "{error}");
     fs::create_dir(folder.path().join("in")).expect("a folder");
     let sandbox = Sandbox::new(&folder.path().join("in")).expect("a sandbox");

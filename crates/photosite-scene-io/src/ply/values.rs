@@ -1,32 +1,32 @@
-//! The values of a PLY file, one after the other, from text or from bytes.
+//! Values of a PLY file in sequence, from text or from bytes.
 
 use std::path::Path;
 
 use super::header::{Element, Form, Header, Kind, Number};
 use photosite_core::{Error, Invalid, Result};
 
-/// Values that are yet to be read.
+/// Values that are not yet read.
 pub(super) struct Values<'a> {
     bytes: &'a [u8],
     form: Form,
-    /// Where the next value begins, or the blanks before it.
+    /// Start of the next value, or of the blanks before it.
     at: usize,
-    /// Its line, in text.
+    /// Line of the next value, in a text.
     line: usize,
     path: &'a Path,
 }
 
-/// Takes the items of lists: the number of the property, the item.
+/// Receiver of the items of lists: index of the property, item.
 type Items<'a> = &'a mut dyn FnMut(usize, f64);
 
 impl<'a> Values<'a> {
-    /// Those of a file, whose header was read.
+    /// Values of a file, whose header was read.
     pub(super) fn new(bytes: &'a [u8], header: &Header, path: &'a Path) -> Self {
         let (at, line) = header.end;
         Self { bytes, form: header.form, at, line, path }
     }
 
-    /// Most values that can follow, of which each takes so many bytes at least.
+    /// Largest number of values that can follow, each of at least `bytes` bytes.
     pub(super) fn most(&self, bytes: usize) -> u64 {
         // In text a value takes a digit, and all but the last a blank.
         let bytes = if self.form == Form::Ascii { 2 } else { bytes };
@@ -51,7 +51,7 @@ impl<'a> Values<'a> {
         Err(Invalid::new("", message).help("the file is damaged; copy or export it again").in_file(self.path))
     }
 
-    /// Reads the next of an element: a number for each property, 0 for lists, whose items are handed on.
+    /// Reads the next row of an element: a number for each property, 0 for lists, whose items are passed to `items`.
     pub(super) fn row(&mut self, element: &Element, index: u64, row: &mut Vec<f64>, items: Items<'_>) -> Result<()> {
         self.skip_blanks();
         let line = self.line;
@@ -80,7 +80,7 @@ impl<'a> Values<'a> {
         read().map_err(|invalid| self.error(invalid, element, index, line))
     }
 
-    /// The error of one of an element.
+    /// Error of one row of an element.
     pub(super) fn fault(&self, element: &Element, index: u64, message: impl Into<String>) -> Error {
         self.error(Invalid::new("", message), element, index, self.line)
     }
@@ -97,7 +97,7 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Leaves out an element.
+    /// Skips an element.
     pub(super) fn skip(&mut self, element: &Element) -> Result<()> {
         // Those without properties take no bytes, whatever their number.
         if element.properties.is_empty() {
@@ -107,7 +107,7 @@ impl<'a> Values<'a> {
         (0..element.count).try_for_each(|i| self.row(element, i, &mut row, &mut |_, _| {}))
     }
 
-    /// Bytes behind the last element that are no blanks.
+    /// Number of bytes behind the last element that are no blanks.
     pub(super) fn left_over(&self) -> usize {
         self.bytes[self.at..].iter().filter(|byte| !byte.is_ascii_whitespace() && **byte != 0).count()
     }
@@ -161,7 +161,7 @@ impl<'a> Values<'a> {
         })
     }
 
-    /// Goes to the next word of a text.
+    /// Moves to the next word of a text.
     fn skip_blanks(&mut self) {
         if self.form != Form::Ascii {
             return;
@@ -173,7 +173,8 @@ impl<'a> Values<'a> {
         }
     }
 
-    /// Refuses values that follow in the same line: where some are missing or too many, all that comes is shifted.
+    /// Refuses values that follow in the same line: where some are missing or too many, all later values would be
+    /// shifted.
     fn end_line(&mut self, properties: &[super::header::Property]) -> Result<(), Invalid> {
         if self.form != Form::Ascii {
             return Ok(());

@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::solid::{FACET, Solid};
 use photosite_core::{Error, Invalid, Result, memory, text};
 
-/// Lines of a facet, as all programs write it.
+/// Number of lines of a facet, as all programs write it.
 const LINES: u64 = 7;
 
 /// Reads a text file.
@@ -55,12 +55,12 @@ fn read_solid(words: &mut Words<'_>) -> Result<Solid> {
     }
 }
 
-/// The words of a text, with the line that they are in.
+/// Words of a text, with their lines.
 struct Words<'a> {
     lines: Lines<'a>,
-    /// Of the line that was begun.
+    /// Rest of the current line.
     rest: &'a str,
-    /// Counted from 1.
+    /// Current line, counted from 1.
     line: usize,
     path: &'a Path,
 }
@@ -102,7 +102,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The error of a word in the place of another.
+    /// Error of an unexpected word.
     fn unexpected(&self, expected: &str, found: Option<&str>) -> Error {
         let message = match found {
             Some(word) => format!("{expected} must follow, not {word:?}"),

@@ -8,23 +8,23 @@ use super::solid::{FACET, Solid};
 use photosite_core::warnings::Warnings;
 use photosite_core::{Invalid, Result, memory};
 
-/// Bytes before the first facet, and of a facet.
+/// Number of bytes before the first facet, and of a facet.
 const HEAD: usize = 84;
 const SIZE: usize = 50;
 
-/// Whether a file is binary. Many binary ones begin with "solid" as those of text do: then their length tells, and where
-/// that is not what they announce, zeros, of which there are some in the number of facets at least.
+/// Whether a file is binary. Many binary files begin with "solid" as text files do: then their length decides, and
+/// where it does not match the number of facets, the presence of zero bytes, of which that number has at least some.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     let begins_as_text = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     !begins_as_text || is_whole(bytes) || bytes[..bytes.len().min(HEAD)].contains(&0)
 }
 
-/// Whether a file is as long as the number of facets in its head has it, whatever else is there.
+/// Whether a file has exactly the length that its number of facets demands.
 pub(super) fn is_whole(bytes: &[u8]) -> bool {
     announced(bytes).map(|count| HEAD as u64 + count * SIZE as u64) == Some(bytes.len() as u64)
 }
 
-/// The number of facets in the head.
+/// Number of facets by the header.
 fn announced(bytes: &[u8]) -> Option<u64> {
     let number = bytes.get(HEAD - 4..HEAD)?.as_chunks().0;
     Some(u32::from_le_bytes(*number.first()?).into())

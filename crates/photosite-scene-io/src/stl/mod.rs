@@ -1,9 +1,9 @@
 //! STL meshes, which programs for mechanical design and 3-D printing write, as a [`SceneDescription`].
 //!
-//! In: a `.stl` file, ASCII or binary. Out: a mesh for each solid, in the file's own unit, at the origin, of a diffuse grey
-//! material with the name of the file. Corners at the same place are one vertex. Normals of facets are left out, since
-//! the order of the corners tells the front, and so are colours in the attributes of binary files, for which programs
-//! have different codes; warnings tell where something shows by that.
+//! A `.stl` file, ASCII or binary, becomes a mesh for each solid, in the file's own unit, at the origin, of a diffuse
+//! grey material with the name of the file. Corners at the same place are one vertex. Normals of facets are left out,
+//! since the order of the corners defines the front, and so are colours in the attributes of binary files, for which
+//! programs have different codes; warnings report visible effects.
 //!
 //! The parser is our own: that of the `stl_io` crate takes every file for ASCII that begins with "solid", as many binary
 //! ones do, knows neither solids nor lines, and takes the rest of a file that is cut off within a solid for its end.

@@ -1,4 +1,4 @@
-//! Facets, gathered to a mesh whose corners at the same place are one vertex.
+//! Mesh of a solid, whose corners at the same place are one vertex.
 
 use std::collections::HashMap;
 
@@ -7,17 +7,17 @@ use glam::{DVec3, Vec3};
 use crate::mesh::{area_vector, place};
 use photosite_core::Invalid;
 
-/// Bytes of a facet with its part of the corners, as they are parsed and kept, at most.
+/// Largest memory of a facet with its share of the corners, parsed and kept, bytes.
 pub(super) const FACET: u64 = 250;
 
 /// A solid, as far as it has been read.
 #[derive(Default)]
 pub(super) struct Solid {
-    /// Empty where the file has none.
+    /// Name; empty where the file has none.
     pub(super) name: String,
     pub(super) positions: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// Facets whose normals point to the back.
+    /// Number of facets whose normals point to the back.
     pub(super) contrary: usize,
     vertices: HashMap<[u32; 3], u32>,
 }
@@ -27,7 +27,7 @@ impl Solid {
         Self { name, ..Self::default() }
     }
 
-    /// Adds a facet. A normal that is no direction tells nothing.
+    /// Adds a facet. A normal without direction is ignored.
     pub(super) fn add(&mut self, normal: Vec3, corners: [Vec3; 3]) -> Result<(), Invalid> {
         if let Some(corner) = corners.iter().find(|corner| !corner.is_finite()) {
             let invalid = Invalid::new("vertex", format!("is not finite: {corner}"));
@@ -52,7 +52,7 @@ impl Solid {
         Ok(())
     }
 
-    /// Gives back what only reading needs.
+    /// Frees the data that only reading needs.
     pub(super) fn finished(mut self) -> Self {
         self.vertices = HashMap::new();
         self

@@ -1,4 +1,4 @@
-//! Whole files, made here: what they mean, and what happens when they are damaged.
+//! Whole files, made here: their meaning, and errors of damaged ones.
 
 use glam::Vec3;
 use rstest::rstest;

@@ -12,24 +12,24 @@ use photosite_core::spectrum::SampledSpectrum;
 /// Remainders with a smaller mean are no more than rounding of the tables.
 pub(super) const NOTHING_LEFT: f32 = 1e-5;
 
-/// What metal facets of mean reflectance F̄ give back of R, times `part`: F̄²·Ē/(1 − F̄(1 − Ē)), Ē the mean albedo of
-/// white facets ([KullaConty17](photosite_core::references#kullaconty17)).
+/// Part of R that metal facets of mean reflectance F̄ give back after further bounces, times `part`: F̄²·Ē/(1 − F̄(1 −
+/// Ē)), Ē the mean albedo of white facets ([KullaConty17](photosite_core::references#kullaconty17)).
 #[inline]
 pub(super) fn further_bounces(part: f32, mean_reflectance: SampledSpectrum, mean_albedo: f32) -> SampledSpectrum {
     let f = mean_reflectance;
     f * f * (part * mean_albedo) / (SampledSpectrum::ONE - f * (1.0 - mean_albedo))
 }
 
-/// How an interface of two clear media shares out what one bounce leaves of light from one side.
+/// Shares of reflection and transmission in the light that one bounce at an interface of two clear media leaves.
 pub(super) struct Shared {
-    /// c of radiance on that side and on the other.
+    /// Factors c of radiance on that side and on the other.
     pub(super) scales: [f32; 2],
     /// The part that crosses.
     pub(super) crossing: f32,
 }
 
-/// For the index `eta` of the other side over this one and R̄ on both, times `part`; None where nothing is left. As much
-/// is let in as on average at one bounce, but for what reciprocity forbids.
+/// Returns the shares for the index `eta` of the other side over this one and R̄ on both, times `part`; `None` where
+/// nothing is left. As much is let in as on average at one bounce, but for what reciprocity forbids.
 #[inline]
 pub(super) fn shared_out(part: f32, eta: f32, [here, there]: [f32; 2]) -> Option<Shared> {
     let let_in = 1.0 - fresnel::mean_dielectric(eta);

@@ -29,7 +29,7 @@ pub struct Conductor<F: Form = Sampled> {
     pub k: F::Spectrum,
     /// Roughness of its microfacets.
     pub distribution: F::Distribution,
-    /// Whether light comes back that bounces more than once between them.
+    /// Whether the model includes light that bounces more than once between facets.
     pub energy_compensation: bool,
 }
 
@@ -48,10 +48,10 @@ impl<F: TableForm> SceneTraits for Conductor<F> {
     }
 }
 
-/// What bounces more than once, seen from one direction.
+/// Light that bounces more than once between facets, seen from one direction.
 struct Bounces {
     row: Row,
-    /// f over R(wi).
+    /// Value f over R(wi).
     value: SampledSpectrum,
     /// Probability of the facets' lobe, by what either gives back.
     facets: f32,
@@ -68,7 +68,7 @@ impl Bounces {
 }
 
 impl Conductor {
-    /// The part of light from everywhere that bounces more than once between the facets and leaves the metal then.
+    /// Part of the light from all directions that bounces more than once between facets before it leaves the metal.
     pub fn multiple_scattering(&self) -> SampledSpectrum {
         let mean = Row::of(self.distribution).mean().at(1.0);
         further_bounces(1.0 - mean, fresnel::mean_conductor(self.eta, self.k), mean)

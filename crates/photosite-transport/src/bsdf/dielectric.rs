@@ -50,11 +50,11 @@ fn seen_from_above(eta: f32, wo: Vec3) -> (f32, Vec3) {
 /// A clear medium on the side that the normal points away from.
 #[derive(Clone, Copy, Debug)]
 pub struct Dielectric<F: Form = Sampled> {
-    /// n_inside/n_outside.
+    /// Relative refractive index n_inside/n_outside.
     pub index: F::Index,
     /// Roughness of its microfacets.
     pub distribution: F::Distribution,
-    /// Whether light goes on that bounces more than once between them.
+    /// Whether the model includes light that bounces more than once between facets.
     pub energy_compensation: bool,
 }
 
@@ -134,16 +134,16 @@ impl Lobe for Dielectric {
     }
 }
 
-/// What bounces more than once between facets, seen from `wo`, above them.
+/// Light that bounces more than once between facets, seen from `wo`, above them.
 struct Bounces {
     row: GlassRow,
     shared: Shared,
-    /// R(wo).
+    /// Light R(wo) that one bounce leaves.
     left: f32,
 }
 
 impl Dielectric {
-    /// The part of light from everywhere on the side of the normal that bounces more than once between the facets.
+    /// Part of the light from all directions on the side of the normal that bounces more than once between the facets.
     pub fn multiple_scattering(&self) -> f32 {
         (1.0 - GlassRow::of(self.index.eta[0], self.distribution).mean()[0]).max(0.0)
     }
@@ -172,7 +172,7 @@ impl Bounces {
         (f + scales[side] * left * other, (1.0 - left) * pdf + left * share * cos * FRAC_1_PI)
     }
 
-    /// Either lobe by what it gives back.
+    /// Samples either lobe in proportion to the light that it gives back.
     #[inline]
     fn sample(&self, glass: &Dielectric, eta: f32, wo: Vec3, u_lobe: f32, u: [f32; 2]) -> Option<BsdfSample> {
         let &Dielectric { index: RelativeIndex { dispersive, .. }, distribution, .. } = glass;
@@ -209,7 +209,7 @@ fn eval_rough(eta: f32, distribution: Ggx, wo: Vec3, wi: Vec3) -> (f32, f32) {
     refraction(distribution, wo, wi, &Refraction { transmittance, ..facet })
 }
 
-/// One interface, `wo` above it: reflection with the hero's probability R, refraction with 1 − R.
+/// Samples a smooth interface, with `wo` above it: reflection with the hero's probability R, refraction with 1 − R.
 #[inline]
 fn sample_smooth(eta: SampledSpectrum, dispersive: bool, wo: Vec3, u_lobe: f32) -> Option<BsdfSample> {
     let cos_o = wo.z.min(1.0);

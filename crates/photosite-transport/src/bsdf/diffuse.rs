@@ -16,7 +16,7 @@ use photosite_core::math::{Pdf, warp};
 /// Lambert's law.
 #[derive(Clone, Copy, Debug)]
 pub struct Diffuse<F: Form = Sampled> {
-    /// 0–1.
+    /// Reflectance ρ, 0–1.
     pub reflectance: F::Colour,
 }
 

@@ -14,7 +14,7 @@ pub(crate) const MIN_SHADING_COSINE: f32 = 1e-3;
 /// alone.
 pub(crate) const EDGE_ON_COSINE: f32 = 2.0 * MIN_SHADING_COSINE;
 
-/// Whether a direction lies in the surface.
+/// Whether a direction lies in the plane of the surface.
 #[inline]
 pub(super) fn is_grazing(w: Vec3) -> bool {
     w.z.abs() <= GRAZING

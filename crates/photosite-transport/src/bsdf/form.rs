@@ -24,7 +24,7 @@ pub trait Form: Copy + Debug {
     type Distribution: Clone + Debug;
     /// glTF's material, whose forms have little in common.
     type Layered: Clone + Debug;
-    /// Two models side by side.
+    /// Parameters of a mix of two models.
     type Mix: Clone + Debug;
 }
 
@@ -38,7 +38,7 @@ impl Form for Sampled {
     type Index = RelativeIndex<SampledSpectrum>;
     type Distribution = Ggx;
     type Layered = Layered;
-    /// One of two was chosen.
+    /// Absence of mixes: at a shading point one of the two models has been chosen.
     type Mix = Infallible;
 }
 
@@ -48,16 +48,16 @@ pub trait TableForm: Form<Spectrum = SpectrumId, Index = RelativeIndex<SpectrumI
 /// A refractive index relative to the medium outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RelativeIndex<T = SampledSpectrum> {
-    /// n_inside/n_outside. Equal at all wavelengths unless dispersive.
+    /// Ratio n_inside/n_outside. Equal at all wavelengths unless dispersive.
     pub eta: T,
-    /// Whether it depends on wavelength.
+    /// Whether the index depends on wavelength.
     pub dispersive: bool,
-    /// Whether it is 1 at all wavelengths, so that light goes straight on.
+    /// Whether the index is 1 at all wavelengths, so that light goes straight on.
     pub is_one: bool,
 }
 
 impl RelativeIndex {
-    /// The same index at all wavelengths.
+    /// Returns an index that is the same at all wavelengths.
     pub fn constant(eta: f32) -> Self {
         Self { eta: SampledSpectrum::splat(eta), dispersive: false, is_one: eta == 1.0 }
     }

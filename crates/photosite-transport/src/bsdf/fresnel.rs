@@ -9,7 +9,7 @@ use glam::Vec4;
 
 use photosite_core::spectrum::SampledSpectrum;
 
-/// What happens at the interface of two clear media.
+/// Reflection and transmission at an interface of two clear media.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interface {
     /// Reflected fraction R.
@@ -20,9 +20,8 @@ pub struct Interface {
     pub cos_transmitted: f32,
 }
 
-/// Two clear media: R = (r_p² + r_s²)/2 with
-/// r_p = (η·cos θᵢ − cos θₜ)/(η·cos θᵢ + cos θₜ), r_s = (cos θᵢ − η·cos θₜ)/(cos θᵢ + η·cos θₜ)
-/// ([Pbrt4](photosite_core::references#pbrt4) §9.3.5).
+/// Fresnel reflectance of an interface of two clear media: R = (r_p² + r_s²)/2 with r_p = (η·cos θᵢ − cos θₜ)/(η·cos θᵢ
+/// + cos θₜ), r_s = (cos θᵢ − η·cos θₜ)/(cos θᵢ + η·cos θₜ) ([Pbrt4](photosite_core::references#pbrt4) §9.3.5).
 ///
 /// `cos_incident` is between 0 and 1, `eta` = n_far/n_near. Snell's law is used as cos²θₜ = (η² − 1 + cos²θᵢ)/η², which
 /// loses no digits at grazing incidence nor for η near 1, and gives cos θₜ = cos θᵢ exactly for η = 1.
@@ -38,8 +37,8 @@ pub fn dielectric(cos_incident: f32, eta: f32) -> Interface {
     between(cos_incident, cos_transmitted, eta)
 }
 
-/// The same where both cosines, above 0 and related by Snell's law, are known: near the critical angle they hold more
-/// digits together than one alone.
+/// Fresnel reflectance of clear media where both cosines, above 0 and related by Snell's law, are known: near the
+/// critical angle they hold more digits together than one alone.
 #[inline]
 pub fn between(cos_incident: f32, cos_transmitted: f32, eta: f32) -> Interface {
     let (eta_cos_incident, eta_cos_transmitted) = (eta * cos_incident, eta * cos_transmitted);
@@ -55,8 +54,8 @@ pub fn between(cos_incident: f32, cos_transmitted: f32, eta: f32) -> Interface {
     }
 }
 
-/// A metal of complex index η + i·k seen from a clear medium (both relative to it), per wavelength:
-/// R = (R_s + R_p)/2 with, for a + i·b = √((η + i·k)² − sin²θ),
+/// Fresnel reflectance of a metal of complex index η + i·k seen from a clear medium (both relative to it), per
+/// wavelength: R = (R_s + R_p)/2 with, for a + i·b = √((η + i·k)² − sin²θ),
 /// R_s = (a² + b² − 2a·cos θ + cos²θ)/(a² + b² + 2a·cos θ + cos²θ),
 /// R_p = R_s·(cos²θ·(a² + b²) − 2a·cos θ·sin²θ + sin⁴θ)/(cos²θ·(a² + b²) + 2a·cos θ·sin²θ + sin⁴θ)
 /// ([BornWolf99](photosite_core::references#bornwolf99) §14.2).

@@ -20,23 +20,24 @@ use glam::Vec3;
 
 use super::directions::GRAZING;
 
-/// Below this roughness a surface counts as smooth: its lobe is narrower than 0.01°, and the rounding of unit vectors
-/// (6e-8) would show in D.
+/// Smallest roughness α, below which a surface counts as smooth: its lobe is narrower than 0.01°, and the rounding of
+/// unit vectors (6e-8) would show in D.
 const SMALLEST_ALPHA: f32 = 1e-4;
 
 /// A GGX distribution of facet normals, or no roughness at all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ggx {
-    /// Zero, both of them, or at least [`SMALLEST_ALPHA`].
+    /// Roughness α along x and y: both zero, or at least [`SMALLEST_ALPHA`].
     alpha_x: f32,
     alpha_y: f32,
 }
 
 impl Ggx {
-    /// No microstructure: reflection and refraction as in a mirror and in polished glass.
+    /// Absence of microstructure: reflection and refraction as in a mirror and in polished glass.
     pub const SMOOTH: Self = Self { alpha_x: 0.0, alpha_y: 0.0 };
 
-    /// Roughness α along local x and y. Smooth where both are below 10⁻⁴; negative and NaN count as 0.
+    /// Distribution of the roughness α along local x and y. Smooth where both are below 10⁻⁴; negative and NaN count as
+    /// 0.
     #[inline]
     pub fn new(alpha_x: f32, alpha_y: f32) -> Self {
         if alpha_x.max(alpha_y) >= SMALLEST_ALPHA {
@@ -46,9 +47,9 @@ impl Ggx {
         }
     }
 
-    /// From perceptual roughness 0–1, α = roughness² (glTF's convention), and anisotropy −1–1: the ratio of the smaller
-    /// to the larger α is 1 − 0.9·|anisotropy| at unchanged geometric mean, a positive anisotropy being rougher along x
-    /// ([Burley12](photosite_core::references#burley12) §5.4).
+    /// Distribution of the perceptual roughness 0–1, α = roughness² (glTF's convention), and anisotropy −1–1: the ratio
+    /// of the smaller to the larger α is 1 − 0.9·|anisotropy| at unchanged geometric mean, a positive anisotropy being
+    /// rougher along x ([Burley12](photosite_core::references#burley12) §5.4).
     #[inline]
     pub fn from_roughness(roughness: f32, anisotropy: f32) -> Self {
         let alpha = roughness * roughness;
@@ -60,7 +61,7 @@ impl Ggx {
         }
     }
 
-    /// Whether reflection and refraction go into one direction only.
+    /// Whether reflection and refraction go into one direction each.
     #[inline]
     pub fn is_smooth(&self) -> bool {
         self.alpha_x == 0.0
@@ -72,7 +73,7 @@ impl Ggx {
         [self.alpha_x, self.alpha_y]
     }
 
-    /// The larger α: the width of the widest part of the lobe, in radians where it is small.
+    /// Larger α of both directions: the width of the widest part of the lobe, in radians where it is small.
     #[inline]
     pub fn widest(&self) -> f32 {
         self.alpha_x.max(self.alpha_y)
@@ -84,7 +85,7 @@ impl Ggx {
         if self.alpha_x == self.alpha_y { self.alpha_x } else { (self.alpha_x * self.alpha_y).sqrt() }
     }
 
-    /// Whether light that they throw on stays so close together that it makes caustics, α < 0.3: see
+    /// Whether the lobe is narrow enough to cast caustics, α < 0.3: see
     /// [`Bsdf::casts_caustics`](super::Bsdf::casts_caustics).
     #[inline]
     pub(crate) fn is_near_specular(&self) -> bool {
@@ -171,7 +172,7 @@ impl Ggx {
         self.reflection_at(wo, wi, m)
     }
 
-    /// The same where the half vector `m` is known already.
+    /// Reflection of `wo` into `wi` where the half vector `m` is known already.
     #[inline]
     pub fn reflection_at(&self, wo: Vec3, wi: Vec3, m: Vec3) -> ReflectionKernel {
         let density = self.density(m);
@@ -199,8 +200,8 @@ pub fn reflect(w: Vec3, m: Vec3) -> Vec3 {
     (2.0 * w.dot(m)) * m - w
 }
 
-/// sin and cos of 2π·u for u in 0–1, to 1e-7: Taylor series within an eighth of a turn, then a rotation by quarters.
-/// Saves a sample some 10 ns over `f32::sin_cos`, which takes any angle.
+/// Sine and cosine of 2π·u for u in 0–1, to 1e-7: Taylor series within an eighth of a turn, then a rotation by
+/// quarters. Saves a sample some 10 ns over `f32::sin_cos`, which takes any angle.
 #[inline]
 fn sin_cos_turn(u: f32) -> (f32, f32) {
     let quarter = (4.0 * u + 0.5) as u32;

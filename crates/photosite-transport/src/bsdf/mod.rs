@@ -1,4 +1,4 @@
-//! How surfaces scatter light.
+//! Scattering models of surfaces.
 //!
 //! Everything here happens in the local shading frame: +Z is the shading normal, `wo` is known, `wi` is sampled, both
 //! are unit vectors that point away from the surface. A BSDF value `f` (sr⁻¹) has no cosine in it and is for radiance:
@@ -54,6 +54,8 @@ use lobe::Lobe as _;
 use photosite_core::math::{Pdf, SolidAngle};
 use photosite_core::spectrum::SampledSpectrum;
 
+pub use albedo::ALBEDO_NODES;
+pub(crate) use albedo::albedo_words;
 pub(crate) use directions::{EDGE_ON_COSINE, GRAZING, MIN_SHADING_COSINE};
 pub use form::{Form, Map, MapAll, RelativeIndex, Sampled, TableForm};
 pub use layered::{Coat, Layered, Sheen, ThinFilm, Volume};
@@ -93,34 +95,34 @@ models! {
     Retroreflective,
 }
 
-/// Two models side by side.
+/// Mix of two models side by side.
 #[derive(Clone, Debug)]
 pub struct Mix<F: Form> {
-    /// Both.
+    /// Pair of models that are mixed.
     pub models: [Model<F>; 2],
-    /// The part of the second, 0–1.
+    /// Weight of the second model, 0–1.
     pub weight: f32,
 }
 
-/// How the surface scatters at one shading point: the model with its parameters looked up.
+/// BSDF at one shading point: the scattering model with its parameters looked up.
 pub type Bsdf = Model<Sampled>;
 
 impl Bsdf {
-    /// Density with which [`Self::sample`] finds `wo` for light that goes the other way round. What is black from
-    /// behind counts as seen from its other side there.
+    /// Density with which [`Self::sample`] finds `wo` for light that goes the other way round. A surface that is black
+    /// from behind counts as seen from its front there.
     #[inline]
     pub fn reverse_pdf(&self, wo: Vec3, wi: Vec3) -> Pdf<SolidAngle> {
         let [wo, wi] = if wi.z < 0.0 && !self.refracts() { [wo, wi].map(mirrored) } else { [wo, wi] };
         self.eval(wi, wo).pdf
     }
 
-    /// Whether [`Self::sample`] chooses among lobes, so that its first number matters.
+    /// Whether [`Self::sample`] chooses among lobes, so that its first random number matters.
     #[inline]
     pub fn has_lobes(&self) -> bool {
         self.traits().has_lobes
     }
 
-    /// Whether light passes through.
+    /// Whether the surface transmits light.
     #[inline]
     pub fn transmits(&self) -> bool {
         self.traits().transmits
@@ -132,8 +134,8 @@ impl Bsdf {
         self.traits().is_delta
     }
 
-    /// Whether it throws light on in bundles, or lets it through where no path from elsewhere to the light goes
-    /// straight: mirrors, glass, and microfacets of α < 0.3, whether or not other lobes go with them.
+    /// Whether the surface focuses light into caustics, or lets light through where no path from elsewhere to the light
+    /// goes straight: mirrors, glass, and microfacets of α < 0.3, whether or not other lobes go with them.
     #[inline]
     pub fn casts_caustics(&self) -> bool {
         self.traits().casts_caustics

@@ -1,8 +1,4 @@
 //! The enumeration of all models, made from their list in `bsdf/mod.rs`.
-//!
-//! To add a model: a file with its parameters, `map`, [`SceneTraits`](super::SceneTraits) and `Lobe`; its rows in
-//! `bsdf/mod.rs`; its table and its row in those of capture files; its element for Mitsuba; its cases in
-//! `tests/physics`.
 
 /// Makes the enumeration of models from their list. Dispatch is by enumeration: all of it that is hot is inlined.
 macro_rules! models {
@@ -12,7 +8,7 @@ macro_rules! models {
             $($(#[$doc])* $model($model<F>),)*
             /// glTF 2.0's material with its extensions.
             Layered(F::Layered),
-            /// Two models side by side, finer than the eye sees.
+            /// Mix of two models side by side, finer than the eye resolves.
             Mix(F::Mix),
         }
 
@@ -49,7 +45,7 @@ macro_rules! models {
         }
 
         impl<F: Form> Model<F> {
-            /// The same model with its parameters in another form.
+            /// Returns the model with its parameters in another form.
             pub fn map<T: Form>(&self, map: &mut impl MapAll<F, T>) -> Model<T> {
                 match self {
                     $(Self::$model(model) => Model::$model(model.map(map)),)*
@@ -58,8 +54,8 @@ macro_rules! models {
                 }
             }
 
-            /// What `finish` makes of the BSDF, and of whether it refracts; None for models that are made of others.
-            /// Each arm makes the whole, so that none copies a BSDF, which is large.
+            /// Returns what `finish` makes of the BSDF, and of whether it refracts; None for models that are made of
+            /// others. Each arm makes the whole, so that none copies a BSDF, which is large.
             #[inline]
             pub(crate) fn look_up<R>(
                 &self,
@@ -76,7 +72,7 @@ macro_rules! models {
         }
 
         impl<F: TableForm> Model<F> {
-            /// What the model says of itself; None for those that are made of others.
+            /// Returns the traits that are known before paths are traced; `None` for models that are made of others.
             pub(crate) fn scene_traits(&self) -> Option<&dyn SceneTraits> {
                 match self {
                     $(Self::$model(model) => Some(model),)*
@@ -108,7 +104,7 @@ macro_rules! models {
                 }
             }
 
-            /// What is known of its lobes. Always inlined: who asks for one trait pays for no other.
+            /// Returns the traits of the lobes. Always inlined: who asks for one trait pays for no other.
             #[inline(always)]
             pub fn traits(&self) -> Traits {
                 match self {
@@ -129,7 +125,7 @@ macro_rules! models {
                 }
             }
 
-            /// Whether both sides are of different media, so that the frame stays on its side, whichever is seen.
+            /// Whether the surface separates two media, so that the frame keeps its side, whichever side is seen.
             #[inline]
             pub fn refracts(&self) -> bool {
                 match self {

@@ -23,18 +23,19 @@ use photosite_core::spectrum::SampledSpectrum;
 const C1: f32 = 0.5 - 2.0 / 3.0 * FRAC_1_PI;
 const C2: f32 = 2.0 / 3.0 - 28.0 / 15.0 * FRAC_1_PI;
 
-/// With less lost in all, it is rounding.
+/// Loss in all below which it counts as rounding.
 const NOTHING_LOST: f32 = 1e-5;
 
-/// How much is sampled evenly over the hemisphere, not by the cosine: what goes back along the surface needs it.
+/// Part of the samples drawn evenly over the hemisphere, not by the cosine: light scattered back along the surface
+/// needs it.
 const EVEN_PART: f32 = 0.5;
 
 /// A diffuse surface with relief.
 #[derive(Clone, Copy, Debug)]
 pub struct OrenNayar<F: Form = Sampled> {
-    /// 0–1.
+    /// Reflectance ρ, 0–1.
     pub reflectance: F::Colour,
-    /// 0–1; 0 is Lambert's law.
+    /// Roughness, 0–1; 0 is Lambert's law.
     pub roughness: f32,
 }
 
@@ -81,7 +82,7 @@ impl Lobe for OrenNayar {
     }
 }
 
-/// G at the cosine `z`.
+/// Function G at the cosine `z`.
 #[inline]
 fn g(z: f32) -> f32 {
     let z = z.min(1.0);

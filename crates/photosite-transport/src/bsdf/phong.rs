@@ -18,11 +18,11 @@ use photosite_core::math::{Frame, Pdf, warp};
 /// Phong's model.
 #[derive(Clone, Copy, Debug)]
 pub struct Phong<F: Form = Sampled> {
-    /// ρ_d, the part that is scattered by Lambert's law, 0–1.
+    /// Diffuse reflectance ρ_d, the part of the light that is scattered by Lambert's law, 0–1.
     pub diffuse: F::Colour,
-    /// ρ_s, the part in the lobe, 0–1; with the other at most 1.
+    /// Specular reflectance ρ_s, the part of the light in the lobe, 0–1; ρ_d + ρ_s is at most 1.
     pub specular: F::Colour,
-    /// n, at least 0.
+    /// Exponent n of the lobe, at least 0.
     pub exponent: f32,
 }
 

@@ -8,8 +8,8 @@ use super::fresnel::{self, Interface};
 use super::microfacet::{self, Ggx};
 use photosite_core::spectrum::SampledSpectrum;
 
-/// Below this angular blur of refracted light, rad, an interface counts as smooth. The half vector of refraction is as
-/// uncertain as 6e-8/|η − 1|, so it must stay well below α. Takes in η = 1: no interface at all.
+/// Smallest angular blur of refracted light, rad, below which an interface counts as smooth. The half vector of
+/// refraction is as uncertain as 6e-8/|η − 1|, so it must stay well below α. Takes in η = 1: no interface at all.
 const SMALLEST_BLUR: f32 = 2e-6;
 
 /// Whether the interface sends light into two directions only.
@@ -18,7 +18,7 @@ pub(super) fn is_delta(eta: SampledSpectrum, distribution: Ggx) -> bool {
     distribution.is_smooth() || distribution.widest() * (eta[0] - 1.0).abs() < SMALLEST_BLUR
 }
 
-/// `value` for the hero, and for the other lanes unless the direction depends on wavelength.
+/// Spectrum of `value` for the hero, and for the other lanes unless the direction depends on wavelength.
 #[inline]
 pub(super) fn lanes(value: f32, dispersive: bool) -> SampledSpectrum {
     if dispersive { SampledSpectrum::from([value, 0.0, 0.0, 0.0]) } else { SampledSpectrum::splat(value) }
@@ -26,17 +26,17 @@ pub(super) fn lanes(value: f32, dispersive: bool) -> SampledSpectrum {
 
 /// A facet that refracts `wo` into `wi`.
 pub(super) struct Refraction {
-    /// n on the side of wi over n on the side of wo.
+    /// Relative refractive index: n on the side of wi over n on the side of wo.
     pub(super) eta: f32,
     /// The facet's normal, on the side of wo.
     pub(super) m: Vec3,
-    /// wo·m.
+    /// Cosine wo·m.
     pub(super) cos_o: f32,
-    /// −wi·m.
+    /// Cosine −wi·m.
     pub(super) cos_i: f32,
     /// |wo + η·wi| = |wo·m + η·wi·m|.
     pub(super) stretch: f32,
-    /// 1 − F.
+    /// Transmittance 1 − F.
     pub(super) transmittance: f32,
 }
 
@@ -64,12 +64,12 @@ impl Refraction {
     }
 }
 
-/// What becomes of the power from one direction at one facet.
+/// Power from one direction that one facet reflects and refracts.
 pub(super) struct Bounce {
     /// The part that leaves where the facet reflects all, and where it refracts all.
     pub(super) reflected: f32,
     pub(super) refracted: f32,
-    /// What the facet does, and the cosine that it is met at.
+    /// Reflection and transmission at the facet, and the cosine of the angle of incidence (`cos_o`).
     pub(super) interface: Interface,
     pub(super) cos_o: f32,
 }

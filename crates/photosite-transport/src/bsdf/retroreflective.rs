@@ -38,11 +38,11 @@ use photosite_core::spectrum::SampledSpectrum;
 /// Retroreflective sheeting.
 #[derive(Clone, Copy, Debug)]
 pub struct Retroreflective<F: Form = Sampled> {
-    /// R, the part of the light along the normal that returns, 0–1.
+    /// Retroreflectance R, the part of the light along the normal that returns, 0–1.
     pub retroreflectance: F::Colour,
-    /// ρ, the part of all other light that is scattered by Lambert's law, 0–1.
+    /// Reflectance ρ, the part of all other light that is scattered by Lambert's law, 0–1.
     pub reflectance: F::Colour,
-    /// The prisms.
+    /// Prisms that send light back.
     pub corners: CubeCorners,
     /// Width of the lobe about the direction back, as roughness of microfacets.
     pub distribution: F::Distribution,
@@ -70,12 +70,12 @@ impl<F: TableForm> SceneTraits for Retroreflective<F> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubeCorners {
     index: f32,
-    /// ∫ 2μ·a(μ) dμ.
+    /// Mean active part ∫ 2μ·a(μ) dμ.
     mean: f32,
 }
 
 impl CubeCorners {
-    /// Of a refractive index, at least 1.
+    /// Returns corners of a refractive index of at least 1.
     pub fn new(index: f32) -> Self {
         // The midpoint rule; a is smooth but for its end, where it is as flat as a power of 3/2: some 1e-6.
         const STEPS: usize = 1000;
@@ -85,7 +85,7 @@ impl CubeCorners {
         Self { mean: (sum / STEPS as f64) as f32, ..corners }
     }
 
-    /// a, the part of the light at the cosine `cos` to the normal that enters a corner and leaves it, 0–1.
+    /// Active part a, the part of the light at the cosine `cos` to the normal that enters a corner and leaves it, 0–1.
     #[inline]
     pub fn active_part(&self, cos: f32) -> f32 {
         let sin_squared = (1.0 - cos * cos).max(0.0);
@@ -100,7 +100,7 @@ impl CubeCorners {
 }
 
 impl Retroreflective {
-    /// Of light from `wo`: a, and the part of the samples that go back. None where all is black.
+    /// Active part a of light from `wo`, and the part of the samples that go back; `None` where all is black.
     #[inline]
     fn parts(&self, wo: Vec3) -> Option<(f32, f32)> {
         let active = self.corners.active_part(wo.z);

@@ -1,4 +1,4 @@
-//! What a BSDF answers: its value for two directions, and a direction that it draws.
+//! Results of a BSDF: its value for two directions, and a direction that it draws.
 
 use glam::Vec3;
 
@@ -8,14 +8,14 @@ use photosite_core::spectrum::SampledSpectrum;
 /// Value and density for a pair of directions. Zero for lobes that are a single direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfEval {
-    /// sr⁻¹, without cosine.
+    /// Value f of the BSDF, sr⁻¹, without cosine.
     pub f: SampledSpectrum,
     /// Density with which [`Bsdf::sample`](super::Bsdf::sample) finds `wi`.
     pub pdf: Pdf<SolidAngle>,
 }
 
 impl BsdfEval {
-    /// No scattering.
+    /// Absence of scattering.
     pub const ZERO: Self = Self { f: SampledSpectrum::ZERO, pdf: Pdf::new(0.0) };
 }
 
@@ -23,15 +23,15 @@ impl BsdfEval {
 /// θᵢ|/pdf.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BsdfSample {
-    /// sr⁻¹, without cosine. Where `is_delta`, the reflected or transmitted part over |cos θᵢ|.
+    /// Value f of the BSDF, sr⁻¹, without cosine. Where `is_delta`, the reflected or transmitted part over |cos θᵢ|.
     pub f: SampledSpectrum,
     /// The direction drawn.
     pub wi: Vec3,
-    /// Its density. Where `is_delta`, the probability of having chosen it.
+    /// Density of the direction. Where `is_delta`, the probability of having chosen it.
     pub pdf: Pdf<SolidAngle>,
     /// Whether the direction is the only one of its lobe, so that no light can be sampled towards it.
     pub is_delta: bool,
-    /// Whether `wi` is on the other side than `wo`.
+    /// Whether `wi` and `wo` are on different sides of the surface.
     pub is_transmission: bool,
     /// Whether the path is right for the hero wavelength alone from here on; the other lanes of `f` are then zero.
     pub terminates_secondary: bool,
@@ -52,7 +52,7 @@ impl BsdfSample {
         Self { is_delta: true, ..Self::reflected(reflectance / wi.z.abs(), wi, Pdf::new(probability)) }
     }
 
-    /// What the path's throughput is multiplied by: f·|cos θᵢ|/pdf.
+    /// Factor of the path's throughput: f·|cos θᵢ|/pdf.
     #[inline]
     pub fn throughput(&self) -> SampledSpectrum {
         self.f * (self.wi.z.abs() / self.pdf.0)

@@ -13,7 +13,7 @@ use glam::{Vec2, Vec3};
 
 use super::directions::is_above;
 
-/// Below this α the lobe is so narrow a rim that it cannot be integrated; also what the default roughness 0 becomes.
+/// Smallest α, below which the lobe is too narrow a rim to be integrated; the default roughness 0 becomes this α.
 pub(super) const SMALLEST_ALPHA: f32 = 0.01;
 
 /// Cosines below this count as this, so that E has a limit along the surface.

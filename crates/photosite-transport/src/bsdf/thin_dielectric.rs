@@ -20,9 +20,9 @@ use photosite_core::spectrum::SampledSpectrum;
 /// A polished pane with two parallel surfaces.
 #[derive(Clone, Copy, Debug)]
 pub struct ThinDielectric<F: Form = Sampled> {
-    /// Index of its glass.
+    /// Refractive index of the glass.
     pub index: F::Index,
-    /// What is left of light that crosses it along the normal, but for its surfaces, 0–1.
+    /// Internal transmittance τ of the pane along the normal, without its surfaces, 0–1.
     pub transmittance: F::Spectrum,
 }
 

@@ -14,9 +14,9 @@ use photosite_core::math::{Pdf, warp};
 /// A thin diffuse sheet.
 #[derive(Clone, Copy, Debug)]
 pub struct Translucent<F: Form = Sampled> {
-    /// 0–1.
+    /// Reflectance ρ, 0–1.
     pub reflectance: F::Colour,
-    /// 0–1; with the reflectance at most 1.
+    /// Transmittance τ, 0–1; with the reflectance at most 1.
     pub transmittance: F::Colour,
 }
 

@@ -6,22 +6,23 @@ use glam::Vec4;
 
 use super::{FilmBand, FilmResponses, add_values};
 
-/// What one wavelength brings to a sample of a pixel.
+/// Light that one wavelength brings to a sample of a pixel.
 #[derive(Clone, Copy, Debug)]
 pub struct OneWavelength {
-    /// Where it lies in a spectral table: the entry before it, and how far it is from there to the next.
+    /// Position of the wavelength in a spectral table: the entry before it, and the part of the way from there to the
+    /// next.
     pub entry: u32,
-    /// See `entry`.
+    /// Part of the way from `entry` to the next entry, 0–1.
     pub part: f32,
     /// Spectral irradiance times the wavelength's Monte Carlo weight, W·m⁻².
     pub weighted: f32,
 }
 
-/// What lands in a row of the film: samples of all pixels, to which light is added in any order of pixels.
+/// Light that lands in a row of the film: samples of all pixels, to which light is added in any order of pixels.
 pub struct LandingRow {
     samples: Range<u32>,
     groups: usize,
-    /// By pixel, sample and group of channels.
+    /// Values by pixel, sample and group of channels.
     values: Vec<Vec4>,
 }
 
@@ -39,14 +40,14 @@ impl FilmResponses {
 }
 
 impl FilmBand<'_> {
-    /// A dark row of so many samples a pixel.
+    /// Row without light for these samples of each pixel.
     pub fn landing_row(&self, samples: Range<u32>) -> LandingRow {
         let groups = self.responses.groups();
         let values = vec![Vec4::ZERO; self.counts.len() * samples.len() * groups];
         LandingRow { samples, groups, values }
     }
 
-    /// Adds light to a sample of a pixel of such a row. Light of other samples is dropped.
+    /// Adds light to a sample of a pixel of a row. Light of other samples is dropped.
     #[inline]
     pub fn land(&self, row: &mut LandingRow, pixel: usize, sample: u32, light: &OneWavelength) {
         if row.samples.contains(&sample) {
@@ -55,7 +56,7 @@ impl FilmBand<'_> {
         }
     }
 
-    /// Adds those samples of such a row to each pixel that it lacks and `wanted` has.
+    /// Adds to each pixel the samples of a row that it lacks, up to the number that `wanted` gives.
     pub fn add_row(&mut self, row: &LandingRow, wanted: impl Fn(usize) -> u32) {
         let channels = self.responses.len();
         for pixel in 0..self.counts.len() {

@@ -9,6 +9,7 @@
 mod filter;
 mod interleaved;
 mod leaf;
+pub mod packed;
 mod packet;
 pub(super) mod query;
 mod single;
@@ -39,23 +40,23 @@ use photosite_simd::{compact, prefer_huge_pages};
 
 pub use filter::{AcceptAll, HitFilter};
 
-/// Primitives somewhere in the world.
+/// Instance of primitives somewhere in the world.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// Index of their bottom-level hierarchy.
+    /// Index of the bottom-level hierarchy of the primitives.
     pub blas: u32,
-    /// Where it is.
+    /// Place of the instance in the world.
     pub transform: InstanceTransform,
 }
 
-/// Where the primitives of an instance are.
+/// Place of the primitives of an instance.
 #[derive(Clone, Debug)]
 pub enum InstanceTransform {
-    /// Its corners are given in world space.
+    /// World space, in which the corners are given.
     World,
-    /// It stands still.
+    /// Fixed transform.
     Still(Transform),
-    /// It moves.
+    /// Moving transform.
     Moving(Box<Motion>),
 }
 
@@ -83,15 +84,15 @@ impl InstanceTransform {
     }
 }
 
-/// Hierarchies over all triangles.
+/// Acceleration structure of a scene: hierarchies over all primitives.
 #[derive(Clone, Debug)]
 pub struct Accel {
     /// Shared by the scenes in which the same geometry stands elsewhere.
     blas: Arc<[Blas]>,
     instances: Vec<Instance>,
-    /// Over the instances; `None` where there is none, or a single one of rigid primitives in world space.
+    /// Hierarchy over the instances; `None` where there is none, or a single one of rigid primitives in world space.
     top: Option<Tlas>,
-    /// All primitives, where they are so few that several rays together need no hierarchy.
+    /// Table of all primitives, where they are so few that several rays together need no hierarchy.
     pub(super) linear_scan: Option<LinearScan>,
     /// Whether rays often wait for the memory.
     pub(super) exceeds_caches: bool,
@@ -100,20 +101,20 @@ pub struct Accel {
 /// Bottom-level acceleration structure: the primitives of an instance, in object space.
 #[derive(Clone, Debug)]
 enum Blas {
-    /// Its primitives keep their shapes.
+    /// Primitives that keep their shapes.
     Rigid(PrimitiveBvh<1>),
-    /// Its triangles change their shapes: one hierarchy for each part of the time, in which corners move on straight
+    /// Triangles that change their shapes: one hierarchy for each part of the time, in which corners move on straight
     /// lines, over triangles at its start and at its end.
     Deforming(Vec<PrimitiveBvh<2>>),
 }
 
-/// One hierarchy of primitives.
+/// Hierarchy of primitives.
 #[derive(Clone, Debug)]
 struct PrimitiveBvh<const SHAPES: usize> {
-    /// Its leaves are known by the numbers of [`Leaf`].
+    /// Hierarchy whose leaves are known by the numbers of [`Leaf`].
     bvh: WideBvh,
     blocks: Vec<TriangleBlock<SHAPES>>,
-    /// With their indices in the geometry.
+    /// Quadrics with their indices in the geometry.
     quadrics: Vec<(u32, Quadric)>,
     bounds: Bounds,
 }
@@ -134,7 +135,7 @@ impl Accel {
         Self::over(blas, geometry, ranges, instances)
     }
 
-    /// The hierarchies for other instances of the same primitives: that over the instances is built anew.
+    /// Builds the hierarchy over other instances of the same primitives; the bottom-level hierarchies are shared.
     pub fn with_instances(&self, geometry: &Geometry, ranges: &[PrimitiveRange], instances: Vec<Instance>) -> Self {
         Self::over(Arc::clone(&self.blas), geometry, ranges, instances)
     }
@@ -154,12 +155,12 @@ impl Accel {
         Self { blas, instances, top, linear_scan, exceeds_caches }
     }
 
-    /// The instances.
+    /// Instances in the order of their indices.
     pub fn instances(&self) -> &[Instance] {
         &self.instances
     }
 
-    /// Lower and upper corner of everything, m.
+    /// Lower and upper corner of the box around everything, m.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let all = self.instances.iter().map(|p| p.bounds(&self.blas));
         all.reduce(union).unwrap_or_default()
@@ -207,7 +208,7 @@ fn widened(aabb: &Aabb) -> Aabb {
 }
 
 impl<const SHAPES: usize> PrimitiveBvh<SHAPES> {
-    /// `corners` are those of a triangle in its shapes, `bounds` the box of them all.
+    /// Builds the hierarchy. `corners` are those of a triangle in its shapes, `bounds` the box of them all.
     fn build(
         geometry: &Geometry,
         range: &PrimitiveRange,
@@ -290,7 +291,7 @@ impl<const SHAPES: usize> PrimitiveBvh<SHAPES> {
     }
 }
 
-/// What becomes a leaf.
+/// Content of a leaf.
 enum LeafContent<const SHAPES: usize> {
     Triangles(TriangleBlock<SHAPES>),
     /// Index in the geometry.

@@ -33,12 +33,12 @@ enum Content {
 }
 
 impl Node {
-    /// Yet to be cut.
+    /// Node that is yet to be cut.
     const UNKNOWN: Self = Self { bounds: NOTHING, content: Content::Chunk(0) };
 }
 
 impl Chunks {
-    /// Of so many primitives with their boxes.
+    /// Collects `count` primitives with their boxes.
     pub(super) fn new(count: u32, bounds: impl Fn(u32) -> Bounds) -> Self {
         let mut chunks = Self { primitives: (0..count).collect(), nodes: Vec::new(), chunks: Vec::new() };
         chunks.nodes.push(Node::UNKNOWN);
@@ -66,7 +66,7 @@ impl Chunks {
         self.chunks.iter().map(|range| &self.primitives[range.clone()]).collect()
     }
 
-    /// Of all primitives.
+    /// Bounds of all primitives.
     pub(super) fn bounds(&self) -> Bounds {
         self.nodes[0].bounds
     }

@@ -1,4 +1,4 @@
-//! From a binary hierarchy to one of eight children a node.
+//! Collapse of a binary hierarchy into one with eight children a node.
 //!
 //! Of all wide trees that a binary one can be collapsed to, the one in which a random ray costs least by the surface
 //! area heuristic (Ylitie, Karras, Laine 2017, §3): found from the leaves up, since the cheapest way to put a subtree
@@ -15,7 +15,7 @@ pub(super) trait BinaryTree {
     fn len(&self) -> usize;
     /// Lower and upper corner of a node's box.
     fn bounds(&self, node: u32) -> Bounds;
-    /// Both children, unless the node is a leaf.
+    /// Returns both children, unless the node is a leaf.
     fn children(&self, node: u32) -> Option<[u32; 2]>;
     /// The primitive of a leaf.
     fn primitive(&self, leaf: u32) -> u32;
@@ -30,15 +30,15 @@ pub(super) struct Collapse<'a, T> {
     choices: Vec<Choice>,
 }
 
-/// How a subtree is best put below at most k slots.
+/// Best way to put a subtree below at most k slots.
 #[derive(Clone, Copy, Default)]
 struct Choice {
-    /// For k from 1 to 7.
+    /// Costs for k from 1 to 7.
     costs: [f32; WIDTH - 1],
-    /// How many of k slots, from 2 to 7, the left child gets; 0 where k − 1 slots are as good. The first stands for the
-    /// eight slots that the node has where it is one of the wide tree.
+    /// Number of the k slots, k from 2 to 7, that the left child gets; 0 where k − 1 slots are as good. The first
+    /// stands for the eight slots that the node has where it is one of the wide tree.
     left: [u8; WIDTH - 1],
-    /// Whether it is a leaf where it is not.
+    /// Whether the subtree is a leaf of the wide tree where it takes one slot.
     is_leaf: bool,
 }
 
@@ -47,7 +47,7 @@ impl Choice {
         Self { costs: [LEAF_COST * area; WIDTH - 1], is_leaf: true, ..Self::default() }
     }
 
-    /// From those of both children.
+    /// Finds the choice of a node from those of both children.
     fn of_node(area: f32, may_be_leaf: bool, [left, right]: [&Self; 2]) -> Self {
         // The cheapest way to share k slots, and how many the left child gets.
         let share = |k: usize| {
@@ -71,17 +71,18 @@ impl Choice {
     }
 }
 
-/// What is in a slot of a wide node.
+/// Subtree in a slot of a wide node.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Member {
     /// Root of the binary subtree.
     pub(super) node: u32,
-    /// Whether its primitives are a leaf of the wide tree.
+    /// Whether the primitives of the subtree are a leaf of the wide tree.
     pub(super) is_leaf: bool,
 }
 
 impl<'a, T: BinaryTree> Collapse<'a, T> {
-    /// `fits` says whether primitives, at most [`LEAF_SIZE`], can make a leaf; a single one must.
+    /// Finds the choices of all nodes. `fits` says whether primitives, at most [`LEAF_SIZE`], can make a leaf; a single
+    /// one must.
     pub(super) fn new(tree: &'a T, mut fits: impl FnMut(&[u32]) -> bool) -> Self {
         let mut choices = vec![Choice::default(); tree.len()];
         let mut sizes = vec![0u8; tree.len()];
@@ -112,7 +113,7 @@ impl<'a, T: BinaryTree> Collapse<'a, T> {
         Self { tree, choices }
     }
 
-    /// What the slots of the wide node hold that stands for a binary one.
+    /// Members in the slots of the wide node that stands for a binary one.
     pub(super) fn members(&self, node: u32) -> Vec<Member> {
         let Some([left, right]) = self.tree.children(node) else { return vec![Member { node, is_leaf: true }] };
         let mut members = Vec::with_capacity(WIDTH);

@@ -1,5 +1,5 @@
 //! Hits against exact arithmetic: triangles of every aspect, size and distance, quadrics, instances and what moves, for
-//! rays of cameras, rays to lamps and rays that leave a surface.
+//! rays of cameras, rays to lights and rays that leave a surface.
 //!
 //! Numbers of f32 are taken as they are. In f64 they are exact to 2⁻⁵³, which is nothing beside u = 2⁻²⁴, the unit of
 //! all tolerances here.
@@ -15,10 +15,10 @@ use photosite_core::math::{Frame, warp};
 
 const U: f64 = 0.5 * f32::EPSILON as f64;
 
-/// What exact arithmetic says of a ray and a triangle.
+/// Verdict of exact arithmetic on a ray and a triangle.
 #[derive(Debug)]
 enum Exact {
-    /// At t, at a point, and what single precision may have them off by.
+    /// Hit at t and at a point, with the errors that single precision may have.
     Hit {
         t: f64,
         t_error: f64,
@@ -30,7 +30,7 @@ enum Exact {
     Either,
 }
 
-/// Where a line through a triangle passes its plane.
+/// Intersection of a line with a triangle by its plane.
 fn exact(corners: [Vec3; 3], ray: &Ray) -> Exact {
     let is_slender = is_slender(&corners);
     let corners = corners.map(|corner| corner.as_dvec3());

@@ -189,7 +189,7 @@ mod tests {
         (0..count).map(ray).collect()
     }
 
-    /// What each set of registers finds, and what the hierarchy does.
+    /// Compares the hits found by each set of registers with those of the hierarchy.
     fn compare<F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, what: &str) -> usize {
         let scan = accel.linear_scan.as_ref().expect("few triangles");
         let (mut expected, mut occluded) = (vec![], vec![]);
@@ -254,7 +254,7 @@ mod tests {
         }
     }
 
-    /// Everything is there only here and there.
+    /// Filter that accepts hits in patches only.
     struct Patches;
 
     impl HitFilter for Patches {

@@ -16,35 +16,35 @@ pub struct Triangle {
     pub mesh: u32,
 }
 
-/// What the triangles of a mesh have in common.
+/// Data that the triangles of a mesh have in common.
 #[derive(Clone, Copy, Debug)]
 pub struct MeshRange {
     /// Handle of the material.
     pub material: u32,
-    /// Number of primitives before it, triangles and quadrics.
+    /// Number of primitives (triangles and quadrics) before those of the mesh.
     pub first_primitive: u32,
-    /// Handle of the first triangle.
+    /// Handle of the first triangle of the mesh.
     pub first_triangle: u32,
-    /// Number of triangles.
+    /// Number of triangles of the mesh.
     pub triangle_count: u32,
-    /// Handle of the light of the first triangle, where the material emits; those of the others follow.
+    /// Handle of the light of the first primitive, where the material emits; those of the others follow.
     pub first_light: Option<u32>,
-    /// What to subtract from a corner index to index [`Geometry::normals`]; `None` for flat shading.
+    /// Number to subtract from a corner index to index [`Geometry::normals`]; `None` for flat shading.
     pub normals_from: Option<u32>,
-    /// The same for [`Geometry::tangents`].
+    /// Number to subtract from a corner index to index [`Geometry::tangents`]; `None` without tangents.
     pub tangents_from: Option<u32>,
-    /// The same for each UV set.
+    /// Number to subtract from a corner index to index each set of [`Geometry::uvs`]; `None` without the set.
     pub uvs_from: [Option<u32>; 2],
-    /// The same for [`Geometry::colours`].
+    /// Number to subtract from a corner index to index [`Geometry::colours`]; `None` without colours.
     pub colours_from: Option<u32>,
-    /// Index into [`Geometry::deformations`], where the mesh changes its shape in the time of the picture.
+    /// Index into [`Geometry::deformations`], where the mesh changes its shape in the time of the image.
     pub deformation: Option<u32>,
     /// Index into [`Geometry::quadrics`], of a mesh that is a quadric and has no triangles.
     pub quadric: Option<u32>,
 }
 
 impl MeshRange {
-    /// Whether it is made of triangles that keep their shape, with no direction marked on it.
+    /// Whether the mesh consists of triangles that keep their shape, without tangents.
     pub(crate) fn is_plain(&self) -> bool {
         self.tangents_from.is_none() && self.deformation.is_none() && self.quadric.is_none()
     }
@@ -75,13 +75,13 @@ pub struct Geometry {
     pub tangents: Vec<Vec4>,
     /// UV coordinates.
     pub uvs: [Vec<Vec2>; 2],
-    /// Linear RGBA.
+    /// Vertex colours, linear RGBA.
     pub colours: Vec<Vec4>,
-    /// All triangles.
+    /// Triangles of all meshes.
     pub triangles: Vec<Triangle>,
-    /// All quadrics.
+    /// Quadrics, in world space.
     pub quadrics: Vec<PlacedQuadric>,
-    /// Their meshes.
+    /// Meshes of the triangles and quadrics.
     pub meshes: Vec<MeshRange>,
     /// Meshes that change their shape.
     pub deformations: Vec<Deformation>,
@@ -157,7 +157,7 @@ impl Geometry {
         std::array::from_fn(|i| a[i].lerp(b[i], along - shape as f64))
     }
 
-    /// The same of a triangle of that mesh.
+    /// Corner positions of a triangle of `mesh` at a time from 0 to 1.
     #[inline]
     pub(crate) fn corners_of(&self, triangle: &Triangle, mesh: &MeshRange, time: f32) -> [Vec3; 3] {
         let corners = triangle.corners;
@@ -249,7 +249,8 @@ impl Deformation {
     }
 }
 
-/// Which of so many equal parts of the time from 0 to 1 a time falls into, and how far.
+/// Index of the part that `time` falls into, of `count` equal parts of the time from 0 to 1, and its position in it,
+/// 0–1.
 #[inline]
 pub(crate) fn segment(time: f32, count: usize) -> (usize, f32) {
     let along = time * count as f32;

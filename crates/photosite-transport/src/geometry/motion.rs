@@ -1,4 +1,4 @@
-//! Where an instance, or a lamp, is at a time.
+//! Motion of an instance, or of a light, over time.
 
 use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3};
 
@@ -9,7 +9,7 @@ use photosite_core::math::Cone;
 /// A transform with its inverse.
 #[derive(Clone, Copy, Debug)]
 pub struct Transform {
-    /// Group space → world.
+    /// Object space → world.
     pub to_world: Affine3A,
     /// World → object space.
     pub to_object: Affine3A,
@@ -36,7 +36,7 @@ struct Key {
 }
 
 impl Transform {
-    /// Of an invertible transform, object → world.
+    /// Inverts a transform, object → world.
     pub fn new(to_world: &DAffine3) -> Self {
         Self { to_world: single(to_world), to_object: single(&to_world.inverse()) }
     }
@@ -48,7 +48,7 @@ fn single(transform: &DAffine3) -> Affine3A {
 }
 
 impl Motion {
-    /// Through at least two invertible transforms.
+    /// Leads through at least two invertible transforms.
     pub fn new(transforms: &[DAffine3]) -> Self {
         let mut keys: Vec<Key> = transforms.iter().map(Key::new).collect();
         for i in 1..keys.len() {
@@ -59,7 +59,7 @@ impl Motion {
         Self { keys }
     }
 
-    /// Group space → world at a time from 0 to 1.
+    /// Object space → world at a time from 0 to 1.
     #[inline]
     pub fn to_world(&self, time: f64) -> DAffine3 {
         let segments = self.keys.len() - 1;
@@ -130,7 +130,7 @@ impl Motion {
 }
 
 impl Key {
-    /// M = R·S by Higham's iteration R ← (R + R⁻ᵀ)/2. A mirror goes into S.
+    /// Takes a transform apart into M = R·S by Higham's iteration R ← (R + R⁻ᵀ)/2. A mirror goes into S.
     fn new(transform: &DAffine3) -> Self {
         let m = transform.matrix3;
         let mut r = m;

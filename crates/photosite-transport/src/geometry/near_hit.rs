@@ -28,8 +28,8 @@ pub(super) fn is_slender(corners: &[Vec3; 3]) -> bool {
     longest > SLENDER * (b - a).cross(c - a).length()
 }
 
-/// t and the barycentric weights of the second and third corner, where a ray that passes through the triangle meets it
-/// at t > 0 (T. Möller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997).
+/// Intersection in f64: t and the barycentric weights of the second and third corner, where a ray that passes through
+/// the triangle meets it at t > 0 (T. Möller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", 1997).
 ///
 /// Corners are known to half a unit in their last place. Of an origin that is no farther from the plane than they may
 /// be, by Σ |nₖ|·u·Σ bᵢ·|vᵢₖ| over axes and corners with u = 2⁻²⁴, it is not known on which side it lies: it is on the

@@ -21,24 +21,24 @@ pub struct SurfacePoint {
     pub shading_normal: Vec3,
     /// Tangent along +u, and the handedness of the bitangent; zero where the mesh has none.
     pub tangent: Vec3,
-    /// ±1: bitangent = handedness · normal × tangent.
+    /// Handedness, ±1: bitangent = handedness · normal × tangent.
     pub handedness: f32,
-    /// The primitive.
+    /// Primitive that the point lies on.
     pub primitive: Primitive,
-    /// Index of its instance in [`Accel`].
+    /// Index of the primitive's instance in [`Accel`].
     pub instance: u32,
     /// Mesh of the primitive.
     pub mesh: u32,
     /// Material of the mesh.
     pub material: u32,
-    /// Where on the primitive, as a [`Hit`] tells it.
+    /// Parameters of the point on the primitive, as a [`Hit`] tells it.
     pub parameters: [f32; 2],
-    /// When, from 0 to 1.
+    /// Time of the point, from 0 to 1.
     pub time: f32,
 }
 
 impl SurfacePoint {
-    /// The point of a hit by a ray of that time.
+    /// Surface point of a hit by a ray at `time`.
     #[inline]
     pub fn new(geometry: &Geometry, accel: &Accel, hit: &Hit, time: f32) -> Self {
         let triangle = match hit.primitive {
@@ -111,8 +111,8 @@ impl SurfacePoint {
         }
     }
 
-    /// Where the point of a hit is at a time, in the precision that equations for the time need: a smooth function of it,
-    /// which rounding leaves at some 1e-16 of the coordinates.
+    /// Position of the point of a hit at a time, in the precision that equations for the time need: a smooth function
+    /// of it, which rounding leaves at some 1e-16 of the coordinates.
     pub fn position_at(geometry: &Geometry, accel: &Accel, hit: &Hit, time: f64) -> DVec3 {
         match hit.primitive {
             Primitive::Triangle(triangle) => {
@@ -127,14 +127,14 @@ impl SurfacePoint {
         }
     }
 
-    /// The ray that leaves it in a direction, at its time.
+    /// Ray that leaves the point in a direction, at the time of the point.
     #[inline]
     pub fn spawn_ray(&self, direction: Vec3) -> Ray {
         let origin = offset_origin(self.position, self.error, self.geometric_normal, direction);
         Ray::new(origin, direction).at_time(self.time).leaving(Facet::of(self.instance, self.primitive))
     }
 
-    /// UV coordinates of a set.
+    /// UV coordinates of the point in a set.
     #[inline]
     pub fn uv(&self, geometry: &Geometry, set: usize) -> Vec2 {
         geometry.uv(self.primitive, self.parameters, set)

@@ -14,7 +14,7 @@ pub enum Primitive {
 }
 
 impl Primitive {
-    /// The index of a triangle.
+    /// Index of the triangle; `None` for a quadric.
     #[inline]
     pub fn triangle(self) -> Option<u32> {
         match self {
@@ -22,10 +22,19 @@ impl Primitive {
             Self::Quadric(_) => None,
         }
     }
+
+    /// A number for [`Ray::to`](super::Ray::to): triangles count up from 0, quadrics down from [`Facet::NO_TRIANGLE`].
+    #[inline]
+    pub(crate) fn target(self) -> u32 {
+        match self {
+            Self::Triangle(triangle) => triangle,
+            Self::Quadric(quadric) => Facet::NO_TRIANGLE - 1 - quadric,
+        }
+    }
 }
 
-/// A triangle of an instance, as the surface that a ray leaves: it is flat, so that the ray does not meet it again.
-/// Quadrics are curved, and none of them is a facet.
+/// Facet: a triangle of an instance, as the surface that a ray leaves: it is flat, so that the ray does not meet it
+/// again. Quadrics are curved, and none of them is a facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Facet {
     instance: u32,
@@ -33,9 +42,9 @@ pub struct Facet {
 }
 
 impl Facet {
-    /// The index of no triangle.
+    /// Index that stands for no triangle.
     pub const NO_TRIANGLE: u32 = u32::MAX;
-    /// No triangle: where a ray begins anywhere else.
+    /// Absence of a triangle, for a ray that begins elsewhere.
     pub const NONE: Self = Self { instance: 0, triangle: Self::NO_TRIANGLE };
 
     /// The triangle that a primitive of an instance is.
@@ -61,15 +70,20 @@ pub struct PrimitiveRange {
 }
 
 impl From<Range<u32>> for PrimitiveRange {
-    /// Of triangles.
+    /// Makes a range of triangles alone.
     fn from(triangles: Range<u32>) -> Self {
         Self { triangles, quadrics: 0..0 }
     }
 }
 
 impl PrimitiveRange {
+    /// The primitives.
+    pub(crate) fn primitives(&self) -> impl Iterator<Item = Primitive> + use<> {
+        self.triangles.clone().map(Primitive::Triangle).chain(self.quadrics.clone().map(Primitive::Quadric))
+    }
+
     /// Number of primitives.
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.triangles.len() + self.quadrics.len()
     }
 }

@@ -14,11 +14,12 @@ mod sphere;
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 
+use super::word::{QUADRIC_WORDS, Word, word};
 use photosite_core::math::{Real, Vector};
 
 pub use cylinder::Cylinder;
 pub use disk::Disk;
-pub(super) use shape::QuadricPoint;
+pub(crate) use shape::QuadricPoint;
 pub use sphere::Sphere;
 
 /// The kinds of quadrics, each as a shape of unit size that an instance turns, moves and makes larger or smaller.
@@ -33,7 +34,7 @@ pub enum QuadricKind {
 }
 
 impl QuadricKind {
-    /// What messages call it.
+    /// Name of the kind in messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::Sphere => "sphere",
@@ -59,18 +60,18 @@ impl QuadricKind {
 /// A quadric in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quadric {
-    /// All around a point.
+    /// Sphere around a point.
     Sphere(Sphere),
     /// Flat, with a front and a back.
     Disk(Disk),
-    /// Around an axis, open at both ends.
+    /// Cylinder around an axis, open at both ends.
     Cylinder(Cylinder),
 }
 
 /// A quadric of a scene's geometry.
 #[derive(Clone, Copy, Debug)]
 pub struct PlacedQuadric {
-    /// Where it is.
+    /// Shape of the quadric and its place in the world.
     pub quadric: Quadric,
     /// Index into [`Geometry::meshes`](super::Geometry::meshes).
     pub mesh: u32,
@@ -103,7 +104,7 @@ impl PlacedQuadric {
 impl Quadric {
     /// The two t at which a line meets it, the smaller one first; NaN where it does not.
     #[inline(always)]
-    pub(super) fn intersect<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [R; 2] {
+    pub(crate) fn intersect<R: Real>(&self, origin: Vector<R>, direction: Vector<R>) -> [R; 2] {
         match self {
             Self::Sphere(sphere) => sphere.intersect(origin, direction),
             Self::Disk(disk) => disk.intersect(origin, direction),
@@ -111,9 +112,24 @@ impl Quadric {
         }
     }
 
+    /// The quadric of a mesh as plain data: a place with the radius, three vectors, and the kind with the mesh.
+    pub(crate) fn words(&self, mesh: u32) -> [Word; QUADRIC_WORDS] {
+        let zero = word(Vec3::ZERO, 0);
+        match self {
+            Self::Sphere(Sphere { centre, radius }) => {
+                [word(*centre, radius.to_bits()), zero, zero, zero, [0, mesh, 0, 0]]
+            }
+            Self::Disk(disk) => disk.words([1, mesh, 0, 0]),
+            Self::Cylinder(Cylinder { middle, axes: [x, y, z], radius, half_length }) => {
+                let place = word(*middle, radius.to_bits());
+                [place, word(*x, half_length.to_bits()), word(*y, 0), word(*z, 0), [2, mesh, 0, 0]]
+            }
+        }
+    }
+
     /// The parameters of a point of it, or near it.
     #[inline]
-    pub(super) fn uv(&self, point: Vec3) -> [f32; 2] {
+    pub(crate) fn uv(&self, point: Vec3) -> [f32; 2] {
         match self {
             Self::Sphere(sphere) => sphere.uv(point),
             Self::Disk(disk) => disk.uv(point),
@@ -123,7 +139,7 @@ impl Quadric {
 
     /// The point with these parameters.
     #[inline]
-    pub(super) fn point(&self, uv: [f32; 2]) -> QuadricPoint {
+    pub(crate) fn point(&self, uv: [f32; 2]) -> QuadricPoint {
         match self {
             Self::Sphere(sphere) => sphere.point(uv),
             Self::Disk(disk) => disk.point(uv),
@@ -301,7 +317,7 @@ mod tests {
                         // Through a cylinder the chord is long, or ends beyond one of the ends.
                         (QuadricKind::Sphere | QuadricKind::Cylinder, Some(t)) => {
                             let Quadric::Cylinder(cylinder) = quadric else { unreachable!("a cylinder") };
-                            let chord = 2.0 * cylinder.radius() * direction.dot(normal);
+                            let chord = 2.0 * cylinder.radius * direction.dot(normal);
                             assert!(t > 0.5 * chord, "{quadric:?}: {t} of {chord}");
                         }
                         (QuadricKind::Sphere | QuadricKind::Cylinder, None) => {}

@@ -8,18 +8,19 @@ use photosite_core::math::{Real, Vector};
 /// A ray from `origin` along `direction`; points on it are origin + t·direction for 0 < t < `t_max`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Metres.
+    /// Origin of the ray, m.
     pub origin: Vec3,
-    /// Need not be of unit length; t is counted in its length.
+    /// Direction of any length above 0; t is counted in that length.
     pub direction: Vec3,
-    /// Where it ends; infinite for a ray that does not.
+    /// Parameter t at which the ray ends; infinite for a ray without end.
     pub t_max: f32,
-    /// When it meets the scene: 0 for the start and 1 for the end of the time for which the scene was built.
+    /// Time at which the ray meets the scene: 0 for the start and 1 for the end of the time for which the scene was
+    /// built.
     pub time: f32,
-    /// The triangle that it leaves, and does not meet.
+    /// Triangle that the ray leaves, and does not meet.
     pub from: Facet,
-    /// The triangle of a lamp that it ends at, which does not hide itself, and is in one place; [`Facet::NO_TRIANGLE`]
-    /// for none. Only what is asked about rays in the way heeds it.
+    /// Primitive of a light that the ray ends at (`Primitive::target`), which does not hide itself and has a single
+    /// place; [`Facet::NO_TRIANGLE`] for none. Occlusion queries alone heed it.
     pub to: u32,
 }
 
@@ -34,49 +35,49 @@ impl Ray {
         to: Facet::NO_TRIANGLE,
     };
 
-    /// A ray without end, at the start, from anywhere.
+    /// Makes a ray without end at time 0, which leaves no triangle.
     #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_max: f32::INFINITY, time: 0.0, from: Facet::NONE, to: Facet::NO_TRIANGLE }
     }
 
-    /// The same ray at another time.
+    /// Returns the ray at another time.
     #[inline]
     #[must_use]
     pub fn at_time(self, time: f32) -> Self {
         Self { time, ..self }
     }
 
-    /// This ray as one that leaves a triangle.
+    /// Returns the ray as one that leaves a triangle.
     #[inline]
     #[must_use]
     pub fn leaving(self, from: Facet) -> Self {
         Self { from, ..self }
     }
 
-    /// The point at t.
+    /// Point of the ray at the parameter t.
     #[inline]
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t
     }
 }
 
-/// Where a ray meets a primitive.
+/// Intersection of a ray with a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Ray parameter.
+    /// Ray parameter t of the hit.
     pub t: f32,
-    /// Where on the primitive: barycentric weights of a triangle's second and third corner, the parameters of a
+    /// Position on the primitive: barycentric weights of a triangle's second and third corner, the parameters of a
     /// [`Quadric`](super::Quadric).
     pub uv: [f32; 2],
-    /// The primitive.
+    /// Primitive that the ray meets.
     pub primitive: Primitive,
     /// Index of the instance in [`Accel`](super::Accel).
     pub instance: u32,
 }
 
 impl Hit {
-    /// The triangle that a ray from there leaves.
+    /// Triangle that a ray from the hit leaves.
     #[inline]
     pub fn facet(&self) -> Facet {
         Facet::of(self.instance, self.primitive)
@@ -94,7 +95,7 @@ pub fn offset_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec
     offset(p.into(), error.into(), normal.into(), direction.into()).into()
 }
 
-/// The same for any numbers.
+/// Moves the origin as [`offset_origin`] does, for any type of real numbers.
 #[inline(always)]
 pub(crate) fn offset<R: Real>(p: Vector<R>, error: Vector<R>, normal: Vector<R>, direction: Vector<R>) -> Vector<R> {
     let u = 0.5 * f32::EPSILON;

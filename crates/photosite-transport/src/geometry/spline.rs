@@ -17,7 +17,7 @@ use super::timed_pose::TimedPose;
 /// w₃ = ω_b·h/3, and w₂ makes q(1) = q_b; h is the time between both poses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spline {
-    /// In the order of their times; at least two.
+    /// Knots in the order of their times; at least two.
     knots: Vec<Knot>,
 }
 
@@ -26,12 +26,12 @@ pub struct Spline {
 struct Knot {
     pose: TimedPose,
     velocity_m_per_s: DVec3,
-    /// About its own axes.
+    /// Angular velocity about its own axes, rad/s.
     angular_velocity_rad_per_s: DVec3,
 }
 
 impl Spline {
-    /// Through at least two poses in the order of their times.
+    /// Leads through at least two poses in the order of their times.
     pub(super) fn new(poses: &[TimedPose]) -> Self {
         let between = |a: &TimedPose, b: &TimedPose| b.time_s - a.time_s;
         let spans: Vec<f64> = poses.windows(2).map(|pair| between(&pair[0], &pair[1])).collect();
@@ -48,12 +48,12 @@ impl Spline {
         Self { knots: poses.iter().enumerate().map(knot).collect() }
     }
 
-    /// The poses that it goes through.
+    /// Poses that the spline goes through.
     pub fn poses(&self) -> impl ExactSizeIterator<Item = &TimedPose> {
         self.knots.iter().map(|knot| &knot.pose)
     }
 
-    /// Its own axes → world at that time, s.
+    /// Own axes → world at that time, s.
     #[inline]
     pub(super) fn pose(&self, time_s: f64) -> DAffine3 {
         let next = self.knots.partition_point(|knot| knot.pose.time_s <= time_s);

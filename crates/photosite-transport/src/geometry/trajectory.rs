@@ -1,4 +1,4 @@
-//! How a camera or an object moves.
+//! Trajectories of cameras and objects.
 
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -6,17 +6,17 @@ use super::spline::Spline;
 use super::timed_pose::TimedPose;
 use photosite_core::Invalid;
 
-/// The way of a camera or an object through the world.
+/// Way of a camera or an object through the world.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Trajectory {
-    /// At constant velocities from where it stands at time 0.
+    /// Motion at constant velocities from the pose at time 0.
     Steady {
         /// Velocity of its origin, of a camera the centre of the lens, along the world's axes, m/s.
         velocity_m_per_s: DVec3,
         /// Angular velocity about its own axes (of a camera x right, y up, z backward), rad/s.
         angular_velocity_rad_per_s: DVec3,
     },
-    /// On a turntable, about an axis of the world, from where it stands at time 0.
+    /// Turn of a turntable, about an axis of the world, from the pose at time 0.
     Turntable {
         /// A point of the axis, m.
         centre_m: DVec3,
@@ -25,26 +25,26 @@ pub enum Trajectory {
         /// Counter-clockwise seen against the axis, rad/s.
         speed_rad_per_s: f64,
     },
-    /// Straight from pose to pose, one after the other in time; it stands still before the first and after the last.
+    /// Straight motion from pose to pose, one after the other in time, at rest before the first and after the last.
     Poses(Vec<TimedPose>),
-    /// Smoothly through poses, likewise.
+    /// Smooth motion through poses, at rest before the first and after the last.
     Spline(Spline),
 }
 
-/// How a trajectory goes from one pose to the next.
+/// Interpolation between the poses of a trajectory.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Interpolation {
     /// The position on a straight line at constant speed, the rotation on the shortest way at a constant rate
     /// ([Shoemake85](photosite_core::references#shoemake85)).
     #[default]
     Linear,
-    /// On a [`Spline`].
+    /// Smooth motion along a [`Spline`].
     Spline,
 }
 
 impl Trajectory {
-    /// Through poses, of which there must be two at least, one after the other in finite time. `still` is what the help
-    /// says of what does not move. Keys of errors are within `poses`.
+    /// Leads through at least two poses, one after the other in finite time. `still` is what the help says of what does
+    /// not move. Keys of errors are within `poses`.
     pub fn through(poses: Vec<TimedPose>, interpolation: Interpolation, still: &str) -> Result<Self, Invalid> {
         let at = |i: usize, message: String| Invalid::new(format!("poses[{i}].time_s"), message);
         if poses.len() < 2 {
@@ -63,7 +63,7 @@ impl Trajectory {
         })
     }
 
-    /// Its own axes → world at the time t, s, of what stands at `start` at time 0:
+    /// Own axes → world at the time t, s, of an object that stands at `start` at time 0:
     ///
     /// - steady: p = p₀ + v·t, R = R₀·exp(\[ω\]ₓ·t);
     /// - turntable: p = c + exp(\[ω·a\]ₓ·t)·(p₀ − c), R = exp(\[ω·a\]ₓ·t)·R₀ about the axis a through c;
@@ -98,7 +98,7 @@ impl Trajectory {
         }
     }
 
-    /// Its own axes → world at the time t, s, of what is known to stand somewhere at another time, s.
+    /// Own axes → world at the time `time_s` of an object that stands at `known` at the time `known_s`.
     pub fn pose_from(&self, known: &DAffine3, known_s: f64, time_s: f64) -> DAffine3 {
         match self {
             // The velocities stay, so that any time may be the start.
@@ -107,7 +107,7 @@ impl Trajectory {
         }
     }
 
-    /// Whether it tells by itself where everything is, and not from a start.
+    /// Whether the trajectory gives poses in the world, and not relative to a start.
     pub fn is_absolute(&self) -> bool {
         match self {
             Self::Steady { .. } | Self::Turntable { .. } => false,

@@ -1,4 +1,4 @@
-//! The children that a traversal has yet to visit.
+//! Stack of the children that a traversal has yet to visit.
 
 /// Entries that need no memory of their own: few, since they are cleared for most rays, and a power of two.
 const LEN: usize = 32;
@@ -10,9 +10,9 @@ const ROOM: usize = 8;
 /// spills to the heap.
 pub(super) struct TraversalStack {
     entries: [Entry; LEN],
-    /// At most [`LEN`].
+    /// Number of entries, at most [`LEN`].
     len: usize,
-    /// Below the entries.
+    /// Entries that have been spilled, below the others.
     spilled: Vec<Entry>,
 }
 
@@ -44,7 +44,7 @@ impl TraversalStack {
         Self { entries: [Entry(0); LEN], len: 0, spilled: Vec::new() }
     }
 
-    /// Forgets all.
+    /// Removes all entries.
     #[inline(always)]
     pub(super) fn clear(&mut self) {
         self.len = 0;
@@ -59,7 +59,7 @@ impl TraversalStack {
         }
     }
 
-    /// Where the children of the next node will begin, once there is [room](Self::make_room) for them.
+    /// Index at which the children of the next node will begin, once there is [room](Self::make_room) for them.
     #[inline(always)]
     pub(super) fn base(&self) -> usize {
         self.len

@@ -17,7 +17,7 @@ use photosite_simd::{LaneMask, Lanes, Simd};
 /// Triangles in a block, at most, and vertices.
 pub(super) const BLOCK_SIZE: usize = 8;
 
-/// Up to eight triangles of up to eight vertices, each in `SHAPES` shapes: one, or those that it goes between.
+/// Block of up to eight triangles of up to eight vertices, each in `SHAPES` shapes: one, or those that it goes between.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct TriangleBlock<const SHAPES: usize> {
@@ -25,13 +25,13 @@ pub(super) struct TriangleBlock<const SHAPES: usize> {
     vertices: [[[f32; BLOCK_SIZE]; 3]; SHAPES],
     /// Vertices of each triangle, corner by corner; those of unused lanes coincide, so that no ray meets them.
     corners: [[u8; BLOCK_SIZE]; 3],
-    /// What each triangle is called.
+    /// Ids of the triangles.
     pub(super) ids: [u32; BLOCK_SIZE],
     /// Lanes of the triangles that [`is_slender`].
     slender: u32,
 }
 
-/// Where a ray meets the triangles of a block.
+/// Hits of a ray on the triangles of a block.
 pub(super) struct BlockHits {
     /// Lanes that are hit at 0 < t ≤ t_max, at least one.
     pub(super) mask: u32,
@@ -52,7 +52,7 @@ impl BlockHits {
 }
 
 impl<const SHAPES: usize> TriangleBlock<SHAPES> {
-    /// From triangles with their corners in each shape; `None` where they do not fit into a block.
+    /// Packs triangles with their corners in each shape; `None` where they do not fit into a block.
     pub(super) fn new(triangles: impl Iterator<Item = (u32, [[Vec3; 3]; SHAPES])>) -> Option<Self> {
         let vertices = [[[0.0; BLOCK_SIZE]; 3]; SHAPES];
         let mut block = Self { vertices, corners: [[0; BLOCK_SIZE]; 3], ids: [0; BLOCK_SIZE], slender: 0 };
@@ -77,6 +77,13 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
         Some(block)
     }
 
+    /// Ids of the triangles.
+    pub(super) fn triangles(&self) -> impl Iterator<Item = u32> + Clone + '_ {
+        // Vertices of unused lanes coincide.
+        let is_used = |lane: &usize| (0..3).any(|corner| self.corners[corner][*lane] != self.corners[0][*lane]);
+        (0..BLOCK_SIZE).filter(is_used).map(|lane| self.ids[lane])
+    }
+
     /// Vertices along an axis, so far on the way from the first shape to the second.
     #[inline(always)]
     fn along<S: Simd>(&self, simd: S, axis: usize, part: f32) -> S::Lanes {
@@ -98,7 +105,7 @@ impl<const SHAPES: usize> TriangleBlock<SHAPES> {
         [x - simd.broadcast(sx) * z, y - simd.broadcast(sy) * z, simd.broadcast(sz) * z]
     }
 
-    /// Where the ray meets the triangles, from either side; `None` where it does not.
+    /// Intersects the ray with the triangles, from either side; `None` where it meets none.
     #[inline(always)]
     pub(super) fn intersect<S: Simd>(&self, simd: S, ray: &ShearedRay, part: f32, t_max: f32) -> Option<BlockHits> {
         let vertices = self.shear(simd, ray, part);
@@ -189,8 +196,8 @@ pub(super) fn distance_error<R: Real>([a, b, c]: [[R; 3]; 3], [u, v, w]: [R; 3],
     error_of_sum([x, y, z], e, inverse_scale) / sum.abs()
 }
 
-/// The same of u·a_z + v·b_z + w·c_z, from the largest magnitudes of the corners' coordinates and of the areas: with
-/// larger ones it is not smaller.
+/// Bound on the rounding error of u·a_z + v·b_z + w·c_z, from the largest magnitudes of the corners' coordinates and of
+/// the areas: with larger ones it is not smaller.
 #[inline(always)]
 pub(super) fn error_of_sum<R: Real>([x, y, z]: [R; 3], e: R, inverse_scale: R) -> R {
     let (g2, g3, g5) = (e.broadcast(gamma(2)), e.broadcast(gamma(3)), e.broadcast(gamma(5)));
@@ -227,7 +234,7 @@ pub(super) struct ShearedRay {
     direction: Vec3,
     /// The triangle that it leaves.
     from: u32,
-    /// Where x, y and z of the sheared space come from; z is the direction's largest component.
+    /// World axes that become x, y and z of the sheared space; z is the direction's largest component.
     axes: [usize; 3],
     shear: [f32; 3],
 }

@@ -10,10 +10,10 @@ use super::traversal_stack::{Entry, TraversalStack};
 use super::wide_node::{SlabLanes, SlabRay, WideNode, beyond_rounding};
 use photosite_simd::{Lanes, Simd, compact, prefer_huge_pages, prefetch};
 
-/// Set in the number of a child that is a leaf, beside what the leaf visitor knows it by.
+/// Bit set in the number of a child that is a leaf, beside the number by which the leaf visitor knows it.
 const LEAF: u32 = 1 << 31;
 
-/// What a node has in a slot.
+/// Child in a slot of a node: a node or a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Child(pub(super) u32);
 
@@ -21,7 +21,7 @@ impl Child {
     /// The node that all begins with.
     pub(super) const ROOT: Self = Self(0);
 
-    /// What the leaf visitor knows it by; `None` of a node.
+    /// Number by which the leaf visitor knows the leaf; `None` for a node.
     #[inline(always)]
     pub(super) fn leaf(self) -> Option<u32> {
         (self.0 & LEAF != 0).then_some(self.0 & !LEAF)
@@ -35,7 +35,7 @@ pub(super) struct WideBvh {
 }
 
 impl WideBvh {
-    /// From a binary tree. `fits` says whether primitives, at most [`LEAF_SIZE`], can make a leaf, for which
+    /// Collapses a binary tree. `fits` says whether primitives, at most [`LEAF_SIZE`], can make a leaf, for which
     /// `make_leaf` returns a number below 2³¹.
     pub(super) fn collapse(
         tree: &impl BinaryTree,
@@ -68,12 +68,12 @@ impl WideBvh {
         Self { nodes }
     }
 
-    /// The same without the memory that building reserved.
+    /// Returns the hierarchy without the memory that building reserved.
     pub(super) fn compact(self) -> Self {
         Self { nodes: compact(&self.nodes) }
     }
 
-    /// Makes room for the nodes of so many such hierarchies, [`append`](Self::append)ed.
+    /// Makes room for `nodes` nodes of hierarchies to be [`append`](Self::append)ed.
     pub(super) fn reserve(&mut self, nodes: usize) {
         self.nodes.reserve_exact(nodes);
         prefer_huge_pages(&self.nodes);
@@ -129,8 +129,8 @@ impl WideBvh {
         }
     }
 
-    /// The same a step at a time: visits the node or leaf that is `next`, at first number 0, and puts what comes then
-    /// in its place. Breaks with whether the visitor has ended the traversal.
+    /// Makes one step of a traversal: visits the node or leaf that is `next`, at first number 0, and puts what comes
+    /// then in its place. Breaks with whether the visitor has ended the traversal.
     ///
     /// `INTERLEAVED` says whether other rays make steps between two of this one: then the next node is prefetched, and
     /// later ones can wait.
@@ -258,7 +258,7 @@ impl WideBvh {
     }
 }
 
-/// What a traversal does at its leaves.
+/// Actions of a traversal at its leaves.
 ///
 /// A trait rather than a closure, since only what is `#[inline(always)]` all the way down is compiled for wide
 /// registers (see [`simd`](photosite_simd)).

@@ -11,10 +11,10 @@ use photosite_simd::{LaneMask, MAX_LANES, Simd, WideLanes};
 /// Children of a node, at most.
 pub(super) const WIDTH: usize = 8;
 
-/// What far planes are farther by, the bound on rounding.
+/// Factor by which far planes are moved away, the bound on rounding.
 const ENLARGED: f32 = 1.0 + 2.0 * gamma(3);
 
-/// So far away a box may seem that holds what is at `t_max`.
+/// Largest distance at which a box may seem to be that holds a point at `t_max`.
 #[inline(always)]
 pub(super) fn beyond_rounding<R: Real>(t_max: R) -> R {
     t_max * t_max.broadcast(ENLARGED)
@@ -24,9 +24,10 @@ pub(super) fn beyond_rounding<R: Real>(t_max: R) -> R {
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub(super) struct WideNode {
-    /// min x, max x, min y, max y, min z, max z of each child; an absent child has an inverted box.
+    /// Planes of the boxes: min x, max x, min y, max y, min z, max z of each child; an absent child has an inverted
+    /// box.
     planes: [[f32; WIDTH]; 6],
-    /// What the children are known by.
+    /// Numbers by which the children are known.
     pub(super) children: [u32; WIDTH],
 }
 
@@ -55,7 +56,7 @@ impl SlabRay {
         Self { origin, inverse, enlarged, near_planes }
     }
 
-    /// The same in all lanes.
+    /// Returns the ray repeated in all lanes.
     #[inline(always)]
     pub(super) fn in_lanes<S: Simd>(&self, simd: S) -> SlabLanes<S> {
         let Self { origin, inverse, enlarged, near_planes } = *self;
@@ -90,8 +91,8 @@ pub(super) struct SlabPacket<S: Simd> {
     beam: Beam,
 }
 
-/// Of all rays, axis by axis: where one begins that comes to near planes first and to far ones last, and the least and
-/// the largest factors.
+/// Beam around all rays, axis by axis: the origin of a ray that comes to near planes first and to far ones last, and
+/// the least and the largest factors.
 #[derive(Clone, Copy, Default)]
 struct Beam {
     near_origin: [f32; 3],
@@ -107,7 +108,7 @@ impl<S: Simd> SlabPacket<S> {
         Self { origin: zero, inverse: zero, enlarged: zero, near_planes: [0; 3], beam: Beam::default() }
     }
 
-    /// Of a ray for each lane.
+    /// Packs one ray into each lane.
     #[inline(always)]
     pub(super) fn new(simd: S, rays: &[Ray]) -> Self {
         let mut origins = [[0.0; MAX_LANES]; 3];
@@ -155,7 +156,7 @@ fn extent<L: WideLanes>(values: &[f32; MAX_LANES]) -> [f32; 2] {
 }
 
 impl WideNode {
-    /// Which children some ray of a beam around all may enter.
+    /// Mask of the children that some ray of a beam around all may enter.
     ///
     /// Rounding keeps the order of numbers: what any of the rays finds of a box lies between what the beam does.
     #[inline(always)]
@@ -174,7 +175,7 @@ impl WideNode {
         near.le(far).bits()
     }
 
-    /// Which rays enter a child at t ≤ `reach`, and where.
+    /// Mask of the rays that enter a child at t ≤ `reach`, and the parameters at which they do.
     #[inline(always)]
     pub(super) fn enter_slot<S: Simd>(
         &self,
@@ -194,13 +195,13 @@ impl WideNode {
         (near.le(far).bits(), near)
     }
 
-    /// Without children.
+    /// Node without children.
     pub(super) const EMPTY: Self = {
         let (min, max) = ([f32::INFINITY; WIDTH], [f32::NEG_INFINITY; WIDTH]);
         Self { planes: [min, max, min, max, min, max], children: [0; WIDTH] }
     };
 
-    /// Of at most eight boxes, lower and upper corner.
+    /// Makes a node of at most eight boxes, lower and upper corner.
     pub(super) fn new(boxes: &[Bounds]) -> Self {
         let mut node = Self::EMPTY;
         for (slot, (min, max)) in boxes.iter().enumerate() {
@@ -212,12 +213,20 @@ impl WideNode {
         node
     }
 
-    /// The same boxes, with children known by other numbers.
+    /// Lower and upper corner of the box of a child; `None` where there is none.
+    pub(super) fn bounds(&self, slot: usize) -> Option<Bounds> {
+        let corner = |side: usize| Vec3::from_array([0, 2, 4].map(|axis| self.planes[axis + side][slot]));
+        let (low, high) = (corner(0), corner(1));
+        (low.x <= high.x).then_some((low, high))
+    }
+
+    /// Returns the boxes with children known by other numbers.
     pub(super) fn with_children(&self, number: impl Fn(u32) -> u32) -> Self {
         Self { children: self.children.map(number), ..*self }
     }
 
-    /// Which children the ray enters at t ≤ `t_max` and no more than rounding farther, and where.
+    /// Mask of the children that the ray enters at t ≤ `t_max` and no more than rounding farther, and the parameters at
+    /// which it does.
     ///
     /// Slabs, with the far plane widened by the bound on rounding (T. Ize, "Robust BVH Ray Traversal", JCGT 2013). A
     /// direction component of 0 gives ±∞ · 0 = NaN where the origin lies on the plane; min and max then keep their

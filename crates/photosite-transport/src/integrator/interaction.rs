@@ -1,4 +1,5 @@
-//! What paths from the camera and from lights do alike at a surface: the rays that leave it, and what they carry.
+//! Interaction with a surface, common to paths from the camera and from lights: the rays that leave it, and the power
+//! that they carry.
 
 use glam::Vec3;
 
@@ -50,7 +51,7 @@ pub(super) fn shadow_ray(point: &SurfacePoint, wi: Vec3, light: Option<(Vec3, Ve
     ray
 }
 
-/// Where a ray in the unit direction `wi` to a point of a light with this unit normal ends: just before it.
+/// End of a ray in the unit direction `wi` to a point of a light with this unit normal: just before the point.
 #[inline(always)]
 pub(super) fn towards_light<R: Real>(position: Vector<R>, normal: Vector<R>, wi: Vector<R>) -> Vector<R> {
     // A few roundings lie between the light's corners and its sampled point.

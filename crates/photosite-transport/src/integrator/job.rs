@@ -1,51 +1,53 @@
-//! What a render reads.
+//! Input of a render.
 
-use super::RenderSettings;
+use super::{LoadedDevice, RenderSettings};
 use crate::film::{Film, FilmResponses, Response};
 use crate::optics::Camera;
 use crate::scene::Scene;
 use photosite_core::spectrum::Spectrum;
 
-/// Everything that a render reads.
+/// Input of a render.
 pub struct RenderJob<'a> {
-    /// What is in front of the camera.
+    /// Scene in front of the camera.
     pub scene: &'a Scene,
-    /// The lens.
+    /// Camera with its lens.
     pub camera: &'a Camera,
-    /// The lens's spectral transmittance τ.
+    /// Spectral transmittance τ of the lens, 0–1.
     pub transmittance: &'a Spectrum,
-    /// What is made of each wavelength: what the planes of the film hold.
+    /// Responses of the channels, one for each plane of the film.
     pub responses: &'a [Response],
-    /// The filters of the pixels; `None` where all pixels have the same.
+    /// Filters of the pixels; `None` where all pixels have the same filter.
     pub filters: Option<&'a FilterTile>,
-    /// What [`importance_for_all`](Self::importance_for_all) gives, where an earlier render has found it.
+    /// Result of [`importance_for_all`](Self::importance_for_all), where an earlier render has found it.
     pub importance: Option<&'a Spectrum>,
-    /// Columns and rows.
+    /// Numbers of columns and rows.
     pub resolution: [u32; 2],
-    /// Depth, seed, sampler, limits.
+    /// Settings of light transport.
     pub settings: &'a RenderSettings,
+    /// Device that traces the paths, loaded with the scene; `None` for the processor.
+    pub device: Option<&'a LoadedDevice>,
 }
 
-/// The filters of a picture's pixels: a tile of them, which repeats.
+/// Tile of filters that repeats over the pixels of an image.
 #[derive(Clone, Debug)]
 pub struct FilterTile {
-    /// What the sensor makes of each wavelength behind each kind of filter, any unit, not negative.
+    /// Responses of the sensor behind each kind of filter, any unit, not negative.
     pub responses: Vec<Spectrum>,
     /// Index of a response for each pixel of the tile, row by row.
     pub filters: Vec<usize>,
-    /// Columns of the tile.
+    /// Number of columns of the tile.
     pub width: usize,
 }
 
 impl RenderJob<'_> {
-    /// A film of the picture's size.
+    /// Makes an empty film of the image's size.
     pub fn empty_film(&self, responses: FilmResponses) -> Film {
         let [width, height] = self.resolution.map(|n| n as usize);
         Film::new(width, height, responses)
     }
 
-    /// Whether paths carry one wavelength from the lens on: where it spreads points by wavelength, what dispersion
-    /// takes from a path later would leave the weights of all four to the one that is left.
+    /// Whether paths carry one wavelength from the lens on: where the lens spreads points by wavelength, a path that
+    /// dispersion left with one wavelength would keep the weights of all four.
     pub(super) fn has_single_wavelengths(&self) -> bool {
         self.camera.spreads_by_wavelength() && self.scene.disperses()
     }

@@ -1,24 +1,24 @@
 //! Light tracing: paths from lights, for what camera paths seldom find, the caustics that mirrors, glass and polished
-//! metal cast on other surfaces.
+//! metal cast on other surfaces, and the light of lamps that most surfaces do not see.
 //!
 //! A path starts at a light, is scattered from surface to surface, and every vertex but the first is connected to the
 //! camera ([Arvo86](photosite_core::references#arvo86); light tracing, or t = 1 in
 //! [Veach97](photosite_core::references#veach97) §10.2). With the power β that a path carries there, what a surface
-//! scatters from ωᵢ to the lens at ωₒ adds to the irradiance of the pixel that is at x in the picture, for one of N
+//! scatters from ωᵢ to the lens at ωₒ adds to the irradiance of the pixel that is at x in the image, for one of N
 //! paths,
 //!
 //! E = w·β·f(ωₒ, ωᵢ)·|n_s·ωᵢ|/|n_g·ωᵢ| · We · |dx/dA| / N,
 //!
 //! with the weight We of the camera's ray ([`Camera::generate`](crate::optics::Camera::generate)), the area dx of the
-//! picture that shows the area dA of the surface, and the shading and the geometric normal n_s and n_g: f is that of
+//! image that shows the area dA of the surface, and the shading and the geometric normal n_s and n_g: f is that of
 //! radiance, and the ratio of cosines what makes one of power of it ([Veach97](photosite_core::references#veach97)
 //! §5.3). The weights w are those of [`super::mis_ratio`]. Of a prescription, light goes in through the glass, and each
 //! wavelength lands in a pixel of its own ([`Camera::arrive_each`](crate::optics::Camera::arrive_each)).
 //!
 //! For each sample of all pixels as many light paths start, with random numbers of their own. What they bring to a
-//! pixel belongs to its sample of that index, so that the variance of samples is that of both together. A path ends at
-//! the first surface if that does not [cast caustics](crate::bsdf::Bsdf::casts_caustics): camera paths find its light
-//! well.
+//! pixel belongs to its sample of that index, so that the variance of samples is that of both together. In scenes with
+//! surfaces that [cast caustics](crate::bsdf::Bsdf::casts_caustics) a path ends at a first surface that does not: camera
+//! paths find its light well.
 
 mod light_path;
 mod splats;
@@ -32,36 +32,42 @@ use self::light_path::{LensPoint, LightPath, LightTracing};
 pub(super) use self::splats::{Splat, Splats};
 use super::interaction::terminate_secondary;
 use super::job::RenderJob;
-use super::mis_ratio::MisRatio;
+use super::mis_ratio::{LightPathKind, MisRatio};
 use super::path::PathLimits;
+use super::ray_counts::RayCounts;
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use crate::light::LightRay;
 use crate::optics::{LensRays, TowardsLens};
 use crate::sampler::Sampler;
-use photosite_core::math::float::gamma;
 use photosite_core::spectrum::{LANES, SampledSpectrum, Spectrum, SpectrumTable, WavelengthSampler};
 
 /// Paths that are traced together.
 const WAVEFRONT_PATHS: u32 = 256;
 /// Number of paths whose splats are stored at once, unless one sample has more: where all is polished, 250 bytes each.
 const MAX_STORED_PATHS: u32 = 1 << 20;
+/// Cost of a path beside its rays, and of a connection to the lens beside its own, in rays to surfaces: behind a screen, where
+/// nearly all is connections, a light path took 5.7 times as long as one from the camera.
+const PATH_COST: f64 = 2.4;
+const CONNECTION_COST: f64 = 2.5;
 /// Sequence of their random numbers, beyond all that pixels have.
 const SEQUENCE: u64 = 0x6c69_6768_7400_0000;
 
 /// Traces light paths.
 pub(super) struct LightTracer<'a> {
     tracing: LightTracing<'a>,
+    kind: LightPathKind,
     seed: u64,
     wavelengths: WavelengthSampler,
     /// N/(n·κ) of [`super::mis_ratio`].
     scale: f32,
     has_single_wavelengths: bool,
+    rays: RayCounts,
 }
 
 impl<'a> LightTracer<'a> {
-    /// For a render with the numbers of `seed`; `None` where there are no such paths. Their wavelengths are those of
-    /// `importance`, since no one knows to which pixel they will come. `lands_wavelengths` says whether those of paths from
-    /// the camera land each in a pixel of its own.
+    /// Prepares light paths with the random numbers of `seed`; `None` where there are none. Their wavelengths are those
+    /// of `importance`, since no one knows to which pixel they will come. `lands_wavelengths` says whether those of
+    /// paths from the camera land each in a pixel of its own.
     pub(super) fn new(
         job: &'a RenderJob<'a>,
         limits: PathLimits,
@@ -69,11 +75,10 @@ impl<'a> LightTracer<'a> {
         importance: &Spectrum,
         lands_wavelengths: bool,
     ) -> Option<Self> {
-        let share = job.settings.light_paths;
-        // The shortest path has three segments: light, surface that casts caustics, surface that is seen, lens.
+        let share = job.settings.light_paths();
+        // The shortest path has three segments: light, surface, surface that is seen, lens.
         let is_still = !job.camera.moves() && !job.camera.scans();
-        let may_find_any = job.scene.lights().has_emitters() && job.scene.may_cast_caustics();
-        if share <= 0.0 || limits.max_depth < 3 || !is_still || !may_find_any {
+        if share <= 0.0 || limits.max_depth < 3 || !is_still || !job.scene.lights().has_emitters() {
             return None;
         }
         let paths = (share * job.pixels() as f64).ceil().min(f64::from(u32::MAX)) as u32;
@@ -82,11 +87,13 @@ impl<'a> LightTracer<'a> {
         let transmittance = spectra.add(job.transmittance);
         Some(Self {
             tracing: LightTracing { job, limits, spectra, transmittance, paths },
+            kind: LightPathKind::of(job.scene),
             seed,
             wavelengths: WavelengthSampler::new(importance),
             scale: scale as f32,
             // As of the paths from the camera that find the same.
             has_single_wavelengths: job.has_single_wavelengths() || job.camera.has_glass() && !lands_wavelengths,
+            rays: RayCounts::default(),
         })
     }
 
@@ -97,11 +104,11 @@ impl<'a> LightTracer<'a> {
 
     /// MIS ratio of camera paths before their first surface.
     pub(super) fn mis_ratio(&self) -> MisRatio {
-        MisRatio::new(self.scale, self.tracing.job.camera.least_distance_m())
+        MisRatio::new(self.kind, self.scale, self.tracing.job.camera.least_distance_m())
     }
 
-    /// What those that belong to the samples with such numbers bring to some rows of the picture, to be kept where
-    /// `wants` says so of a pixel, by its number from the first of these rows on, and a sample.
+    /// Light that the paths of `samples` bring to some rows of the image, to be kept where `wants` says so of a pixel,
+    /// by its number from the first of these rows on, and a sample.
     pub(super) fn trace(
         &self,
         samples: Range<u32>,
@@ -109,7 +116,27 @@ impl<'a> LightTracer<'a> {
         wants: impl Fn(usize, u32) -> bool + Sync,
     ) -> Splats {
         let paths = u64::from(self.tracing.paths);
-        let all = u64::from(samples.start) * paths..u64::from(samples.end) * paths;
+        self.trace_paths(u64::from(samples.start) * paths..u64::from(samples.end) * paths, rows, wants)
+    }
+
+    /// Number of paths for each sample of all pixels.
+    pub(super) fn paths(&self) -> u32 {
+        self.tracing.paths
+    }
+
+    /// Cost of `paths` paths, which were all that were traced.
+    pub(super) fn cost(&self, paths: u64) -> f64 {
+        PATH_COST * paths as f64 + CONNECTION_COST * self.rays.shadow_rays() + self.rays.cost()
+    }
+
+    /// Light that paths of some numbers, counted over all samples, bring to some rows of the image; see
+    /// [`trace`](Self::trace).
+    pub(super) fn trace_paths(
+        &self,
+        all: Range<u64>,
+        rows: Range<usize>,
+        wants: impl Fn(usize, u32) -> bool + Sync,
+    ) -> Splats {
         let together = u64::from(WAVEFRONT_PATHS);
         // The same waves whichever samples are asked for, so that sums are of one order.
         let mut splats: Vec<Splat> = (all.start / together..all.end.div_ceil(together))
@@ -119,6 +146,7 @@ impl<'a> LightTracer<'a> {
                 |wavefront, number| {
                     let first = number * together;
                     wavefront.trace(first.max(all.start)..(first + together).min(all.end));
+                    self.rays.add(std::mem::take(&mut wavefront.rays));
                     wavefront
                         .splats
                         .drain(..)
@@ -137,7 +165,7 @@ impl<'a> LightTracer<'a> {
 struct LightWavefront<'a> {
     tracer: &'a LightTracer<'a>,
     sampler: Sampler,
-    /// Rows of the picture that matter.
+    /// Rows of the image that matter.
     rows: Range<usize>,
     paths: Vec<LightPath>,
     /// Indices and rays of the paths that go on.
@@ -153,6 +181,8 @@ struct LightWavefront<'a> {
     seen: Vec<(u32, Splat)>,
     occluded: Vec<bool>,
     splats: Vec<Splat>,
+    /// Rays that were traced to surfaces and to the lens.
+    rays: [u64; 2],
 }
 
 impl<'a> LightWavefront<'a> {
@@ -172,6 +202,7 @@ impl<'a> LightWavefront<'a> {
             seen: Vec::new(),
             occluded: Vec::new(),
             splats: Vec::new(),
+            rays: [0; 2],
         }
     }
 
@@ -181,6 +212,7 @@ impl<'a> LightWavefront<'a> {
         self.paths.clear();
         numbers.for_each(|number| self.start(number));
         while !self.active.0.is_empty() {
+            self.rays[0] += self.active.1.len() as u64;
             scene.closest_each(&self.active.1, &mut self.hits);
             let (numbers, rays) = std::mem::take(&mut self.active);
             for (i, (&number, ray)) in numbers.iter().zip(&rays).enumerate() {
@@ -196,6 +228,7 @@ impl<'a> LightWavefront<'a> {
             self.next.0.clear();
             self.next.1.clear();
         }
+        self.rays[1] += self.to_lens.len() as u64;
         scene.occluded_each(&self.to_lens, &mut self.occluded);
         let seen = self.seen.drain(..).filter(|(ray, _)| !self.occluded[*ray as usize]);
         self.splats.extend(seen.map(|(_, splat)| splat));
@@ -212,9 +245,8 @@ impl<'a> LightWavefront<'a> {
         }
         let u = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
         let Some(emission) = tracer.tracing.job.scene.sample_le(0.0, u, &wavelengths) else { return };
-        let LightRay { position, normal, direction, radiance, density, .. } = emission;
-        // As for shadow rays.
-        let origin = offset_origin(position, position.abs() * gamma(8), normal, direction);
+        let LightRay { position, error, normal, direction, radiance, density, .. } = emission;
+        let origin = offset_origin(position, error, normal, direction);
         self.active.0.push(self.paths.len() as u32);
         self.active.1.push(Ray::new(origin, direction));
         self.paths.push(LightPath {
@@ -248,8 +280,8 @@ impl<'a> LightWavefront<'a> {
             terminate_secondary(&mut path.wavelengths, &mut path.power);
         }
 
-        // End paths that cannot become caustics
-        if path.depth == 1 && !shading.bsdf.casts_caustics() {
+        // End paths that bring nothing that is kept
+        if path.depth == 1 && !tracer.kind.holds(shading.bsdf.casts_caustics()) {
             return None;
         }
         sampler.resume(path.position);
@@ -289,7 +321,8 @@ impl<'a> LightWavefront<'a> {
             }
             let weights = SampledSpectrum::from(weights);
             let lens = LensPoint { origin: arrival.front, weight: 1.0, px2_per_m2: 1.0, weights };
-            let Some((ray, irradiance)) = path.sent(&tracer.tracing, (point, *wi), &lens, &path.wavelengths) else {
+            let Some((ray, irradiance, mis_ratio)) = path.sent(&tracer.tracing, (point, *wi), &lens, &path.wavelengths)
+            else {
                 return;
             };
             // Wavelengths that land in one pixel go together
@@ -306,6 +339,7 @@ impl<'a> LightWavefront<'a> {
                     sample: path.sample,
                     irradiance: SampledSpectrum::from_lanes(here),
                     wavelengths: path.wavelengths,
+                    mis_ratio,
                 };
                 seen.push((to_lens.len() as u32, splat));
             }
@@ -329,8 +363,8 @@ fn connect(
     let mut wavelengths = path.wavelengths;
     let connection = camera.connect(point.position, aperture, spread, &mut wavelengths)?;
     let DVec2 { x: column, y: row } = camera.cells().cell_at(connection.pixel);
-    let is_in_picture = column >= 0.0 && column < f64::from(width) && row >= rows.start as f64 && row < rows.end as f64;
-    if !(is_in_picture && camera.cells().sees_light(connection.pixel)) {
+    let is_in_image = column >= 0.0 && column < f64::from(width) && row >= rows.start as f64 && row < rows.end as f64;
+    if !(is_in_image && camera.cells().sees_light(connection.pixel)) {
         return None;
     }
     let lens = LensPoint {
@@ -339,7 +373,7 @@ fn connect(
         px2_per_m2: connection.px2_per_m2,
         weights: connection.weights,
     };
-    let (ray, irradiance) = path.sent(tracing, (point, wi), &lens, &wavelengths)?;
+    let (ray, irradiance, ratio) = path.sent(tracing, (point, wi), &lens, &wavelengths)?;
     let pixel = (row as usize - rows.start) * width as usize + column as usize;
-    Some((ray, Splat { pixel: pixel as u32, sample: path.sample, irradiance, wavelengths }))
+    Some((ray, Splat { pixel: pixel as u32, sample: path.sample, irradiance, wavelengths, mis_ratio: ratio }))
 }

@@ -16,20 +16,47 @@
 //! p_L/p₀ = p_E · d₁²·l₁/(κ·c₁·p⃗₁) · Π_{i=2}^{k−1} lᵢ·p⃖ᵢ/(cᵢ·p⃗ᵢ),
 //!
 //! where a mirror has 1, and a smooth interface 1/η² with η the index towards the light over that towards the camera.
-//! Any weights that sum to one are right, so that κ may stand for all of the picture, and roulette may be left out.
+//! Any weights that sum to one are right, so that κ may stand for all of the image, and roulette may be left out.
 //!
-//! Light paths are kept for caustics only: x_{k−1} is a surface that [casts them](crate::bsdf::Bsdf::casts_caustics),
-//! and not the first that the camera sees. That first surface is no mirror, since a mirror cannot be connected to the
-//! lens.
+//! Light paths are kept for [`LightPathKind`]: where that is caustics alone, x_{k−1} is a surface that
+//! [casts them](crate::bsdf::Bsdf::casts_caustics), and in any case not the first that the camera sees. That first surface
+//! is no mirror, since a mirror cannot be connected to the lens.
 
-/// q without the factor p_E, over the surfaces that a path has passed.
+use crate::scene::Scene;
+
+/// Kind of light that light paths bring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LightPathKind {
+    /// Light that a surface focuses on another.
+    Caustics,
+    /// All light that comes to a surface by way of another.
+    Indirect,
+}
+
+impl LightPathKind {
+    /// Caustics alone where a scene may have any: light paths find them far better than camera paths do, and other
+    /// indirect light, of which there is much, seldom. In other scenes all indirect light, for lamps behind a screen or in
+    /// a shade.
+    pub(super) fn of(scene: &Scene) -> Self {
+        if scene.may_cast_caustics() { Self::Caustics } else { Self::Indirect }
+    }
+
+    /// Whether light paths bring what a surface sends that casts caustics or not, and is not the first.
+    #[inline]
+    pub(super) fn holds(self, casts_caustics: bool) -> bool {
+        casts_caustics || self == Self::Indirect
+    }
+}
+
+/// MIS ratio q without the factor p_E, over the surfaces that a path has passed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MisRatio {
-    /// 0 where no light path can be this one.
+    /// Ratio so far; 0 where no light path can be this path.
     ratio: f32,
-    /// Whether the last surface casts caustics and is not the first.
-    is_caustic: bool,
-    /// Nearer to the lens than that, m, no light path finds the first surface.
+    kind: LightPathKind,
+    /// Whether light paths bring what the last surface sends, and it is not the first.
+    is_brought: bool,
+    /// Distance from the lens, m, below which no light path finds the first surface.
     least_distance_m: f32,
 }
 
@@ -70,7 +97,7 @@ pub(super) fn delta_term(eta: f32) -> f32 {
     1.0 / (eta * eta)
 }
 
-/// w_camera of q; 1 where q is undefined, as between surfaces that touch.
+/// MIS weight w_camera of q; 1 where q is undefined, as between surfaces that touch.
 #[inline]
 pub(super) fn camera_weight(q: f32) -> f32 {
     if q.is_nan() { 1.0 } else { 1.0 / (1.0 + q) }
@@ -84,17 +111,23 @@ pub(super) fn light_weight(q: f32) -> f32 {
 
 impl MisRatio {
     /// The ratio of a render without light paths.
-    pub(super) const NONE: Self = Self::new(0.0, 0.0);
+    pub(super) const NONE: Self = Self::new(LightPathKind::Caustics, 0.0, 0.0);
 
     /// The ratio before the first surface: N/(n·κ). Light paths find none that is nearer to the lens than a distance in m.
-    pub(super) const fn new(scale: f32, least_distance_m: f32) -> Self {
-        Self { ratio: scale, is_caustic: false, least_distance_m }
+    pub(super) const fn new(kind: LightPathKind, scale: f32, least_distance_m: f32) -> Self {
+        Self { ratio: scale, kind, is_brought: false, least_distance_m }
     }
 
-    /// Whether light paths may find what this path finds.
+    /// Whether light paths may find the light that this path finds.
     #[inline]
     pub(super) fn is_shared(&self) -> bool {
         self.ratio > 0.0
+    }
+
+    /// Whether light paths bring what a surface sends that casts caustics or not, and is not the first.
+    #[inline]
+    pub(super) fn holds(&self, casts_caustics: bool) -> bool {
+        self.is_shared() && self.kind.holds(casts_caustics)
     }
 
     /// The ratio after the first surface, at `distance` (m) from the lens.
@@ -102,32 +135,33 @@ impl MisRatio {
     pub(super) fn after_first(self, path_vertex: &PathVertex, distance: f32) -> Self {
         let is_found = distance >= self.least_distance_m;
         let ratio = if is_found { self.ratio * path_vertex.first_term(distance) } else { 0.0 };
-        Self { ratio, is_caustic: false, ..self }
+        Self { ratio, is_brought: false, ..self }
     }
 
     /// The ratio after another surface.
     #[inline]
     pub(super) fn after(self, path_vertex: &PathVertex, casts_caustics: bool) -> Self {
-        Self { ratio: self.ratio * path_vertex.inner_term(), is_caustic: casts_caustics, ..self }
+        Self { ratio: self.ratio * path_vertex.inner_term(), is_brought: self.kind.holds(casts_caustics), ..self }
     }
 
     /// The ratio after another mirror or smooth interface.
     #[inline]
     pub(super) fn after_delta(self, eta: f32) -> Self {
-        Self { ratio: self.ratio * delta_term(eta), is_caustic: true, ..self }
+        Self { ratio: self.ratio * delta_term(eta), is_brought: true, ..self }
     }
 
     /// Weight of emission that BSDF sampling has found, whose light sets out with the density `emission_density`. Light
     /// sampling has found it with `light_pdf_ratio` times the density of BSDF sampling.
     #[inline]
     pub(super) fn mis_weight_bsdf(&self, emission_density: impl FnOnce() -> f32, light_pdf_ratio: f32) -> f32 {
-        if !(self.is_caustic && self.is_shared()) {
+        if !(self.is_brought && self.is_shared()) {
             return 1.0;
         }
         camera_weight(self.ratio * emission_density() / (1.0 + light_pdf_ratio))
     }
 
-    /// Weight of a light sample with the density `light_pdf`, at a surface that casts caustics and is not the first.
+    /// Weight of a light sample with the density `light_pdf`, at a surface that is not the first and whose light is
+    /// [brought](Self::holds).
     #[inline]
     pub(super) fn mis_weight_light(&self, path_vertex: &PathVertex, emission_density: f32, light_pdf: f32) -> f32 {
         camera_weight(self.ratio * path_vertex.last_term(light_pdf) * emission_density)

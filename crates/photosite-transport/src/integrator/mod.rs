@@ -9,8 +9,10 @@ mod job;
 mod light_paths;
 mod mis_ratio;
 mod path;
+mod path_tracer;
 pub mod pilot;
 mod progress;
+mod ray_counts;
 mod render;
 mod reuse;
 mod settings;
@@ -19,8 +21,12 @@ mod wavelengths;
 
 pub use job::{FilterTile, RenderJob};
 pub use path::PathLimits;
+pub use path_tracer::{Arrival, Device, LoadedDevice, PathStart, PathTracer};
 pub use pilot::Pilot;
 pub use progress::{Listener, Step};
-pub use render::{COARSE_STEP, bytes_of_landings, render, render_coarse, render_on, render_with_pilot};
-pub use settings::{RenderSettings, WavelengthChoice};
+pub use render::{
+    COARSE_STEP, Plan, SensorNoise, bytes_of_landings, may_plan_light_paths, plan, render, render_coarse, render_on,
+    render_with_pilot,
+};
+pub use settings::{RenderKeys, RenderSettings, StrategyChoice, WavelengthChoice};
 pub use wavefront::radiance;

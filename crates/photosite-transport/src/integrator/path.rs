@@ -1,6 +1,6 @@
-//! What a path does at each surface that it meets: unidirectional path tracing with next-event estimation, multiple
-//! importance sampling and Russian roulette ([pbrt4](photosite_core::references#pbrt4) §14.4). [`Path::advance`] is the
-//! body of its loop.
+//! Path tracing, surface by surface: unidirectional path tracing with next-event estimation, multiple importance
+//! sampling and Russian roulette ([pbrt4](photosite_core::references#pbrt4) §14.4). [`Path::advance`] is the body of
+//! its loop.
 
 mod diffuse_batch;
 
@@ -18,7 +18,7 @@ use crate::scene::{Scene, Shading};
 use photosite_core::math::{Pdf, SolidAngle};
 use photosite_core::spectrum::{SampledSpectrum, SpectrumId, Wavelengths};
 
-/// The lengths at which paths end and the number of their branches.
+/// Limits of paths: the lengths at which paths end, and the number of branches.
 #[derive(Clone, Copy, Debug)]
 pub struct PathLimits {
     /// Largest number of segments from the camera.
@@ -71,13 +71,13 @@ pub(super) struct Path {
     pub(super) sharing: Sharing,
 }
 
-/// What a path shares with the paths of other pixels.
+/// Sharing of a path with the paths of other pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sharing {
-    /// Nothing.
+    /// Path that shares nothing.
     Nothing,
-    /// Its second surface if that is diffuse, with the pixels of the group of this index. A branch has come from a
-    /// first surface that is shared.
+    /// Path that shares its second surface if that is diffuse, with the pixels of the group of this index. A branch has
+    /// come from a first surface that is shared.
     Group(u32),
     /// The light that it gathers: it has come to a second surface, and its light is what that surface sends back.
     Light,
@@ -88,7 +88,7 @@ pub(super) enum Sharing {
 pub(super) struct Queues {
     /// Shadow rays from surfaces to lights.
     pub(super) shadow_rays: Vec<Ray>,
-    /// What each shadow ray is for.
+    /// Contributions of the shadow rays, one each.
     pub(super) contributions: Vec<Contribution>,
     /// Branches of paths that have split, and their rays.
     pub(super) branches: Vec<(Path, Ray)>,
@@ -99,19 +99,19 @@ pub(super) struct Queues {
     pub(super) before: Vec<(u32, SampledSpectrum)>,
 }
 
-/// What a path gathers if nothing is in the way of a shadow ray.
+/// Light that a path gathers if nothing is in the way of a shadow ray.
 #[derive(Clone, Copy)]
 pub(super) struct Contribution {
     /// Index of the path.
     pub(super) path: u32,
     pub(super) light: SampledSpectrum,
-    /// Whether it comes from a light without a surface, which panes let through.
+    /// Whether the light has no surface, so that panes let it through.
     pub(super) is_delta: bool,
     /// The absorbing medium in which the ray sets out, where it is to be followed through panes.
     pub(super) medium: Option<SpectrumId>,
 }
 
-/// What paths need to advance.
+/// Data that paths need to advance.
 pub(super) struct Tracing<'a> {
     pub(super) scene: &'a Scene,
     pub(super) limits: &'a PathLimits,
@@ -127,7 +127,7 @@ struct Vertex<'a> {
     shading: &'a Shading,
     /// Direction back along the path, unit vector in world space.
     wo: Vec3,
-    /// The same in the shading frame.
+    /// Direction back along the path, unit vector in the shading frame.
     wo_local: Vec3,
     ctx: LightSampleContext,
 }
@@ -486,13 +486,14 @@ impl Path {
 
         // Weight against BSDF sampling and against paths from lights
         let mut weight = if light.is_delta { 1.0 } else { light.pdf.power_heuristic(scattering.pdf) };
-        let is_shared = self.mis_ratio.is_shared() && self.depth > 1 && !light.is_delta;
-        if is_shared && shading.bsdf.casts_caustics() && !shading.bsdf.is_edge_on(*wo_local) {
+        let may_be_brought = self.depth > 1 && !light.is_delta;
+        if may_be_brought && self.mis_ratio.holds(shading.bsdf.casts_caustics()) && !shading.bsdf.is_edge_on(*wo_local)
+        {
             let path_vertex = vertex.path_vertex(light.wi, wi_local, scattering.pdf.0);
             let density = scene.emission_density(light.light, point.time);
             weight *= self.mis_ratio.mis_weight_light(&path_vertex, density, light.pdf.0);
         }
-        let to = scene.lights().triangle_of(light.light);
+        let to = scene.lights().target_of(light.light);
         let ray = Ray { to, ..shadow_ray(point, light.wi, light.position) };
         Some((ray, contribution * weight, medium.filter(|_| is_followed)))
     }
@@ -504,7 +505,7 @@ impl Path {
         let emission_density = || scene.emission_density(light, point.time);
         let Some((pdf, ctx)) = self.last_bsdf else { return self.mis_ratio.mis_weight_bsdf(emission_density, 0.0) };
         let cos = wo.dot(point.geometric_normal);
-        let light_pdf = scene.lights().triangle_pdf(light, &ctx, scene.geometry(), point.time, distance, cos);
+        let light_pdf = scene.lights().area_light_pdf(light, &ctx, scene.geometry(), point.time, distance, cos);
         pdf.power_heuristic(light_pdf) * self.mis_ratio.mis_weight_bsdf(emission_density, light_pdf.0 / pdf.0)
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! A pixel that stops once its own samples look quiet stops too early just where bright samples happen to be missing:
 //! its mean is biased towards the dark, by tens of per cent where light is rare. So how many samples n a pixel gets is
-//! found from a film of *pilot samples*, which have random numbers of their own and are no part of the picture
+//! found from a film of *pilot samples*, which have random numbers of their own and are no part of the image
 //! [KirkArvo91](photosite_core::references#kirkarvo91). Given the pilot, n is fixed and the mean m of the n samples is
 //! that of any render, so that with the pixel's true value μ
 //!
@@ -10,7 +10,7 @@
 //!
 //! and s²/n is an unbiased variance of it. The pilot itself may look at anything it has seen, of all pixels, as often
 //! as it wants: it starts with [`START`] samples in every pixel, and grows where they call for more until it has one
-//! sample for each [`SHARE`] of the picture, in every pixel at least half of what that is on average. Where noise is
+//! sample for each [`SHARE`] of the image, in every pixel at least half of what that is on average. Where noise is
 //! hard to tell there are thus many, and a few where all is quiet by chance.
 //!
 //! The alternative, two halves of a pixel's samples of which each sets the number of the other, wastes none, but may
@@ -26,34 +26,35 @@ use std::ops::ControlFlow;
 
 use crate::film::Film;
 
-/// Samples a pixel that the pilot starts with, and that a picture has at least.
+/// Samples a pixel that the pilot starts with, and that an image has at least.
 pub const START: u32 = 16;
-/// Samples of the picture for each one of the pilot.
+/// Number of samples of the image for each sample of the pilot.
 pub const SHARE: u32 = 8;
-/// Samples that a picture gets for each one that seems to be needed: what a pilot tells of noise is off by some ten per
+/// Samples that an image gets for each one that seems to be needed: what a pilot tells of noise is off by some ten per
 /// cent.
 const MARGIN: f32 = 1.2;
-/// What the pilot of a pixel may grow by between two looks: noise that was seen once may be chance.
+/// Factor by which the pilot of a pixel may grow between two looks: noise that was seen once may be chance.
 const GROWTH: u32 = 4;
-/// The samples that tell how many a picture needs.
+/// Pilot samples, which tell how many samples each pixel of an image needs.
 #[derive(Clone)]
 pub struct Pilot {
-    /// What they have found.
+    /// Film of the pilot samples.
     pub film: Film,
-    /// How many each pixel shall have before they are looked at again. A pass that is broken off leaves some with
-    /// fewer, and looked at then, they would not tell what they tell in a render that is left alone.
+    /// Number of pilot samples that each pixel shall have before they are looked at again. A pass that is broken off
+    /// leaves some with fewer, and looked at then, they would not tell what they tell in a render that is left alone.
     pub wanted: Vec<u32>,
 }
 
 impl Pilot {
-    /// Without samples: the film is empty.
+    /// Starts a pilot from an empty film.
     pub fn new(film: Film) -> Self {
         let wanted = vec![0; film.counts().len()];
         Self { film, wanted }
     }
 }
 
-/// How many samples each pixel needs, within limits, as found from a pilot that `pass` brings to as many as it wants.
+/// Finds the number of samples that each pixel needs, within limits, from a pilot that `pass` brings to as many as it
+/// wants.
 pub(super) fn find_counts(
     pilot: &mut Pilot,
     [least, most]: [u32; 2],
@@ -91,7 +92,7 @@ mod tests {
 
     /// Probability of light in a sample: rare.
     const PART: f64 = 0.02;
-    /// Wanted variance of a pixel, in the square of the level of a sample with light.
+    /// Target variance of a pixel, in the square of the level of a sample with light.
     const VARIANCE: f64 = 1e-4;
     const PIXELS: usize = 20_000;
 
@@ -99,7 +100,7 @@ mod tests {
         Film::new(PIXELS, 1, FilmResponses::new(&[Response::new("E", Spectrum::constant(1.0))]))
     }
 
-    /// Brings a film to so many samples, each of which has light by chance.
+    /// Brings a film to the wanted numbers of samples, each of which has light by chance.
     fn fill(film: &mut Film, seed: u64, wanted: &[u32]) {
         let wavelengths = WavelengthSampler::new(&Spectrum::constant(1.0)).sample(0.5);
         let row = &mut film.bands(1)[0];
@@ -128,7 +129,7 @@ mod tests {
         [values(&estimate.mean, level), values(&estimate.variance, level * level)]
     }
 
-    /// Needed for [`VARIANCE`], each pixel by itself.
+    /// Numbers of samples needed for [`VARIANCE`], each pixel by itself.
     fn needed(film: &Film) -> Option<Vec<f32>> {
         let [_, variance] = planes(film);
         Some(variance.iter().zip(film.counts()).map(|(v, &n)| (v * f64::from(n) / VARIANCE) as f32).collect())
@@ -141,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_from_a_pilot_leave_the_mean_unbiased_and_counts_from_the_picture_do_not() {
+    fn counts_from_a_pilot_leave_the_mean_unbiased_and_counts_from_the_image_do_not() {
         // p·(1 − p)/variance: 196 samples are needed. The first 16 show none in 72 % of the pixels.
         let mut pilot = Pilot::new(empty());
         let counts = find_counts(&mut pilot, [START, 4096], &needed, |pilot| {
@@ -150,10 +151,10 @@ mod tests {
         });
         let pilot = pilot.film;
         let ControlFlow::Continue(counts) = counts else { panic!("nothing breaks off") };
-        let mut picture = empty();
-        fill(&mut picture, 2, &counts);
-        assert_eq!(picture.counts(), counts);
-        let z = z_score(&picture);
+        let mut image = empty();
+        fill(&mut image, 2, &counts);
+        assert_eq!(image.counts(), counts);
+        let z = z_score(&image);
         assert!(z.abs() < 4.0, "{z}");
         // The same numbers for the samples that they were found from, and more of their kind.
         let mut naive = pilot.clone();
@@ -165,10 +166,10 @@ mod tests {
 
     #[test]
     fn the_variance_is_right_where_counts_differ() {
-        let mut picture = empty();
+        let mut image = empty();
         let counts: Vec<u32> = (0..PIXELS as u32).map(|pixel| 8 + pixel % 3 * 100).collect();
-        fill(&mut picture, 3, &counts);
-        let [mean, variance] = planes(&picture);
+        fill(&mut image, 3, &counts);
+        let [mean, variance] = planes(&image);
         for kind in 0..3 {
             let (mut error, mut said) = (0.0, 0.0);
             for i in (kind..PIXELS).step_by(3) {

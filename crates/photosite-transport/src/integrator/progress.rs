@@ -1,4 +1,4 @@
-//! What a render tells while it runs.
+//! Progress of a render, reported while it runs.
 
 use std::ops::ControlFlow;
 use std::time::Duration;
@@ -6,16 +6,16 @@ use std::time::Duration;
 use super::pilot::Pilot;
 use crate::film::Film;
 
-/// What a render tells while it runs.
+/// Step of a render, reported while it runs.
 pub enum Step<'a> {
-    /// Some pixels have got their samples of this pass. Called from any thread, some times a second.
+    /// Samples of this pass are done for some pixels. Called from any thread, some times a second.
     Band {
         /// Camera paths of those pixels.
         paths: u64,
     },
-    /// There is a coarse picture, of every [`COARSE_STEP`](super::COARSE_STEP)th pixel in every such row.
+    /// Coarse image, of every [`COARSE_STEP`](super::COARSE_STEP)th pixel in every such row.
     Coarse {
-        /// A film of that picture alone.
+        /// Film of the coarse image alone.
         film: &'a Film,
     },
     /// A pass is over, or was broken off.
@@ -31,6 +31,6 @@ pub enum Step<'a> {
     },
 }
 
-/// Hears what a render tells; what it answers ends the render or lets it go on. A pass that is broken off leaves some
-/// pixels with fewer samples than others, and the next render goes on from there.
+/// Listener to the steps of a render; its answer ends the render or lets it go on. A pass that is broken off leaves
+/// some pixels with fewer samples than others, and the next render goes on from there.
 pub type Listener<'a> = dyn Fn(Step<'_>) -> ControlFlow<()> + Sync + 'a;

@@ -1,14 +1,16 @@
-//! The loop over the pixels: passes over the whole picture, bands of rows side by side on all threads.
+//! The loop over the pixels: passes over the whole image, bands of rows side by side on all threads.
 
 mod band_worker;
 mod landings;
 mod passes;
+mod planner;
 mod tracer;
 
 use std::ops::ControlFlow;
 
 pub use self::landings::bytes_of_landings;
 use self::passes::MAX_PASS_SAMPLES;
+pub use self::planner::{Plan, SensorNoise, may_plan_light_paths, plan};
 use self::tracer::Tracer;
 use super::RenderSettings;
 use super::job::RenderJob;
@@ -19,9 +21,9 @@ use crate::film::{Film, FilmResponses};
 use photosite_core::math::hash::hash64;
 use photosite_core::spectrum::LANES;
 
-/// Most samples a pixel in one pass, where few pixels are left.
+/// Largest number of samples a pixel in one pass, where few pixels are left.
 const LARGEST_STEP: u32 = 1024;
-/// Tells the random numbers of the pilot from those of the picture.
+/// Tells the random numbers of the pilot from those of the image.
 const PILOT_SEED: u64 = 0x70_696c_6f74;
 
 /// Renders until the settings' samples are reached or `step` breaks off.
@@ -31,8 +33,8 @@ pub fn render(job: &RenderJob<'_>, responses: FilmResponses, step: &Listener<'_>
     film
 }
 
-/// The same, from a film on that holds the first samples of each pixel, of the whole picture or of some rows: it
-/// becomes what it would be if all had been rendered in one go.
+/// Continues [`render`] from a film that holds the first samples of each pixel, of the whole image or of some rows: the
+/// film becomes what it would be if all had been rendered in one go.
 pub fn render_on(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
     let tracer = Tracer::new(job, job.settings.seed, step);
     let samples = job.settings.samples().len() as u32;
@@ -41,20 +43,20 @@ pub fn render_on(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
     let _ = tracer.fill(film, samples, |film| tracer.tell(film, None, planned));
 }
 
-/// Columns, and rows, from one pixel of a coarse picture to the next.
+/// Number of columns, and of rows, from one pixel of a coarse image to the next.
 pub const COARSE_STEP: usize = 8;
 
-/// Tells of a picture of every eighth pixel in every eighth row, so that there is something to see at once: of one sample,
-/// or of four where paths carry one wavelength in place of four. Uses the memory of a film without samples, and leaves it
-/// without: nothing of this is part of what follows.
+/// Renders a coarse image of every eighth pixel in every eighth row, so that there is something to see at once: of one
+/// sample, or of four where paths carry one wavelength in place of four. Uses the memory of a film without samples, and
+/// leaves it without: nothing of this is part of what follows.
 pub fn render_coarse(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) {
     if film.total() > 0 || job.settings.samples().is_empty() {
         return;
     }
-    let (width, first_row) = (film.width(), film.picture_rows().start);
+    let (width, first_row) = (film.width(), film.image_rows().start);
     let is_seen = |pixel: usize| [pixel % width, first_row + pixel / width].iter().all(|at| at % COARSE_STEP == 0);
     // Each of these pixels stands alone: it neither shares paths with its neighbours nor gets light from them.
-    let settings = RenderSettings { reuse: 1, light_paths: 0.0, ..job.settings.clone() };
+    let settings = RenderSettings { reuse: 1, light_paths: None, ..job.settings.clone() };
     let job = RenderJob { settings: &settings, ..*job };
     // What is not kept is no progress.
     let only_stops = |told: Step<'_>| {
@@ -72,7 +74,7 @@ pub fn render_coarse(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) 
 }
 
 /// Renders until each pixel has the samples that it needs, at most those of the settings, or `step` breaks off. Film
-/// and pilot are empty, or those that `step` was told of when another such render was broken off: the picture becomes
+/// and pilot are empty, or those that `step` was told of when another such render was broken off: the image becomes
 /// what that would have given. `needed` says how many samples each pixel needs, row by row, as far as a film of the
 /// pilot tells; `None` where that cannot be told, and all pixels get as many as they may.
 pub fn render_with_pilot(

@@ -35,7 +35,7 @@ use photosite_core::spectrum::SampledSpectrum;
 /// A diffuse surface on its side that a path has come to.
 #[derive(Clone, Copy)]
 pub(super) struct Side {
-    /// Where.
+    /// Position of the surface point.
     position: Vec3,
     /// Geometric and shading normal on that side.
     geometric: Vec3,

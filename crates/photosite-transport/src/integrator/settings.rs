@@ -1,70 +1,104 @@
-//! What a user asks of a render.
+//! Settings that a user makes for a render.
 
 use std::ops::Range;
 use std::time::Duration;
 
 use crate::sampler::SamplerKind;
-use photosite_core::Invalid;
+use photosite_core::keys::Keys;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-/// How many samples, how long, how deep.
-#[derive(Clone, Debug, PartialEq)]
+use photosite_core::Invalid;
+use photosite_core::schema_range::{above, within};
+
+/// Settings of light transport.
+#[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema, Keys)]
+#[serde(deny_unknown_fields, default)]
 pub struct RenderSettings {
-    /// Samples a pixel; where a time limit or a noise target is given too, at most so many.
+    /// Samples per pixel; their largest number with a time limit or a noise target. Left out: 64.
+    #[schemars(transform = within(1.0..))]
+    #[keys(example = "64")]
     pub samples_per_pixel: u32,
-    /// Those of them to be traced, the others belonging to other parts of the same render; `None` for all.
+    /// Range of the samples to be traced, where others belong to other parts of the same render; `None` for all.
+    #[serde(skip)]
     pub part: Option<Range<u32>>,
-    /// Stop after this long, at the end of a pass.
-    pub time_limit: Option<Duration>,
-    /// Stop in each pixel once Monte Carlo noise is below this part of the sensor's noise (ratio of standard
-    /// deviations). [`render`](super::render()) leaves it to [`pilot`](super::pilot).
+    /// Time limit of rendering, s. Left out: no limit.
+    #[schemars(transform = above(0.0..))]
+    pub time_limit_s: Option<f64>,
+    /// Noise target: rendering stops in each pixel once its Monte Carlo noise is below this part of the sensor's noise
+    /// at that pixel and exposure (ratio of standard deviations).
+    #[schemars(transform = above(0.0..))]
+    #[keys(example = "0.2")]
     pub noise_target: Option<f64>,
-    /// Largest number of path segments from the camera; 1 sees emitters only, 2 direct light.
+    /// Largest number of segments of a light path; 1 sees emitters only, 2 direct light. Left out: 16.
+    #[schemars(transform = within(1.0..))]
+    #[keys(example = "16")]
     pub max_depth: u32,
-    /// Number of segments after which Russian roulette may end a path.
+    /// Number of segments after which Russian roulette may end a path (without bias). Left out: 5.
     pub roulette_depth: u32,
-    /// Number of paths that go on from the first surface that is no mirror, for each sample of the picture.
-    pub splitting: u32,
-    /// Number of neighbouring pixels that share what their paths find beyond the first surface, at least 1. Without
-    /// effect where the camera moves.
+    /// Strategy of light transport: "auto" measures with a few samples that are no part of the image how many paths
+    /// split off and how many set out from lights to bring most for their time, in renders of more than a million
+    /// samples; "plain" lets one path from the camera go on. What splitting and light_paths say stays as it is said.
+    /// Left out: "auto".
+    pub strategy: StrategyChoice,
+    /// Path splitting: the number of paths that continue from the first non-specular surface of each sample, 1 to 256.
+    /// More of them lessen the noise of indirect light for less time than more samples. Left out: what strategy chooses.
+    #[schemars(transform = within(1.0..=f64::from(MOST_SPLITTING)))]
+    #[keys(example = "4")]
+    pub splitting: Option<u32>,
+    /// Path reuse: the number of neighbouring pixels that share their paths beyond the first surface where both are
+    /// diffuse, 1 to 64. With 16, a square, indirect light has as little noise as sixteen times the samples give, but
+    /// errors of neighbours are correlated. It is refused where a camera or a scene moves, and with wavelengths =
+    /// "own-filter" or light_paths. Left out: 1.
+    #[schemars(transform = within(1.0..=f64::from(MOST_REUSE)))]
+    #[keys(example = "16")]
     pub reuse: u32,
-    /// Number of paths from lights, for the sake of caustics, for each sample of the picture; 0 for none. Without
-    /// effect where the camera moves or scans.
-    pub light_paths: f64,
-    /// Whose wavelengths the paths of a pixel carry, where pixels have [filters](super::RenderJob::filters) of their
-    /// own.
+    /// Light paths: the number of paths per sample that start on emitting surfaces, 0 to 64. They find caustics, the
+    /// light that glass, mirrors and polished metal focus on other surfaces; in scenes without these, all light that
+    /// comes by way of other surfaces, as from a lamp behind a screen. They are refused where a camera or a scene
+    /// moves, on sensors that scan, and with wavelengths = "own-filter" or reuse. Left out: what strategy chooses.
+    #[schemars(transform = within(0.0..=MOST_LIGHT_PATHS))]
+    #[keys(example = "0.5")]
+    pub light_paths: Option<f64>,
+    /// Wavelength sampling: "all-filters" draws the wavelengths of a path by the sensitivity of all channels;
+    /// "own-filter" mostly by that of the filter above the pixel, for raw images of glass that disperses or through
+    /// more than four narrow filters. Then the other channels of electrons.exr, irradiance.exr and ideal.exr are
+    /// noisier, and in other scenes the raw image is noisier, too. It has no effect where all pixels have the same
+    /// filter. Left out: "all-filters".
     pub wavelengths: WavelengthChoice,
-    /// Where random numbers come from.
+    /// Sampler of random numbers. Left out: "sobol".
     pub sampler: SamplerKind,
-    /// Seed of light transport and sensor noise.
+    /// Seed of rendering and sensor noise. Left out: 0.
     pub seed: u64,
 }
 
-/// Whose wavelengths the paths of a pixel carry.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Strategy of light transport.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema, Keys)]
+#[serde(rename_all = "kebab-case")]
+pub enum StrategyChoice {
+    /// Numbers of paths that a pilot has found to bring most for their time.
+    Auto,
+    /// One path from the camera for each sample.
+    Plain,
+}
+
+/// Wavelength sampling.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema, Keys)]
+#[serde(rename_all = "kebab-case")]
 pub enum WavelengthChoice {
-    /// Those that matter to any filter.
+    /// Wavelengths drawn by the sensitivity of all channels of the sensor.
     AllFilters,
-    /// Mostly those that matter to the filter of the pixel.
+    /// Wavelengths drawn mostly by the sensitivity of the pixel's own filter.
     OwnFilter,
 }
 
-impl WavelengthChoice {
-    /// The name that capture files use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::AllFilters => "all-filters",
-            Self::OwnFilter => "own-filter",
-        }
-    }
-}
-
-/// More than so many paths from one surface are better spent on other samples.
+/// Largest number of paths from one surface; more are better spent on other samples.
 const MOST_SPLITTING: u32 = 256;
 
 /// Connections grow with the square.
 const MOST_REUSE: u32 = 64;
 
-/// More than so many paths from lights are better spent on other samples.
+/// Largest number of paths from lights per sample; more are better spent on other samples.
 const MOST_LIGHT_PATHS: f64 = 64.0;
 
 impl Default for RenderSettings {
@@ -72,13 +106,14 @@ impl Default for RenderSettings {
         Self {
             samples_per_pixel: 64,
             part: None,
-            time_limit: None,
+            time_limit_s: None,
             noise_target: None,
             max_depth: 16,
             roulette_depth: 5,
-            splitting: 1,
+            strategy: StrategyChoice::Auto,
+            splitting: None,
             reuse: 1,
-            light_paths: 0.0,
+            light_paths: None,
             wavelengths: WavelengthChoice::AllFilters,
             sampler: SamplerKind::Sobol,
             seed: 0,
@@ -92,8 +127,23 @@ impl RenderSettings {
         self.part.clone().unwrap_or(0..self.samples_per_pixel)
     }
 
-    /// Columns and rows of the groups of pixels that share: as near to a square as their number allows, rather wide
-    /// than high. A film of a part of the picture begins with a whole group.
+    /// Number of paths that continue from the first non-specular surface, one unless it is set.
+    pub fn splitting(&self) -> u32 {
+        self.splitting.unwrap_or(1)
+    }
+
+    /// Number of light paths per sample, none unless it is set.
+    pub fn light_paths(&self) -> f64 {
+        self.light_paths.unwrap_or(0.0)
+    }
+
+    /// The time after which a render stops, at the end of a pass.
+    pub fn time_limit(&self) -> Option<Duration> {
+        self.time_limit_s.and_then(|s| Duration::try_from_secs_f64(s).ok())
+    }
+
+    /// Numbers of columns and rows of the groups of pixels that share: as near to a square as their number allows,
+    /// rather wide than high. A film of a part of the image begins with a whole group.
     pub fn reuse_columns_and_rows(&self) -> [usize; 2] {
         let pixels = self.reuse.max(1);
         let rows = (1..=pixels.isqrt()).rev().find(|&rows| pixels.is_multiple_of(rows)).unwrap_or(1);
@@ -102,44 +152,26 @@ impl RenderSettings {
 
     /// Refuses what cannot be rendered. Keys are those of the capture file's `[render]` table.
     pub fn validate(&self) -> Result<(), Invalid> {
-        if self.samples_per_pixel == 0 {
-            return Err(Invalid::new("samples_per_pixel", "must be at least 1, got 0")
-                .help("for example samples_per_pixel = 64"));
-        }
-        if self.max_depth == 0 {
-            return Err(Invalid::new("max_depth", "must be at least 1, got 0").help("for example max_depth = 16"));
-        }
-        if !(1..=MOST_SPLITTING).contains(&self.splitting) {
-            let message = format!("must be from 1 to {MOST_SPLITTING}, got {}", self.splitting);
-            return Err(Invalid::new("splitting", message).help("for example splitting = 4"));
-        }
-        if !(1..=MOST_REUSE).contains(&self.reuse) {
-            let message = format!("must be from 1 to {MOST_REUSE}, got {}", self.reuse);
-            return Err(Invalid::new("reuse", message).help("for example reuse = 16"));
+        self.check_ranges()?;
+        if let Some(time) = self.time_limit_s
+            && self.time_limit().is_none_or(|limit| limit.is_zero())
+        {
+            return Err(Invalid::new("time_limit_s", format!("must be above 0, got {time}"))
+                .help("for example time_limit_s = 30"));
         }
         if self.reuse > 1 && self.wavelengths == WavelengthChoice::OwnFilter {
             let message =
                 "cannot be combined with wavelengths = \"own-filter\": what pixels share has the same wavelengths";
             return Err(Invalid::new("reuse", message).help("remove one of the two"));
         }
-        if self.light_paths > 0.0 && self.wavelengths == WavelengthChoice::OwnFilter {
+        if self.light_paths() > 0.0 && self.wavelengths == WavelengthChoice::OwnFilter {
             let message = "cannot be combined with wavelengths = \"own-filter\": light comes to pixels of all filters";
             return Err(Invalid::new("light_paths", message).help("remove one of the two"));
         }
-        if self.reuse > 1 && self.light_paths > 0.0 {
+        if self.reuse > 1 && self.light_paths() > 0.0 {
             let message =
                 "cannot be combined with light_paths: what paths from lights find counts by the pixel that sees it";
             return Err(Invalid::new("reuse", message).help("remove one of the two"));
-        }
-        if !(0.0..=MOST_LIGHT_PATHS).contains(&self.light_paths) {
-            let message = format!("must be from 0 to {MOST_LIGHT_PATHS}, got {}", self.light_paths);
-            return Err(Invalid::new("light_paths", message).help("for example light_paths = 0.5"));
-        }
-        if let Some(target) = self.noise_target
-            && !(target.is_finite() && target > 0.0)
-        {
-            return Err(Invalid::new("noise_target", format!("must be above 0, got {target}"))
-                .help("for example noise_target = 0.2"));
         }
         Ok(())
     }

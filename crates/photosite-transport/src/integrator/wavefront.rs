@@ -2,16 +2,19 @@
 //! rays are traced. While the memory brings what one ray needs, others go on, and each part of the code runs for all
 //! paths before the next one does. Paths that have come to diffuse surfaces advance eight at a time.
 
+use std::ops::ControlFlow;
+
 use super::mis_ratio::MisRatio;
 use super::path::{Contribution, DiffuseBatch, Path, PathLimits, Queues, Sharing, Tracing};
+use super::path_tracer::Paths;
 use super::reuse::Connections;
 use crate::geometry::{Geometry, Hit, Ray};
 use crate::sampler::{SamplePosition, Sampler};
 use crate::scene::Scene;
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
 
-/// An estimate of the radiance that arrives against the ray's unit direction, W·m⁻²·sr⁻¹·nm⁻¹ at each wavelength, by
-/// one path and its branches, with the random numbers from the sampler's position on; its position afterwards is
+/// Estimate of the radiance that arrives against the ray's unit direction, W·m⁻²·sr⁻¹·nm⁻¹ at each wavelength, by one
+/// path and its branches, with the random numbers from the sampler's position on; its position afterwards is
 /// unspecified. A refraction that disperses leaves only the hero of `wavelengths`.
 pub fn radiance(
     scene: &Scene,
@@ -22,7 +25,7 @@ pub fn radiance(
 ) -> SampledSpectrum {
     let mut wavefront = Wavefront::new(limits, MisRatio::NONE);
     wavefront.start(ray, *wavelengths, sampler.position(), Sharing::Nothing);
-    wavefront.trace(scene, sampler);
+    let _ = wavefront.trace(scene, sampler);
     let (light, remaining) = wavefront.arrived(0);
     *wavelengths = *remaining;
     light
@@ -45,6 +48,8 @@ pub(super) struct Wavefront {
     queues: Queues,
     occluded: Vec<bool>,
     connections: Connections,
+    /// Rays that were traced to surfaces and to lights.
+    rays: [u64; 2],
 }
 
 /// The paths that go on: their indices and rays.
@@ -95,45 +100,8 @@ impl Wavefront {
             queues: Queues::default(),
             occluded: Vec::new(),
             connections: Connections::default(),
+            rays: [0; 2],
         }
-    }
-
-    /// Adds a path from the camera, with the random numbers from a position on.
-    #[inline]
-    pub(super) fn start(&mut self, ray: Ray, wavelengths: Wavelengths, position: SamplePosition, sharing: Sharing) {
-        self.active.push(self.paths.len() as u32, ray);
-        self.paths.push(Path::new(wavelengths, position, self.mis_ratio, sharing));
-    }
-
-    /// Number of paths that were started, before they are traced.
-    pub(super) fn len(&self) -> usize {
-        self.paths.len()
-    }
-
-    /// Traces all paths that were started to their ends.
-    pub(super) fn trace(&mut self, scene: &Scene, sampler: &mut Sampler) {
-        let started_count = self.paths.len();
-        if self.limits.max_depth == 0 {
-            self.active.clear();
-        }
-        // Advance from surface to surface until no path goes on
-        while !self.active.indices.is_empty() {
-            self.advance(scene, sampler);
-        }
-
-        // Sum the light of the branches of each path
-        self.branched.clear();
-        self.branched.resize(started_count, SampledSpectrum::ZERO);
-        let (started, branches) = self.paths.split_at(started_count);
-        for branch in branches {
-            let Some(origin) = branch.origin.map(|index| index as usize) else { continue };
-            if branch.sharing != Sharing::Light {
-                self.branched[origin] += branch.arrived_at(&started[origin]);
-            }
-        }
-
-        // Connect first and second surfaces of the groups
-        self.share(scene);
     }
 
     /// Connects the first and second surfaces of each group, and adds the light of the connections.
@@ -158,6 +126,7 @@ impl Wavefront {
     fn advance(&mut self, scene: &Scene, sampler: &mut Sampler) {
         let Self { limits, paths, active, next, hits, diffuse, queues, .. } = self;
         // Intersect the rays of all paths
+        self.rays[0] += active.rays.len() as u64;
         scene.closest_each(&active.rays, hits);
 
         // Advance each path at its surface, those on diffuse surfaces in batches
@@ -193,6 +162,7 @@ impl Wavefront {
     /// Adds the contributions of the shadow rays that are not occluded to their paths.
     fn trace_shadow_rays(&mut self, scene: &Scene) {
         let Self { paths, queues: Queues { shadow_rays, contributions, .. }, occluded, .. } = self;
+        self.rays[1] += shadow_rays.len() as u64;
         scene.occluded_each(shadow_rays, occluded);
         for ((Contribution { path, light, is_delta, medium }, ray), occluded) in
             contributions.drain(..).zip(&*shadow_rays).zip(&*occluded)
@@ -206,16 +176,57 @@ impl Wavefront {
         }
         shadow_rays.clear();
     }
+}
 
-    /// The radiance that has arrived along a path that was started, and its wavelengths.
-    pub(super) fn arrived(&self, index: usize) -> (SampledSpectrum, &Wavelengths) {
+impl Paths for Wavefront {
+    #[inline]
+    fn start(&mut self, ray: Ray, wavelengths: Wavelengths, position: SamplePosition, sharing: Sharing) {
+        self.active.push(self.paths.len() as u32, ray);
+        self.paths.push(Path::new(wavelengths, position, self.mis_ratio, sharing));
+    }
+
+    fn len(&self) -> usize {
+        self.paths.len()
+    }
+
+    fn trace(&mut self, scene: &Scene, sampler: &mut Sampler) -> ControlFlow<()> {
+        let started_count = self.paths.len();
+        if self.limits.max_depth == 0 {
+            self.active.clear();
+        }
+        // Advance from surface to surface until no path goes on
+        while !self.active.indices.is_empty() {
+            self.advance(scene, sampler);
+        }
+
+        // Sum the light of the branches of each path
+        self.branched.clear();
+        self.branched.resize(started_count, SampledSpectrum::ZERO);
+        let (started, branches) = self.paths.split_at(started_count);
+        for branch in branches {
+            let Some(origin) = branch.origin.map(|index| index as usize) else { continue };
+            if branch.sharing != Sharing::Light {
+                self.branched[origin] += branch.arrived_at(&started[origin]);
+            }
+        }
+
+        // Connect first and second surfaces of the groups
+        self.share(scene);
+        ControlFlow::Continue(())
+    }
+
+    #[inline]
+    fn arrived(&self, index: usize) -> (SampledSpectrum, &Wavelengths) {
         let Path { light, wavelengths, .. } = &self.paths[index];
         (*light + self.branched[index] * (1.0 / self.limits.splitting as f32), wavelengths)
     }
 
-    /// Removes all paths.
-    pub(super) fn clear(&mut self) {
+    fn clear(&mut self) {
         self.paths.clear();
+    }
+
+    fn rays(&self) -> [u64; 2] {
+        self.rays
     }
 }
 
@@ -242,8 +253,8 @@ mod tests {
         scene.instances.push(InstanceDescription::of_mesh(name, index, DAffine3::IDENTITY));
     }
 
-    /// A floor under a slab of glass that disperses and a mirror, in a room that is bright everywhere, with a lamp and
-    /// a light without extent. The floor's shading normals lean, in parts below what is seen.
+    /// A floor under a slab of glass that disperses and a mirror, in a room that is bright everywhere, with an emitter
+    /// and a light without extent. The floor's shading normals lean, in parts below what is seen.
     fn scene() -> Scene {
         let mut scene = SceneDescription {
             environment: Some(EnvironmentDescription::Constant {
@@ -356,7 +367,7 @@ mod tests {
                     let (ray, wavelengths) = start(&mut sampler, index);
                     wavefront.start(ray, wavelengths, sampler.position(), Sharing::Nothing);
                 }
-                wavefront.trace(&scene, &mut sampler);
+                let _ = wavefront.trace(&scene, &mut sampler);
                 let mut lit = 0;
                 for index in 0..count {
                     let mut alone = Sampler::new(kind, 5);

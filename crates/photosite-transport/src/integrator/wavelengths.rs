@@ -1,9 +1,9 @@
-//! Which wavelengths the paths of each pixel carry.
+//! Wavelengths that the paths of each pixel carry.
 //!
 //! One density A for all pixels serves all filters, up to four of them: four wavelengths that share it evenly tell of
 //! red, green and blue what wavelengths of their own would, if it is the one that [`importance`] finds. It does not
 //! serve more filters that are narrow, as those of multispectral sensors, nor paths that dispersion leaves with one
-//! wavelength: most of them carry what the filter above the pixel does not let transmitted. A picture of raw numbers
+//! wavelength: most of them carry what the filter above the pixel does not let transmitted. An image of raw numbers
 //! alone needs what the pixel's own filter sees. With the response R of that filter and what arrives of the light L
 //! through the lens τ, wavelengths are then drawn by
 //!
@@ -12,8 +12,8 @@
 //! of which the [`WavelengthSampler`] spreads another 5 % evenly: what the other filters would see of the pixel's light
 //! stays right on average.
 //!
-//! Bands of spectral irradiance that are stored beside the picture ([`Response::is_secondary`](crate::film::Response))
-//! must not make it noisier. With the density A of the picture and the density B of the bands, each of integral 1,
+//! Bands of spectral irradiance that are stored beside the image ([`Response::is_secondary`](crate::film::Response))
+//! must not make it noisier. With the density A of the image and the density B of the bands, each of integral 1,
 //! wavelengths are then drawn by
 //!
 //! p(λ) ∝ max(A, b·B),   b = 0.2:
@@ -34,7 +34,7 @@ pub(super) struct PixelWavelengths {
 }
 
 impl PixelWavelengths {
-    /// `all` is the [importance for all](RenderJob::importance_for_all).
+    /// Makes the samplers of all pixels. `all` is the [importance for all](RenderJob::importance_for_all).
     pub(super) fn new(job: &RenderJob<'_>, all: &Spectrum) -> Self {
         match (job.settings.wavelengths, job.filters) {
             (WavelengthChoice::OwnFilter, Some(FilterTile { responses, filters, width })) => {
@@ -47,12 +47,12 @@ impl PixelWavelengths {
         }
     }
 
-    /// Whether all pixels have the same.
+    /// Whether all pixels have the same sampler.
     pub(super) fn are_the_same_everywhere(&self) -> bool {
         self.samplers.len() == 1
     }
 
-    /// That of a pixel.
+    /// Sampler of a pixel.
     #[inline]
     pub(super) fn at(&self, column: usize, row: usize) -> &WavelengthSampler {
         let height = self.filters.len() / self.width;
@@ -61,36 +61,37 @@ impl PixelWavelengths {
 }
 
 impl RenderJob<'_> {
-    /// How much each wavelength matters to the picture, and to the bands that are stored beside it.
+    /// Importance of each wavelength to the image, and to the bands that are stored beside it, in any unit.
     pub fn importance_for_all(&self) -> Spectrum {
         let (secondary, primary): (Vec<&Response>, Vec<&Response>) =
             self.responses.iter().partition(|response| response.is_secondary);
-        let [picture, bands] = [primary, secondary].map(|responses| {
+        let [image, bands] = [primary, secondary].map(|responses| {
             let responses: Vec<Spectrum> = responses.iter().map(|response| useful(self, &response.spectrum)).collect();
             importance(&responses)
         });
-        with_bands(picture, &bands)
+        with_bands(image, &bands)
     }
 }
 
 /// The module's b.
 const FOR_BANDS: f64 = 0.2;
 
-/// The importance of the picture, and at least the part b of that of the bands. Any unit; either may be zero
+/// The importance of the image, and at least the part b of that of the bands. Any unit; either may be zero
 /// everywhere.
-fn with_bands(picture: Spectrum, bands: &Spectrum) -> Spectrum {
-    let (of_picture, of_bands) = (picture.integral(), bands.integral());
+fn with_bands(image: Spectrum, bands: &Spectrum) -> Spectrum {
+    let (of_image, of_bands) = (image.integral(), bands.integral());
     if of_bands <= 0.0 {
-        return picture;
+        return image;
     }
-    if of_picture <= 0.0 {
+    if of_image <= 0.0 {
         return bands.clone();
     }
-    let scale = FOR_BANDS * of_picture / of_bands;
-    picture.map_with(bands, |picture, band| picture.max(scale * band))
+    let scale = FOR_BANDS * of_image / of_bands;
+    image.map_with(bands, |image, band| image.max(scale * band))
 }
 
-/// Where a wavelength of the sensor meets no light, a sample would be wasted; where all is dark, any will do.
+/// Response weighted by the light of the scene and the transmittance of the lens, since samples of dark wavelengths are
+/// wasted.
 fn useful(job: &RenderJob<'_>, response: &Spectrum) -> Spectrum {
     response.product(job.scene.light_spectrum()).product(job.transmittance)
 }
@@ -98,7 +99,7 @@ fn useful(job: &RenderJob<'_>, response: &Spectrum) -> Spectrum {
 /// The density's f: no wavelength that matters to any filter is left out.
 const FOR_ALL: f64 = 0.02;
 
-/// What matters to one filter with a little of what matters to all; the latter alone where the filter lets no light
+/// Importance to one filter with a little of the importance to all; the latter alone where the filter lets no light
 /// transmitted.
 fn mostly(own: &Spectrum, all: &Spectrum) -> Spectrum {
     let (part, whole) = (own.integral(), all.integral());
@@ -128,22 +129,22 @@ mod tests {
     }
 
     #[test]
-    fn bands_take_a_fifth_of_the_wavelengths_at_most_and_none_where_the_picture_has_enough() {
-        let part_beyond = |picture: &Spectrum, bands: &Spectrum| {
-            let drawn = with_bands(picture.clone(), bands);
-            let beyond = drawn.map_with(picture, |drawn, picture| if picture > 0.0 { 0.0 } else { drawn });
+    fn bands_take_a_fifth_of_the_wavelengths_at_most_and_none_where_the_image_has_enough() {
+        let part_beyond = |image: &Spectrum, bands: &Spectrum| {
+            let drawn = with_bands(image.clone(), bands);
+            let beyond = drawn.map_with(image, |drawn, image| if image > 0.0 { 0.0 } else { drawn });
             beyond.integral() / drawn.integral()
         };
-        // A fifth of the integral of the picture is added beyond it, so that it is 1/6 of the whole; edges of 1 nm
+        // A fifth of the integral of the image is added beyond it, so that it is 1/6 of the whole; edges of 1 nm
         // aside.
-        let (picture, beyond) = (band(400.0, 700.0), band(800.0, 1000.0));
-        let part = part_beyond(&picture, &beyond);
+        let (image, beyond) = (band(400.0, 700.0), band(800.0, 1000.0));
+        let part = part_beyond(&image, &beyond);
         assert!((part - 1.0 / 6.0).abs() < 2e-3, "{part}");
-        // Bands within what the picture has are drawn as often as it is.
-        assert_eq!(with_bands(picture.clone(), &band(450.0, 650.0)).values(), picture.values());
+        // Bands within what the image has are drawn as often as it is.
+        assert_eq!(with_bands(image.clone(), &band(450.0, 650.0)).values(), image.values());
         let dark = Spectrum::constant(0.0);
         assert_eq!(with_bands(dark.clone(), &beyond).values(), beyond.values());
-        assert_eq!(with_bands(picture.clone(), &dark).values(), picture.values());
+        assert_eq!(with_bands(image.clone(), &dark).values(), image.values());
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Which directions of an environment are worth sampling.
+//! Directions of an environment that are worth sampling.
 
 /// The weights of the cells of a grid of directions by what exceeds the mean over all directions, and the part of all
 /// light that exceeds it, 0–1: light sampling takes that part, and samples of the BSDF find the rest. Luminances come row
@@ -10,6 +10,6 @@ pub(super) fn above_mean(luminances: &[f64], sines: &[f64]) -> (Vec<f32>, f64) {
     let above = |(i, luminance): (usize, &f64)| (luminance - mean).max(0.0) * sines[i / width];
     let weights: Vec<f32> = luminances.iter().enumerate().map(|cell| above(cell) as f32).collect();
     let excess = weights.iter().map(|&weight| f64::from(weight)).sum::<f64>() / all;
-    // The rest that rounding leaves of a picture of one colour is not worth a sample.
+    // The rest that rounding leaves of an image of one colour is not worth a sample.
     (weights, if excess > 1e-4 { excess } else { 0.0 })
 }

@@ -1,9 +1,9 @@
-//! What a choice among lights gives.
+//! Result of a choice among lights.
 
 /// A chosen light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Choice {
-    /// Its handle.
+    /// Handle of the chosen light.
     pub(crate) light: u32,
     /// Probability of the choice.
     pub(crate) probability: f32,
@@ -12,7 +12,7 @@ pub(crate) struct Choice {
 }
 
 impl Choice {
-    /// The same with a number that chose between two kinds of lights before.
+    /// Returns the choice within a kind of lights that was chosen with probability `part` before.
     #[inline]
     pub(super) fn within(self, part: f32) -> Self {
         Self { probability: self.probability * part, ..self }

@@ -10,7 +10,7 @@ use photosite_core::spectrum::SpectrumId;
 pub struct DeltaLight {
     kind: LightKind,
     pose: LightPose,
-    /// In the unit of the kind's level.
+    /// Spectrum of the light in the unit of the kind's level.
     level: SpectrumId,
 }
 
@@ -21,18 +21,22 @@ impl DeltaLight {
         Self { kind, pose, level }
     }
 
-    /// Where it is and where to it shines; `None` of a light infinitely far.
+    /// Extent of the light and of the directions in which it shines; `None` for a light infinitely far.
     pub(super) fn extent(&self) -> Option<DeltaExtent> {
         self.kind.extent(&self.pose)
     }
 
-    /// Its kind, with its parameters.
-    #[cfg(test)]
+    /// Spectrum of the light in the unit of the kind's level.
+    pub(super) fn level(&self) -> SpectrumId {
+        self.level
+    }
+
+    /// Kind of the light, with its parameters.
     pub(super) fn kind(&self) -> &LightKind {
         &self.kind
     }
 
-    /// Where it stands.
+    /// Pose of the light.
     pub(super) fn pose(&self) -> &LightPose {
         &self.pose
     }

@@ -1,7 +1,4 @@
-//! What a kind of lights without a surface has to say. Rays cannot meet such lights: they are pbrt's delta lights.
-//!
-//! To add a kind: a file with its parameters and [`DeltaModel`]; its row in `light/kind.rs`; its keys and its row in
-//! the tables of capture files, and what the keys mean; its case in `tests/physics/lamps.rs`.
+//! Interface of the kinds of lights without a surface. Rays cannot meet such lights: they are pbrt's delta lights.
 
 use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
 
@@ -9,20 +6,20 @@ use super::sample::{LiContext, LiSample};
 use photosite_core::math::Cone;
 use photosite_core::spectrum::SpectrumId;
 
-/// What a kind of light has to say. It shines along −z of its own space.
+/// Kind of a light without a surface, which shines along −z of its own space.
 pub(super) trait DeltaModel {
-    /// Where it is and where to it shines; `None` of a light infinitely far.
+    /// Extent of the light and of the directions in which it shines; `None` for a light infinitely far.
     fn extent(&self, pose: &LightPose) -> Option<DeltaExtent>;
 
-    /// What the light's spectrum, in the unit of its level, has to be multiplied by to give its spectral power, W·nm⁻¹.
-    /// `disk_m2` is the area across which a light infinitely far lights the scene.
+    /// Factor from the light's spectrum, in the unit of its level, to its spectral power, W·nm⁻¹. `disk_m2` is the area
+    /// across which a light infinitely far lights the scene.
     fn power_factor(&self, disk_m2: f64) -> f64;
 
     /// A direction to the light, by two random numbers. `level` is its spectrum. `None` where no light arrives.
     fn sample_li(&self, pose: &LightPose, level: SpectrumId, u: [f32; 2], li: &LiContext<'_>) -> Option<LiSample>;
 }
 
-/// Where a light is and where to it shines, in the space of its pose.
+/// Extent of a light and of the directions in which it shines, in the space of its pose.
 pub(super) struct DeltaExtent {
     /// Radius of a ball about its position that holds all points that light leaves from, m.
     pub(super) radius: f32,
@@ -30,19 +27,19 @@ pub(super) struct DeltaExtent {
     pub(super) directions: Cone,
 }
 
-/// Where a light stands: in the world, or in a space that moves with it.
+/// Pose of a light: in the world, or in a space that moves with it.
 #[derive(Clone, Copy, Debug)]
 pub struct LightPose {
-    /// Metres.
+    /// Position of the light, m.
     pub position: Vec3,
-    /// Unit vector that it shines along.
+    /// Unit vector along which the light shines.
     pub axis: Vec3,
-    /// World → light, which shines along −z.
+    /// Rotation from the world to the space of the light, which shines along −z.
     pub world_to_light: Quat,
 }
 
 impl LightPose {
-    /// From the rotation and the translation of a transform to the world.
+    /// Takes the pose from the rotation and the translation of a transform to the world.
     pub fn new(to_world: &DAffine3) -> Self {
         Self {
             position: to_world.translation.as_vec3(),

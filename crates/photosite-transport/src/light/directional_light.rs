@@ -5,7 +5,8 @@ use super::sample::{LiContext, LiSample};
 use photosite_core::math::Pdf;
 use photosite_core::spectrum::SpectrumId;
 
-/// Parallel light from infinitely far. Its level is the irradiance on a plane across the direction, W·m⁻²·nm⁻¹.
+/// Directional light: parallel light from infinitely far. Its level is the irradiance on a plane across the direction,
+/// W·m⁻²·nm⁻¹.
 #[derive(Clone, Copy, Debug)]
 pub struct DirectionalLight;
 

@@ -8,7 +8,7 @@ use photosite_core::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, Wavel
 pub struct SurfaceEmission {
     /// Radiance where the tint is white.
     pub radiance: SpectrumId,
-    /// What varies over the surface.
+    /// Colour that may vary over the surface.
     pub tint: Tint,
     /// Whether the back shines too.
     pub two_sided: bool,
@@ -17,7 +17,7 @@ pub struct SurfaceEmission {
 /// A colour that multiplies an emission spectrum.
 #[derive(Clone, Copy, Debug)]
 pub enum Tint {
-    /// White.
+    /// White tint.
     None,
     /// Linear sRGB factor times a texture.
     Textured {

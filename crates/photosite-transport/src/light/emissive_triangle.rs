@@ -2,36 +2,39 @@
 
 use glam::Vec3;
 
+use super::emitter_shape::{EmitterPoint, EmitterShape, SeenPoint};
+use crate::geometry::{Word, word};
+use photosite_core::math::float::gamma;
 use photosite_core::math::pdf::to_solid_angle;
-use photosite_core::math::{Real, Vector};
+use photosite_core::math::{Cone, Pdf, Real, Vector, warp};
 use photosite_simd::{Simd, Vectors};
 
 /// A triangle where it is at a time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EmissiveTriangle<R = f32> {
     corner: Vector<R>,
-    /// From that corner to the other two.
+    /// Vectors from that corner to the other two, m.
     edges: [Vector<R>; 2],
     /// Unit vector.
     pub(crate) normal: Vector<R>,
-    /// Twice its area, m².
-    pub(super) double_area: R,
+    /// Twice the area of the triangle, m².
+    double_area: R,
 }
 
 /// A point of an emissive triangle, seen from another point.
 pub(crate) struct VisiblePoint<R> {
-    /// Metres.
+    /// Position, m.
     pub(crate) position: Vector<R>,
     /// Unit vector towards it.
     pub(crate) wi: Vector<R>,
-    /// Positive where the front is seen.
+    /// Cosine to the normal, positive where the front is seen.
     pub(crate) cos: R,
-    /// Of points spread evenly over the triangle, sr⁻¹ where they are seen from.
+    /// Density of points spread evenly over the triangle, sr⁻¹ at the point that they are seen from.
     pub(crate) density: R,
 }
 
 impl EmissiveTriangle {
-    /// `None` without area.
+    /// Prepares the triangle; `None` without area.
     #[inline]
     pub(super) fn new([a, b, c]: [Vec3; 3]) -> Option<Self> {
         let edges = [b - a, c - a];
@@ -45,20 +48,53 @@ impl EmissiveTriangle {
         })
     }
 
-    /// Its unit normal.
-    pub(crate) fn normal(&self) -> Vec3 {
-        self.normal.into()
+    /// The triangle as plain data: a corner with twice the area, and two edges.
+    pub(super) fn words(&self) -> [Word; 3] {
+        let Self { corner, edges: [a, b], double_area, .. } = *self;
+        [word(corner.into(), double_area.to_bits()), word(a.into(), 0), word(b.into(), 0)]
+    }
+
+    #[inline]
+    fn emitter_point(&self, position: Vec3, parameters: [f32; 2]) -> EmitterPoint {
+        // A few roundings lie between the corners and a point.
+        EmitterPoint { position, error: position.abs() * gamma(8), normal: self.normal.into(), parameters }
+    }
+}
+
+/// Points are spread evenly over it.
+impl EmitterShape for EmissiveTriangle {
+    #[inline]
+    fn area(&self) -> f32 {
+        0.5 * self.double_area
+    }
+
+    #[inline]
+    fn sample_area(&self, u: [f32; 2]) -> EmitterPoint {
+        let barycentric = warp::uniform_triangle(u);
+        self.emitter_point(self.point(barycentric).into(), barycentric)
+    }
+
+    fn normals(&self) -> Cone {
+        Cone::of(self.normal.into())
+    }
+
+    #[inline]
+    fn sample(&self, from: Vec3, u: [f32; 2]) -> Option<SeenPoint> {
+        let barycentric = warp::uniform_triangle(u);
+        let VisiblePoint { position, wi, cos, density } = self.seen_from(barycentric, from.into());
+        let point = self.emitter_point(position.into(), barycentric);
+        Some(SeenPoint { point, wi: wi.into(), cos, pdf: Pdf::new(density) })
     }
 }
 
 impl<R: Real> EmissiveTriangle<R> {
     /// The point with these weights of the second and the third corner.
     #[inline(always)]
-    pub(super) fn point(&self, [b1, b2]: [R; 2]) -> Vector<R> {
+    fn point(&self, [b1, b2]: [R; 2]) -> Vector<R> {
         self.corner + self.edges[0] * b1 + self.edges[1] * b2
     }
 
-    /// The same as it is seen from another point.
+    /// Point of the triangle as it is seen from another point.
     #[inline(always)]
     pub(crate) fn seen_from(&self, barycentric: [R; 2], from: Vector<R>) -> VisiblePoint<R> {
         let position = self.point(barycentric);
@@ -110,7 +146,7 @@ mod tests {
         let corner = Vec3::new(1.0, 2.0, 3.0);
         let triangle =
             EmissiveTriangle::new([corner, corner + 3.0 * Vec3::X, corner + 4.0 * Vec3::Y]).expect("an area");
-        assert_eq!((triangle.double_area, triangle.normal()), (12.0, Vec3::Z));
+        assert_eq!((triangle.area(), triangle.normals()), (6.0, Cone::of(Vec3::Z)));
         assert_eq!(Vec3::from(triangle.point([0.0, 0.0])), corner);
         assert_eq!(Vec3::from(triangle.point([1.0, 0.0])), Vec3::new(4.0, 2.0, 3.0));
         assert_eq!(Vec3::from(triangle.point([0.25, 0.5])), Vec3::new(1.75, 4.0, 3.0));

@@ -2,20 +2,20 @@
 
 use photosite_core::math::distribution::AliasTable;
 
-/// Choice among the triangles that emit, by their power.
+/// Choice among the area lights, by their power.
 #[derive(Clone, Debug)]
 pub(super) struct Emitters {
-    /// `None` where nothing emits.
+    /// Alias table of the emitters; `None` where nothing emits.
     table: Option<AliasTable>,
 }
 
 impl Emitters {
-    /// `powers[i]` is the power of light i, any unit; 0 of lights that are no triangles.
+    /// Builds the table. `powers[i]` is the power of light i, any unit; 0 of lights that are no surfaces.
     pub(super) fn new(powers: &[f64]) -> Self {
         Self { table: powers.iter().any(|&power| power > 0.0).then(|| AliasTable::new(powers)) }
     }
 
-    /// Whether no triangle emits.
+    /// Whether no surface emits.
     pub(super) fn is_empty(&self) -> bool {
         self.table.is_none()
     }

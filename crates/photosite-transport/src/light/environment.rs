@@ -1,4 +1,4 @@
-//! Light from infinitely far: a constant, or an equirectangular picture sampled by its luminance.
+//! Light from infinitely far: a constant, or an equirectangular image sampled by its luminance.
 //!
 //! Scattered rays find what shines evenly from all sides as well as anything could, so that only what exceeds the mean
 //! is sampled: its density is that of max(L − mean, 0) ([Karlik19](photosite_core::references#karlik19)).
@@ -20,35 +20,35 @@ use photosite_core::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, Wavel
 /// Radiance from all directions.
 #[derive(Clone, Debug)]
 pub enum Environment {
-    /// The same in every direction.
+    /// Constant radiance in all directions.
     Constant {
-        /// W·m⁻²·sr⁻¹·nm⁻¹.
+        /// Radiance, W·m⁻²·sr⁻¹·nm⁻¹.
         radiance: SpectrumId,
     },
-    /// A picture; see [`EnvironmentPicture`].
-    Picture(EnvironmentPicture),
+    /// Image of the radiance; see [`EnvironmentImage`].
+    Image(EnvironmentImage),
     /// The sky by day; see [`Sky`].
     Sky(Box<Sky>),
 }
 
-/// An equirectangular picture of linear sRGB. Its top row is +Y, its centre lies along −Z before the rotation.
+/// Equirectangular environment image of linear sRGB. Its top row is +Y, its centre lies along −Z before the rotation.
 #[derive(Clone, Debug)]
-pub struct EnvironmentPicture {
-    picture: Texture,
+pub struct EnvironmentImage {
+    pub(super) texture: Texture,
     /// Radiance of a white pixel of value 1, W·m⁻²·sr⁻¹·nm⁻¹.
-    radiance: SpectrumId,
+    pub(super) radiance: SpectrumId,
     /// Cosine and sine of the rotation about +Y.
-    rotation: [f32; 2],
-    distribution: PiecewiseConstant2D,
+    pub(super) rotation: [f32; 2],
+    pub(super) distribution: PiecewiseConstant2D,
     excess: f64,
 }
 
 impl Environment {
-    /// The part of its light that exceeds the mean of all directions, 0–1: what is worth looking at.
+    /// Part of the environment's light that exceeds the mean of all directions, 0–1: the part that is worth sampling.
     pub fn excess(&self) -> f64 {
         match self {
             Self::Constant { .. } => 0.0,
-            Self::Picture(picture) => picture.excess,
+            Self::Image(image) => image.excess,
             Self::Sky(sky) => sky.excess(),
         }
     }
@@ -58,9 +58,9 @@ impl Environment {
     pub fn radiance(&self, spectra: &SpectrumTable, towards: Vec3, wavelengths: &Wavelengths) -> SampledSpectrum {
         match self {
             Self::Constant { radiance } => spectra.sample(*radiance, wavelengths),
-            Self::Picture(picture) => {
-                let [r, g, b, _] = picture.picture.sample_rgba_srgb(Vec2::from_array(picture.uv(towards)));
-                spectra.sample(picture.radiance, wavelengths) * tint_spectrum([r, g, b], wavelengths)
+            Self::Image(image) => {
+                let [r, g, b, _] = image.texture.sample_rgba_srgb(Vec2::from_array(image.uv(towards)));
+                spectra.sample(image.radiance, wavelengths) * tint_spectrum([r, g, b], wavelengths)
             }
             Self::Sky(sky) => sky.radiance(spectra, towards, wavelengths),
         }
@@ -72,10 +72,10 @@ impl Environment {
     pub fn sample(&self, u: [f32; 2]) -> Option<(Vec3, Pdf<SolidAngle>)> {
         match self {
             Self::Constant { .. } => None,
-            Self::Picture(picture) => {
-                let (uv, density) = picture.distribution.sample(u);
+            Self::Image(image) => {
+                let (uv, density) = image.distribution.sample(u);
                 let (sin, cos) = (PI * uv[1]).sin_cos();
-                let direction = picture.direction(uv, sin, cos);
+                let direction = image.direction(uv, sin, cos);
                 (sin > 0.0 && density > 0.0).then(|| (direction, Pdf::new(density / (TAU * PI * sin))))
             }
             Self::Sky(sky) => sky.sample(u),
@@ -95,24 +95,25 @@ impl Environment {
     pub fn pdf(&self, towards: Vec3) -> Pdf<SolidAngle> {
         match self {
             Self::Constant { .. } => Pdf::new(0.0),
-            Self::Picture(picture) => {
+            Self::Image(image) => {
                 let sin = towards.x.hypot(towards.z);
                 if sin == 0.0 {
                     return Pdf::new(0.0);
                 }
-                Pdf::new(picture.distribution.pdf(picture.uv(towards)) / (TAU * PI * sin))
+                Pdf::new(image.distribution.pdf(image.uv(towards)) / (TAU * PI * sin))
             }
             Self::Sky(sky) => sky.pdf(towards),
         }
     }
 }
 
-impl EnvironmentPicture {
-    /// `radiance` is that of a white pixel of value 1; the rotation is counter-clockwise seen from above, degrees.
+impl EnvironmentImage {
+    /// Makes an environment image. `radiance` is that of a white pixel of value 1; the rotation is counter-clockwise
+    /// seen from above, degrees.
     pub fn new(image: Arc<Bitmap>, radiance: SpectrumId, rotation_deg: f64) -> Self {
-        let picture = panorama(image);
-        let (width, height) = (picture.image().width, picture.image().height);
-        let luminance = luminances(&picture);
+        let image = panorama(image);
+        let (width, height) = (image.image().width, image.image().height);
+        let luminance = luminances(&image);
         // Bilinear interpolation spreads a texel over its neighbours, so the density must not vanish there: it follows
         // the mean of a texel and those around it.
         let around = |x: usize, y: usize| {
@@ -126,15 +127,16 @@ impl EnvironmentPicture {
         let (weights, excess) = above_mean(&smooth, &sines);
         let (sin, cos) = rotation_deg.to_radians().sin_cos();
         let distribution = PiecewiseConstant2D::new(&weights, width);
-        Self { picture, radiance, rotation: [cos as f32, sin as f32], distribution, excess }
+        Self { texture: image, radiance, rotation: [cos as f32, sin as f32], distribution, excess }
     }
 
-    /// (∫ Y dω, ∫ Y·cos⁺θ dω with θ from +Y) of a picture's luminance in picture units, by the midpoint rule.
+    /// Luminous integrals (∫ Y dω, ∫ Y·cos⁺θ dω with θ from +Y) of an image's luminance in image units, by the
+    /// midpoint rule.
     pub fn luminous_integrals(image: &Arc<Bitmap>) -> (f64, f64) {
-        let picture = panorama(Arc::clone(image));
+        let texture = panorama(Arc::clone(image));
         let (width, height) = (image.width, image.height);
         let mut sums = (0.0, 0.0);
-        for (y, row) in luminances(&picture).chunks(width).enumerate() {
+        for (y, row) in luminances(&texture).chunks(width).enumerate() {
             let (sin, cos) = polar_angle(y, height).sin_cos();
             let solid_angle = 2.0 * std::f64::consts::PI.powi(2) * sin / (width * height) as f64;
             let light = row.iter().sum::<f64>() * solid_angle;
@@ -161,7 +163,7 @@ impl EnvironmentPicture {
     }
 }
 
-/// The picture as a texture that wraps around horizontally and stops at the poles.
+/// The image as a texture that wraps around horizontally and stops at the poles.
 fn panorama(image: Arc<Bitmap>) -> Texture {
     let sampler = SamplerSettings { wrap: [Wrap::Repeat, Wrap::ClampToEdge], filter: Filter::Linear };
     Texture::new(image, sampler, UvTransform::default(), 0)
@@ -172,14 +174,14 @@ fn polar_angle(row: usize, height: usize) -> f64 {
     std::f64::consts::PI * (row as f64 + 0.5) / height as f64
 }
 
-/// Luminance of every texel in picture units.
-fn luminances(picture: &Texture) -> Vec<f64> {
-    let (width, height) = (picture.image().width, picture.image().height);
+/// Luminance of every texel in image units.
+fn luminances(image: &Texture) -> Vec<f64> {
+    let (width, height) = (image.image().width, image.image().height);
     let centre = |i: usize, n: usize| (i as f32 + 0.5) / n as f32;
     (0..width * height)
         .map(|i| {
             let uv = Vec2::new(centre(i % width, width), centre(i / width, height));
-            let [r, g, b, _] = picture.sample_rgba_srgb(uv).map(f64::from);
+            let [r, g, b, _] = image.sample_rgba_srgb(uv).map(f64::from);
             rgb::luminance([r, g, b]).max(0.0)
         })
         .collect()
@@ -192,8 +194,8 @@ mod tests {
     use photosite_core::math::warp;
     use photosite_core::spectrum::Spectrum;
 
-    /// A dim picture with one bright texel.
-    fn picture(bright: (usize, usize)) -> Arc<Bitmap> {
+    /// A dim image with one bright texel.
+    fn image(bright: (usize, usize)) -> Arc<Bitmap> {
         let (width, height) = (16, 8);
         let mut texels = vec![[0.1f32; 3]; width * height];
         texels[bright.1 * width + bright.0] = [100.0; 3];
@@ -203,7 +205,7 @@ mod tests {
     fn environment(bright: (usize, usize), rotation_deg: f64) -> (SpectrumTable, Environment) {
         let mut spectra = SpectrumTable::default();
         let radiance = spectra.add(&Spectrum::constant(1.0));
-        (spectra, Environment::Picture(EnvironmentPicture::new(picture(bright), radiance, rotation_deg)))
+        (spectra, Environment::Image(EnvironmentImage::new(image(bright), radiance, rotation_deg)))
     }
 
     fn brightness((spectra, environment): &(SpectrumTable, Environment), towards: Vec3) -> f32 {
@@ -212,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn the_centre_of_the_picture_is_ahead_and_its_right_is_right() {
+    fn the_centre_of_the_image_is_ahead_and_its_right_is_right() {
         // Texel 8 of 16 begins at the centre; row 4 of 8 begins at the horizon.
         let ahead = Vec3::new(0.2, -0.2, -1.0);
         assert!(brightness(&environment((8, 4), 0.0), ahead) > 50.0);
@@ -259,7 +261,7 @@ mod tests {
         assert_eq!(Environment::Constant { radiance }.excess(), 0.0);
         let grey =
             |texels| Arc::new(Bitmap { name: "grey".into(), width: 8, height: 4, texels: Texels::Rgb32F(texels) });
-        let of = |texels| EnvironmentPicture::new(grey(texels), radiance, 0.0).excess;
+        let of = |texels| EnvironmentImage::new(grey(texels), radiance, 0.0).excess;
         assert_eq!(of(vec![[0.3; 3]; 32]), 0.0);
         assert_eq!(of(vec![[0.0; 3]; 32]), 0.0);
         // Half of the sphere twice as bright as the mean, 1/2. A texel counts with the mean of those around it in equal
@@ -283,7 +285,7 @@ mod tests {
     fn luminous_integrals_of_a_grey_sky() {
         let texels = Texels::Rgb32F(vec![[1.0; 3]; 2048]);
         let grey = Arc::new(Bitmap { name: "grey".into(), width: 64, height: 32, texels });
-        let (sphere, horizontal) = EnvironmentPicture::luminous_integrals(&grey);
+        let (sphere, horizontal) = EnvironmentImage::luminous_integrals(&grey);
         // Midpoint rule with 32 rows: error of order (π/32)²/24.
         assert!((sphere / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-3);
         assert!((horizontal / std::f64::consts::PI - 1.0).abs() < 2e-3);

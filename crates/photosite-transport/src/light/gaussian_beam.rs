@@ -17,7 +17,7 @@ const CUT: f32 = 3.0;
 /// that it does not reach, where samples of it are lost.
 const NARROWEST: f32 = 0.5;
 
-/// A simple astigmatic Gaussian beam (ISO 11146-1:2021 §3) that leaves the plane z = 0 of its space along −z. Its level
+/// Simple astigmatic Gaussian beam (ISO 11146-1:2021 §3) that leaves the plane z = 0 of its space along −z. Its level
 /// is its spectral flux Φ, W·nm⁻¹.
 ///
 /// Along each of the two axes across the beam, its radius (to 1/e² of the irradiance on the axis) after z metres is
@@ -40,8 +40,8 @@ pub struct GaussianBeam {
 }
 
 impl GaussianBeam {
-    /// From the radii of the waist, m, and the divergences, rad, along the beam's x and y. Along each of them one may
-    /// be 0; both must be finite and below π/2.
+    /// Makes a beam from the radii of the waist, m, and the divergences, rad, along the beam's x and y. Along each of
+    /// them one may be 0; both must be finite and below π/2.
     pub fn new(waist_radius_m: [f64; 2], divergence_rad: [f64; 2]) -> Self {
         let pair = |[x, y]: [f64; 2]| Vec2::new(x as f32, y as f32);
         Self { waist: pair(waist_radius_m), tan_divergence: pair(divergence_rad.map(f64::tan)) }

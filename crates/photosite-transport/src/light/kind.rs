@@ -20,15 +20,15 @@ macro_rules! light_kinds {
         }
 
         impl LightKind {
-            /// The name of the kind, as `type` of `[[lights]]` has it.
+            /// Name of the kind, the value of `type` in `[[lights]]` of capture files.
             pub fn name(&self) -> &'static str {
                 match self {
                     $(Self::$kind(_) => $name,)*
                 }
             }
 
-            /// What the light's spectrum, in the unit of its level, has to be multiplied by to give its spectral
-            /// power, W·nm⁻¹. `disk_m2` is the area across which a light infinitely far lights the scene.
+            /// Factor from the light's spectrum, in the unit of its level, to its spectral power, W·nm⁻¹. `disk_m2` is
+            /// the area across which a light infinitely far lights the scene.
             pub fn power_factor(&self, disk_m2: f64) -> f64 {
                 match self {
                     $(Self::$kind(model) => model.power_factor(disk_m2),)*

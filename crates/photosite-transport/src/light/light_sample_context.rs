@@ -8,7 +8,7 @@ use super::bounds::Cluster;
 /// [pbrt4](photosite_core::references#pbrt4) §12.1.
 #[derive(Clone, Copy, Debug)]
 pub struct LightSampleContext {
-    /// Metres.
+    /// Position of the point, m.
     pub point: Vec3,
     /// The sides from which light matters.
     pub facing: Facing,
@@ -17,11 +17,11 @@ pub struct LightSampleContext {
 /// The sides from which a point receives light.
 #[derive(Clone, Copy, Debug)]
 pub enum Facing {
-    /// From the side of a unit normal, with the cosine to it, as what only reflects.
+    /// Side of a unit normal, weighted by the cosine to it: surfaces that only reflect.
     Front(Vec3),
-    /// From both sides of a unit normal, with the cosine to it, as what transmits too.
+    /// Both sides of a unit normal, weighted by the cosine to it: surfaces that also transmit.
     Both(Vec3),
-    /// From all directions alike.
+    /// All directions alike.
     Anywhere,
 }
 
@@ -40,7 +40,7 @@ impl LightSampleContext {
     /// smallest angles at the light, θ′, and at the point, θᵢ′, that any light within the box could have
     /// ([pbrt4](photosite_core::references#pbrt4) §12.6.3, `LightBounds::Importance`). There the angles are bounded by
     /// a sphere about the box, within which all are possible; here cos θᵢ′ is the largest height of the box over the
-    /// surface over its smallest distance, and cos θ′ alike. So a ceiling of lamps counts for those that are near,
+    /// surface over its smallest distance, and cos θ′ alike. So a ceiling of lights counts for those that are near,
     /// large as its box may be.
     #[inline]
     pub(super) fn importance(&self, cluster: &Cluster) -> f32 {

@@ -1,50 +1,51 @@
-//! All lights of a scene: their tables, and directions to them with their densities.
+//! Lights of a scene: their tables, and directions to them with their densities.
 
 use glam::Vec3;
 
+use super::area_light::AreaLight;
 use super::bounds::LightBounds;
 use super::choice::Choice;
 use super::delta_light::DeltaLight;
 use super::emissive_triangle::EmissiveTriangle;
+use super::emitter::{Emitter, EmitterShape};
 use super::emitters::Emitters;
 use super::environment::Environment;
 use super::light_sample_context::LightSampleContext;
 use super::sample::{LiContext, LiSample, LightSample};
 use super::selection::Selection;
-use super::triangle_light::TriangleLight;
 use crate::geometry::{Facet, Geometry, Motion, Transform};
-use photosite_core::math::{Area, Pdf, SolidAngle};
+use photosite_core::math::{Pdf, SolidAngle};
 use photosite_core::spectrum::SampledSpectrum;
 
-/// One light.
+/// Light of a scene.
 #[derive(Clone, Debug)]
 pub enum Light {
     /// A light without a surface.
     Delta(Box<DeltaLight>),
-    /// A triangle that emits.
-    Triangle(TriangleLight),
+    /// A primitive that emits.
+    Area(AreaLight),
     /// The environment, of which there is at most one.
     Environment,
 }
 
 impl Light {
-    /// Whether it is infinitely far.
+    /// Whether the light is infinitely far.
     fn is_distant(&self) -> bool {
         match self {
             Self::Delta(light) => light.extent().is_none(),
-            Self::Triangle(_) => false,
+            Self::Area(_) => false,
             Self::Environment => true,
         }
     }
 
-    /// Its bounds, where it is somewhere and has any power.
+    /// Bounds of the light, unless it is infinitely far or without power.
     pub(super) fn bounds(&self, motion: Option<&Motion>, power: f64, geometry: &Geometry) -> Option<LightBounds> {
         if power.is_nan() || power <= 0.0 {
             return None;
         }
         match self {
             Self::Delta(light) => LightBounds::of_delta_light(light, motion, power),
-            Self::Triangle(light) => Some(LightBounds::of_triangle(light, power, geometry)),
+            Self::Area(light) => Some(LightBounds::of_area_light(light, power, geometry)),
             Self::Environment => None,
         }
     }
@@ -54,21 +55,21 @@ impl Light {
 #[derive(Clone, Debug)]
 pub struct Lights {
     pub(super) lights: Vec<Light>,
-    /// Triangles of the lights that keep their shape.
-    static_triangles: Vec<Option<EmissiveTriangle>>,
+    /// Shapes of the lights that keep theirs.
+    pub(super) static_shapes: Vec<Option<Emitter>>,
     /// Motions of the lights that move, in order of their handles. Such lights are described in their own space.
-    motions: Vec<(u32, Motion)>,
-    environment: Option<Environment>,
+    pub(super) motions: Vec<(u32, Motion)>,
+    pub(super) environment: Option<Environment>,
     /// Index of the environment among the lights infinitely far.
-    environment_index: Option<u32>,
-    selection: Selection,
+    pub(super) environment_index: Option<u32>,
+    pub(super) selection: Selection,
     pub(super) emitters: Emitters,
 }
 
 impl Lights {
-    /// `powers[i]` is the power of `lights[i]` as the sensor sees it, in relative units, for lights infinitely far that
-    /// through a disk of `disk_m2`; `motions[i]` is its way through the world, rigid, where it has a space of its own.
-    /// An [`Environment`] comes with one [`Light::Environment`].
+    /// Builds the tables of the lights. `powers[i]` is the power of `lights[i]` as the sensor sees it, in relative
+    /// units, for lights infinitely far the power through a disk of `disk_m2`; `motions[i]` is its way through the
+    /// world, rigid, where it has a space of its own. An [`Environment`] comes with one [`Light::Environment`].
     pub fn new(
         lights: Vec<Light>,
         motions: Vec<Option<Motion>>,
@@ -91,7 +92,7 @@ impl Lights {
             .filter(|(_, irradiance)| *irradiance > 0.0)
             .collect();
         let emitted: Vec<f64> = (lights.iter().zip(powers))
-            .map(|(light, &power)| if matches!(light, Light::Triangle(_)) { power } else { 0.0 })
+            .map(|(light, &power)| if matches!(light, Light::Area(_)) { power } else { 0.0 })
             .collect();
         let is_environment = |(light, _): &(u32, f64)| matches!(lights[*light as usize], Light::Environment);
         Self {
@@ -99,7 +100,7 @@ impl Lights {
             selection: Selection::new(&bounds, &distant),
             emitters: Emitters::new(&emitted),
             motions: (0..).zip(motions).filter_map(|(light, motion)| Some((light, motion?))).collect(),
-            static_triangles: lights.iter().map(|light| static_triangle(light, geometry)).collect(),
+            static_shapes: lights.iter().map(|light| static_shape(light, geometry)).collect(),
             lights,
             environment,
         }
@@ -110,7 +111,7 @@ impl Lights {
         self.lights.len()
     }
 
-    /// Whether all is dark.
+    /// Whether there is no light.
     pub fn is_empty(&self) -> bool {
         self.lights.is_empty()
     }
@@ -129,14 +130,14 @@ impl Lights {
     }
 
     /// Samples a direction to the light that was chosen. `li.point` is in the world, and `emitted_at(light,
-    /// barycentric)` is the radiance of a point of a triangle. `None` where the light cannot reach the point.
+    /// parameters)` is the radiance of a point of an area light. `None` where the light cannot reach the point.
     #[inline]
     pub(crate) fn sample_chosen(
         &self,
         choice: &Choice,
         v: f32,
         li: &LiContext<'_>,
-        emitted_at: impl FnOnce(&TriangleLight, [f32; 2]) -> SampledSpectrum,
+        emitted_at: impl FnOnce(&AreaLight, [f32; 2]) -> SampledSpectrum,
     ) -> Option<LightSample> {
         let &Choice { light, probability, rest } = choice;
         let u = [rest, v];
@@ -147,9 +148,9 @@ impl Lights {
         let li = &LiContext { point, ..*li };
         let LiSample { radiance, wi, position, pdf, is_delta } = match &self.lights[light as usize] {
             Light::Delta(light) => light.sample_li(u, li),
-            Light::Triangle(emitter) => {
-                let triangle = self.triangle(light, emitter, li.geometry, li.time)?;
-                emitter.sample_li(&triangle, u, li, emitted_at)
+            Light::Area(area_light) => {
+                let shape = self.shape(light, area_light, li.geometry, li.time)?;
+                area_light.sample_li(&shape, u, li, emitted_at)
             }
             Light::Environment => self.environment.as_ref()?.sample_li(u, li),
         }?;
@@ -165,34 +166,28 @@ impl Lights {
         })
     }
 
-    /// The triangle of a light, [`Facet::NO_TRIANGLE`] where it is none.
+    /// Primitive at which shadow rays to a light end ([`Ray::to`](crate::geometry::Ray::to)).
     #[inline]
-    pub(crate) fn triangle_of(&self, light: u32) -> u32 {
+    pub(crate) fn target_of(&self, light: u32) -> u32 {
         match &self.lights[light as usize] {
-            Light::Triangle(emitter) => emitter.triangle,
+            Light::Area(area_light) => area_light.primitive.target(),
             Light::Delta(_) | Light::Environment => Facet::NO_TRIANGLE,
         }
     }
 
     /// A light that is a triangle at rest.
     #[inline]
-    pub(crate) fn static_triangle_light(&self, light: u32) -> Option<(&TriangleLight, &EmissiveTriangle)> {
-        let Light::Triangle(emitter) = &self.lights[light as usize] else { return None };
-        let triangle = self.static_triangles[light as usize].as_ref()?;
-        self.motions.is_empty().then_some((emitter, triangle))
+    pub(crate) fn static_triangle_light(&self, light: u32) -> Option<(&AreaLight, &EmissiveTriangle)> {
+        let Light::Area(area_light) = &self.lights[light as usize] else { return None };
+        let Some(Emitter::Triangle(triangle)) = &self.static_shapes[light as usize] else { return None };
+        self.motions.is_empty().then_some((area_light, triangle))
     }
 
-    /// The triangle of a light at a time, in its own space; `None` where it has no area.
+    /// The shape of a light at a time; `None` where it has no area.
     #[inline]
-    pub(super) fn triangle(
-        &self,
-        light: u32,
-        emitter: &TriangleLight,
-        geometry: &Geometry,
-        time: f32,
-    ) -> Option<EmissiveTriangle> {
-        let still = &self.static_triangles[light as usize];
-        still.or_else(|| EmissiveTriangle::new(geometry.corners_at(emitter.triangle, time)))
+    pub(super) fn shape(&self, light: u32, area_light: &AreaLight, geometry: &Geometry, time: f32) -> Option<Emitter> {
+        let still = &self.static_shapes[light as usize];
+        still.or_else(|| Emitter::at(geometry, area_light.primitive, time))
     }
 
     /// Transform of a light's own space at a time, if it moves.
@@ -202,11 +197,11 @@ impl Lights {
         Some(self.motions[found].1.at(time))
     }
 
-    /// Density with which [`Scene::sample_light`](crate::scene::Scene::sample_light) samples the point of a triangle
+    /// Density with which [`Scene::sample_light`](crate::scene::Scene::sample_light) samples the point of an area
     /// light that a ray of unit direction met at `distance` and at that time; `cos` is the cosine at the light, of
     /// either sign.
     #[inline]
-    pub fn triangle_pdf(
+    pub fn area_light_pdf(
         &self,
         light: u32,
         ctx: &LightSampleContext,
@@ -216,10 +211,8 @@ impl Lights {
         cos: f32,
     ) -> Pdf<SolidAngle> {
         match &self.lights[light as usize] {
-            Light::Triangle(emitter) => match self.triangle(light, emitter, geometry, time) {
-                Some(triangle) => Pdf::<Area>::new(2.0 / triangle.double_area)
-                    .to_solid_angle(distance * distance, cos.abs())
-                    .times(self.selection.probability(ctx, light)),
+            Light::Area(area_light) => match self.shape(light, area_light, geometry, time) {
+                Some(shape) => shape.pdf(ctx.point, distance, cos).times(self.selection.probability(ctx, light)),
                 None => Pdf::new(0.0),
             },
             Light::Delta(_) | Light::Environment => Pdf::new(0.0),
@@ -239,9 +232,8 @@ impl Lights {
     }
 }
 
-/// The triangle of a light whose mesh keeps its shape.
-fn static_triangle(light: &Light, geometry: &Geometry) -> Option<EmissiveTriangle> {
-    let &Light::Triangle(TriangleLight { triangle, .. }) = light else { return None };
-    let mut shapes = geometry.shapes(triangle);
-    shapes.next().filter(|_| shapes.next().is_none()).and_then(EmissiveTriangle::new)
+/// The shape of a light that keeps it.
+fn static_shape(light: &Light, geometry: &Geometry) -> Option<Emitter> {
+    let Light::Area(area_light) = light else { return None };
+    Emitter::at_rest(geometry, area_light.primitive)
 }

@@ -1,9 +1,10 @@
-//! Where light comes from, and how a surface point chooses where to look for it.
+//! Light sources, and how a surface point samples them.
 //!
 //! In: tables of lights in SI units. Out: for a point, a direction with the radiance that arrives from there if nothing
 //! is in the way, and the density with which it was chosen. Visibility is left to the integrator.
 
 mod above_mean;
+mod area_light;
 mod bounds;
 mod choice;
 mod delta_light;
@@ -11,6 +12,8 @@ mod delta_model;
 mod directional_light;
 mod emission;
 mod emissive_triangle;
+mod emitter;
+mod emitter_shape;
 mod emitters;
 mod environment;
 mod gaussian_beam;
@@ -18,6 +21,7 @@ mod kind;
 mod light_rays;
 mod light_sample_context;
 mod lights;
+pub mod packed;
 mod point_light;
 mod profile;
 mod projector;
@@ -29,15 +33,16 @@ mod sun_position;
 mod tree;
 #[cfg(test)]
 mod tree_tests;
-mod triangle_light;
 
+pub use area_light::AreaLight;
 pub(crate) use choice::Choice;
 pub use delta_light::DeltaLight;
 pub use delta_model::LightPose;
 pub use directional_light::DirectionalLight;
 pub use emission::{SurfaceEmission, Tint};
 pub(crate) use emissive_triangle::EmissiveTriangles;
-pub use environment::{Environment, EnvironmentPicture};
+pub(crate) use emitter::{Emitter, EmitterShape};
+pub use environment::{Environment, EnvironmentImage};
 pub use gaussian_beam::GaussianBeam;
 pub use kind::LightKind;
 pub use light_rays::LightRay;
@@ -51,4 +56,3 @@ pub use sample::LightSample;
 pub use sky::{Sky, SkyConditions, SkyLight};
 pub use spot_light::SpotLight;
 pub use sun_position::SunPosition;
-pub use triangle_light::TriangleLight;

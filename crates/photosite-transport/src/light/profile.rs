@@ -1,4 +1,4 @@
-//! Lamps whose intensity was measured in many directions.
+//! Lights whose intensity was measured in many directions.
 
 use std::f32::consts::{PI, TAU};
 
@@ -9,27 +9,28 @@ use super::sample::{LiContext, LiSample};
 use photosite_core::math::Cone;
 use photosite_core::spectrum::SpectrumId;
 
-/// Luminous intensity, cd, over a sphere of directions around a lamp, in coordinates of photometric type C
-/// ([LM63](photosite_core::references#lm63)): vertical angles from the lamp's axis, horizontal ones around it.
+/// Luminous intensity, cd, over a sphere of directions around a luminaire, in coordinates of photometric type C
+/// ([LM63](photosite_core::references#lm63)): vertical angles from the luminaire's axis, horizontal ones around it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Profile {
-    /// rad from −z of the lamp's space, rising.
+    /// Vertical angles, rad from −z of the luminaire's space, rising.
     vertical_rad: Vec<f32>,
-    /// rad about the axis, from +x towards +y, rising; one alone for a lamp that is the same all around. That is
-    /// counter-clockwise seen from above a lamp that shines down, as LM-63-2002 §3.0, "Horizontal angles", has type C.
+    /// Horizontal angles, rad about the axis, from +x towards +y, rising; one alone for a luminaire that is the same
+    /// all around. That is counter-clockwise seen from above a luminaire that shines down, as LM-63-2002 §3.0,
+    /// "Horizontal angles", has type C.
     horizontal_rad: Vec<f32>,
-    /// candela[horizontal · number of vertical angles + vertical].
+    /// Intensities, candela[horizontal · number of vertical angles + vertical].
     candela: Vec<f32>,
 }
 
 impl Profile {
-    /// From at least one rising angle each, and as many intensities as their product, those of a horizontal angle
-    /// together. Several horizontal angles go from 0 to 2π.
+    /// Takes at least one angle of each kind, rising, and as many intensities as their product, those of a horizontal
+    /// angle together. Several horizontal angles go from 0 to 2π.
     pub fn new(vertical_rad: Vec<f32>, horizontal_rad: Vec<f32>, candela: Vec<f32>) -> Self {
         Self { vertical_rad, horizontal_rad, candela }
     }
 
-    /// Intensity, cd, in a unit direction of the lamp's space: linear in both angles, 0 beyond the vertical ones.
+    /// Intensity, cd, in a unit direction of the luminaire's space: linear in both angles, 0 beyond the vertical ones.
     #[inline]
     pub fn intensity(&self, direction: Vec3) -> f32 {
         let vertical = direction.x.hypot(direction.y).atan2(-direction.z);
@@ -51,7 +52,7 @@ impl Profile {
         horizontals.into_iter().map(|(h, weight)| row(h) * weight).sum()
     }
 
-    /// Largest angle from −z of the lamp's space with any light, rad.
+    /// Largest angle from −z of the luminaire's space with any light, rad.
     fn reach_rad(&self) -> f32 {
         let n = self.vertical_rad.len();
         let last = (0..self.candela.len()).filter(|i| self.candela[*i] > 0.0).map(|i| i % n).max();
@@ -87,7 +88,7 @@ fn between(angles: &[f32], angle: f32) -> Option<[(usize, f32); 2]> {
     (part <= 1.0).then_some([(low, 1.0 - part), (next, part)])
 }
 
-/// Its level is W·sr⁻¹·nm⁻¹ for each candela.
+/// Light of a measured profile. Its level is W·sr⁻¹·nm⁻¹ for each candela.
 impl DeltaModel for Profile {
     fn extent(&self, pose: &LightPose) -> Option<DeltaExtent> {
         let directions = Cone::of(pose.world_to_light.inverse() * Vec3::NEG_Z).widened(self.reach_rad());

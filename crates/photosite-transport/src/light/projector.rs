@@ -1,4 +1,4 @@
-//! A slide in front of a lamp, thrown through a lens.
+//! Projectors: a slide in front of a light source, thrown through a lens.
 
 use std::sync::Arc;
 
@@ -14,21 +14,21 @@ use photosite_core::spectrum::{SampledSpectrum, SpectrumId, Wavelengths};
 /// A projector at the origin of its space. It shines along −z, with the top of the slide towards +y.
 ///
 /// It is a camera run backwards: a point x m to the right and y m up in the plane 1 m away is lit by the slide at
-/// (x/w + ½, ½ − y/h), w and h the extent of the picture there. The lens is evenly bright over its opening of area A
+/// (x/w + ½, ½ − y/h), w and h the extent of the image there. The lens is evenly bright over its opening of area A
 /// for each point of the slide, so the intensity in a direction at the angle θ from the axis is L·A·cos θ, and the flux
 /// of a white slide
 ///
 ///   Φ = L·A·∫ cos θ dω = L·A·∫∫ cos⁴θ dx dy.
 ///
-/// What lies in the plane of focus is sharp; elsewhere each point of the opening throws the picture to another place.
+/// What lies in the plane of focus is sharp; elsewhere each point of the opening throws the image to another place.
 #[derive(Clone, Debug)]
 pub struct Projector {
     slide: Texture,
-    /// Extent of the picture 1 m away, m.
+    /// Extent of the image 1 m away, m.
     extent: [f32; 2],
-    /// Shift of the middle of the picture 1 m away, m to the right and up.
+    /// Shift of the middle of the image 1 m away, m to the right and up.
     shift: [f32; 2],
-    /// Radius of the opening, m; 0 for a picture that is sharp everywhere.
+    /// Radius of the opening, m; 0 for an image that is sharp everywhere.
     radius: f32,
     /// Distance of the plane of focus, m.
     focus_distance: f32,
@@ -37,8 +37,9 @@ pub struct Projector {
 }
 
 impl Projector {
-    /// A slide, sRGB-encoded; width and height of the picture 1 m away, and where its middle is there, right and up, m;
-    /// the radius of the opening, 0 for a picture that is sharp everywhere; and the distance of the plane of focus.
+    /// Makes a projector of a slide, sRGB-encoded; the width and height of the image 1 m away, and the place of its
+    /// middle there, right and up, m; the radius of the opening, m, 0 for an image that is sharp everywhere; and the
+    /// distance of the plane of focus.
     pub fn new(slide: Arc<Bitmap>, extent: [f64; 2], shift: [f64; 2], radius_m: f64, focus_distance_m: f64) -> Self {
         let edges = SamplerSettings { wrap: [Wrap::ClampToEdge; 2], filter: Filter::Nearest };
         Self {
@@ -100,7 +101,7 @@ impl Projector {
     }
 }
 
-/// ∫∫ f·cos⁴θ dx dy over the picture 1 m away, and the same for f = 1; f is a function of the place on the slide.
+/// ∫∫ f·cos⁴θ dx dy over the image 1 m away, and the same for f = 1; f is a function of the place on the slide.
 fn mean_over(extent: [f64; 2], shift: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> (f64, f64) {
     const CELLS: u16 = 256;
     let mut sums = (0.0, 0.0);
@@ -117,7 +118,7 @@ fn mean_over(extent: [f64; 2], shift: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> 
     (sums.0 * cell, sums.1 * cell)
 }
 
-/// Its level is the spectral flux of a white slide, W·nm⁻¹.
+/// Light of a projector. Its level is the spectral flux of a white slide, W·nm⁻¹.
 impl DeltaModel for Projector {
     fn extent(&self, pose: &LightPose) -> Option<DeltaExtent> {
         let directions = Cone::of(pose.world_to_light.inverse() * Vec3::NEG_Z).widened(self.reach_rad());
@@ -128,7 +129,7 @@ impl DeltaModel for Projector {
         self.brightness()
     }
 
-    /// Towards a point of the lens's opening.
+    /// Samples the direction to a point of the lens's opening.
     #[inline]
     fn sample_li(&self, pose: &LightPose, level: SpectrumId, u: [f32; 2], li: &LiContext<'_>) -> Option<LiSample> {
         let opening = self.opening(u);

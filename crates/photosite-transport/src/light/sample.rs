@@ -1,4 +1,4 @@
-//! What a light is sampled with, and what comes of it.
+//! Samples of lights, and the context that they are drawn in.
 
 use glam::Vec3;
 
@@ -11,7 +11,7 @@ use photosite_core::spectrum::{SampledSpectrum, SpectrumTable, Wavelengths};
 pub struct LightSample {
     /// Handle of the light.
     pub light: u32,
-    /// Radiance from there; of lights without extent, irradiance across the direction.
+    /// Radiance that arrives along the direction; of lights without extent, irradiance across the direction.
     pub radiance: SampledSpectrum,
     /// Unit vector to the light.
     pub wi: Vec3,
@@ -19,11 +19,11 @@ pub struct LightSample {
     pub position: Option<(Vec3, Vec3)>,
     /// Density of the direction times the probability of the light; of lights without extent, that probability.
     pub pdf: Pdf<SolidAngle>,
-    /// Whether no BSDF sample could have found it.
+    /// Whether no BSDF sample could have found the direction.
     pub is_delta: bool,
 }
 
-/// What lights need to be sampled, besides random numbers: where from, when, and at which wavelengths.
+/// Context in which a light is sampled: point, time and wavelengths.
 #[derive(Clone, Copy)]
 pub(crate) struct LiContext<'a> {
     /// The point that samples, in the space of the light, m.

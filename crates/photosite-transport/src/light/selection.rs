@@ -4,6 +4,7 @@ use super::bounds::LightBounds;
 use super::choice::Choice;
 use super::light_sample_context::LightSampleContext;
 use super::tree::LightTree;
+use crate::geometry::Word;
 use photosite_core::math::distribution::{AliasTable, rest};
 
 /// Lights that are somewhere are chosen by a tree, those infinitely far by their power, and which of both kinds by the
@@ -14,7 +15,7 @@ pub(super) struct Selection {
     /// Handles of the lights infinitely far.
     distant: Vec<u32>,
     among_distant: AliasTable,
-    /// Of all lights infinitely far, in the unit of the tree's importance.
+    /// Irradiance from all lights infinitely far, in the unit of the tree's importance.
     irradiance: f32,
 }
 
@@ -22,8 +23,8 @@ pub(super) struct Selection {
 const LEAST: f32 = 0.1;
 
 impl Selection {
-    /// Of lights with the handles 0, 1, …: the bounds of those that are somewhere, and the irradiance in the same unit
-    /// from those infinitely far.
+    /// Makes tables for lights with the handles 0, 1, … from the bounds of those that are somewhere, and the irradiance
+    /// in the same unit from those infinitely far.
     pub(super) fn new(bounds: &[Option<LightBounds>], distant: &[(u32, f64)]) -> Self {
         let intensity: f64 = bounds.iter().flatten().map(|b| f64::from(b.intensity)).sum();
         let irradiances: Vec<f64> = distant.iter().map(|(_, irradiance)| *irradiance).collect();
@@ -33,6 +34,27 @@ impl Selection {
             among_distant: AliasTable::new(&irradiances),
             irradiance: (irradiances.iter().sum::<f64>() / intensity) as f32,
         }
+    }
+
+    /// Rank of a light in the tree.
+    pub(super) fn rank(&self, light: u32) -> u32 {
+        self.tree.rank(light)
+    }
+
+    /// Irradiance from all lights infinitely far, in the unit of the tree's importance.
+    pub(super) fn irradiance(&self) -> f32 {
+        self.irradiance
+    }
+
+    /// Nodes of the tree as plain data.
+    pub(super) fn tree_words(&self) -> Vec<Word> {
+        self.tree.words()
+    }
+
+    /// Lights infinitely far as plain data: handle, and the bin of the choice among them.
+    pub(super) fn distant_words(&self) -> Vec<Word> {
+        let bin = |(&light, [keep, alias, probability]): (&u32, [u32; 3])| [light, keep, alias, probability];
+        self.distant.iter().zip(self.among_distant.bin_words()).map(bin).collect()
     }
 
     /// Probability of a light infinitely far.
@@ -76,7 +98,7 @@ impl Selection {
         in_tree * (1.0 - self.part_of_distant(ctx))
     }
 
-    /// The same for the one infinitely far of that number.
+    /// Probability of choosing the light infinitely far of that number.
     #[inline]
     pub(super) fn probability_of_distant(&self, ctx: &LightSampleContext, number: u32) -> f32 {
         self.among_distant.probability(number) * self.part_of_distant(ctx)

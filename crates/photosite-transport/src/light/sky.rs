@@ -38,7 +38,7 @@ const SUN_TEMPERATURE_K: f64 = 5778.0;
 /// The file: see `assets/sky/make.py`.
 const FILE: &[u8] = include_bytes!("../../assets/sky/hosek-wilkie.bin");
 
-/// What makes the sky.
+/// Conditions that determine the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SkyConditions {
     /// Unit vector to the sun, not below the horizon (+Y is up).
@@ -47,14 +47,14 @@ pub struct SkyConditions {
     pub turbidity: f64,
     /// Reflectance of the ground, 0–1, which the sky is lit by and which lies below the horizon.
     pub ground_albedo: f64,
-    /// Whether the sun's disk is there, or only the sky.
+    /// Whether the sun's disk is part of the sky.
     pub has_sun: bool,
 }
 
-/// The light that comes from all of it.
+/// Light that comes from sky, sun and ground together.
 #[derive(Clone, Debug)]
 pub struct SkyLight {
-    /// ∫ L dω over all directions, W·m⁻²·nm⁻¹.
+    /// Integral ∫ L dω over all directions, W·m⁻²·nm⁻¹.
     pub all: Spectrum,
     /// Radiance of the ground below the horizon, W·m⁻²·sr⁻¹·nm⁻¹.
     pub ground: Spectrum,
@@ -74,7 +74,8 @@ pub struct Sky {
     ground: SpectrumId,
     /// Part of the samples that go to the sun.
     sun_part: f32,
-    /// Of azimuth and angle from the zenith, of what is brighter than the mean of the sky above and the ground below.
+    /// Distribution, over azimuth and angle from the zenith, of the excess over the mean of the sky above and the
+    /// ground below.
     distribution: PiecewiseConstant2D,
     excess: f64,
 }
@@ -88,7 +89,7 @@ fn numbers() -> &'static [f32] {
     NUMBERS.get_or_init(|| FILE.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect())
 }
 
-/// Where the sun's numbers begin.
+/// Index at which the sun's numbers begin.
 const SUN_FROM: usize = TURBIDITIES * 2 * ELEVATIONS * KNOTS * NUMBERS;
 const LIMB_FROM: usize = SUN_FROM + TURBIDITIES * SUN_SEGMENTS * KNOTS * SUN_POWERS;
 
@@ -275,7 +276,8 @@ impl Sky {
         (sky, SkyLight { all, ground })
     }
 
-    /// The part of its light, 0–1, that exceeds the mean of the sky above and the ground below; all of the sun's does.
+    /// Part of the sky's light, 0–1, that exceeds the mean of the sky above and the ground below; all of the sun's
+    /// does.
     pub fn excess(&self) -> f64 {
         self.excess
     }
@@ -351,7 +353,7 @@ mod tests {
         (spectra, sky, light)
     }
 
-    /// Away from the sun by an azimuth.
+    /// Unit direction away from the sun by an azimuth.
     fn towards(zenith_deg: f32, azimuth_deg: f32) -> Vec3 {
         let ((sin, cos), (sin_phi, cos_phi)) = (zenith_deg.to_radians().sin_cos(), azimuth_deg.to_radians().sin_cos());
         Vec3::new(sin * sin_phi, cos, -sin * cos_phi)
@@ -361,7 +363,7 @@ mod tests {
         Wavelengths::new(wavelengths_nm, [1.0; 4])
     }
 
-    /// What the plugin `sunsky` of Mitsuba 3.9.1 has at 400, 420, 550 and 633 nm.
+    /// Values of the plugin `sunsky` of Mitsuba 3.9.1 at 400, 420, 550 and 633 nm.
     #[test]
     fn the_sky_is_that_of_mitsuba() {
         for (turbidity, elevation, albedo, zenith, azimuth, expected) in [
@@ -384,7 +386,7 @@ mod tests {
         }
     }
 
-    /// The same for the sun, whose mean over the disk Mitsuba tabulates at steps of its elevation.
+    /// Values of Mitsuba for the sun, whose mean over the disk it tabulates at steps of the elevation.
     #[test]
     fn the_sun_is_that_of_mitsuba() {
         for (turbidity, elevation, expected) in
@@ -399,8 +401,8 @@ mod tests {
         }
     }
 
-    /// ∫ f dω over the sphere by n² samples of the sky and as many even ones, by the balance heuristic: the sky's
-    /// leave out what is darker than the mean.
+    /// Integral ∫ f dω over the sphere by n² samples of the sky and as many even ones, by the balance heuristic: the
+    /// sky's leave out what is darker than the mean.
     fn integral(sky: &Sky, n: u16, f: impl Fn(Vec3) -> [f64; 4]) -> [f64; 4] {
         let mut sums = [0.0; 4];
         let mut add = |towards: Vec3| {

@@ -15,7 +15,8 @@ pub struct SpotLight {
 }
 
 impl SpotLight {
-    /// From the half-angle of full intensity and the one beyond which there is none, rad, 0 ≤ inner < outer ≤ π/2.
+    /// Makes a spot light from the half-angle of full intensity and the one beyond which there is none, rad, 0 ≤ inner
+    /// < outer ≤ π/2.
     pub fn new(inner_rad: f32, outer_rad: f32) -> Self {
         Self { inner_rad, outer_rad, cos_inner: inner_rad.cos(), cos_outer: outer_rad.cos() }
     }
@@ -25,9 +26,14 @@ impl SpotLight {
         self.inner_rad
     }
 
-    /// Half-angle beyond which there is none, rad.
+    /// Half-angle beyond which there is no light, rad.
     pub fn outer_rad(&self) -> f32 {
         self.outer_rad
+    }
+
+    /// Cosines of both half-angles, that of full intensity first.
+    pub(super) fn cosines(&self) -> [f32; 2] {
+        [self.cos_inner, self.cos_outer]
     }
 
     /// The square of the clamped ramp between the cosines of both half-angles.
@@ -43,7 +49,7 @@ impl DeltaModel for SpotLight {
         Some(DeltaExtent { radius: 0.0, directions: Cone::of(pose.axis).widened(self.cos_outer.acos()) })
     }
 
-    /// ∫ of the squared ramp over the cosine.
+    /// Integral of the squared ramp over the cosine.
     fn power_factor(&self, _: f64) -> f64 {
         let ramp = f64::from(1.0 - self.cos_inner) + f64::from(self.cos_inner - self.cos_outer) / 3.0;
         std::f64::consts::TAU * ramp

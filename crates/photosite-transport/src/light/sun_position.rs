@@ -1,4 +1,4 @@
-//! Where the sun stands, by date and place: the Astronomical Almanac's approximation
+//! Position of the sun by date and place: the Astronomical Almanac's approximation
 //! ([Michalsky88](photosite_core::references#michalsky88)), right to 0.01° from 1950 to 2050.
 //!
 //! In: a moment in Universal Time, geographic coordinates. Out: elevation above the horizon and azimuth. Calendars and
@@ -7,15 +7,15 @@
 /// Elevation and azimuth of the sun's centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunPosition {
-    /// Above the horizon, deg, without the atmosphere.
+    /// Elevation above the horizon, deg, without the atmosphere.
     pub elevation_deg: f64,
-    /// From north over east, deg, 0–360.
+    /// Azimuth from north over east, deg, 0–360.
     pub azimuth_deg: f64,
 }
 
 impl SunPosition {
-    /// At `days` after noon of 1 January 2000, UT, at a place by latitude (north is positive) and longitude (east is
-    /// positive).
+    /// Computes the position at `days` after noon of 1 January 2000, UT, at a place by latitude (north is positive) and
+    /// longitude (east is positive).
     pub fn new(days: f64, latitude_deg: f64, longitude_deg: f64) -> Self {
         // Mean longitude and anomaly, ecliptic longitude, obliquity.
         let mean_longitude = 280.460 + 0.985_647_4 * days;
@@ -59,7 +59,7 @@ mod tests {
         f64::from(years * 365 + years.div_ceil(4) + day_of_year) - 1.5
     }
 
-    /// What the approximation is right to, and the parallax of the sun that it leaves out.
+    /// Error of the approximation, with the parallax of the sun that it leaves out.
     const TOLERANCE_DEG: f64 = 0.01 + 0.0024;
 
     #[test]

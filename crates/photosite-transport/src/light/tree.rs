@@ -3,6 +3,8 @@
 use super::bounds::{Cluster, LightBounds};
 use super::choice::Choice;
 use super::light_sample_context::LightSampleContext;
+use crate::geometry::{Word, word};
+use glam::Vec3A;
 use photosite_core::math::distribution::rest;
 
 /// A binary tree over lights: from its root down a light is found by the importance of either half for the point
@@ -15,7 +17,7 @@ use photosite_core::math::distribution::rest;
 pub(super) struct LightTree {
     /// The root first; the two halves of a node lie side by side.
     nodes: Vec<Node>,
-    /// Of each light: how many leaves are left of its own; [`DARK`] without one.
+    /// Number of leaves to the left of each light's own; [`DARK`] for a light without one.
     ranks: Vec<u32>,
 }
 
@@ -28,7 +30,7 @@ struct Node {
 #[derive(Clone, Copy, Debug)]
 enum Link {
     Leaf(Leaf),
-    /// Two halves.
+    /// Node of two halves.
     Inner {
         /// Index of the left one; the right one follows.
         left: u32,
@@ -37,7 +39,7 @@ enum Link {
     },
 }
 
-/// One light, or two that are alike.
+/// Leaf of one light, or of two that are alike.
 #[derive(Clone, Copy, Debug)]
 struct Leaf {
     lights: [u32; 2],
@@ -48,7 +50,7 @@ struct Leaf {
 const DARK: u32 = u32::MAX;
 
 impl LightTree {
-    /// Of all lights that have bounds.
+    /// Builds the tree of all lights that have bounds.
     pub(super) fn new(bounds: impl Iterator<Item = Option<LightBounds>>) -> Self {
         let mut ranks = Vec::new();
         let mut items: Vec<Item> = Vec::new();
@@ -76,7 +78,31 @@ impl LightTree {
         Self { nodes, ranks }
     }
 
-    /// Whether there is no light in it.
+    /// Number of leaves to the left of a light's own; [`DARK`] for one that the tree does not hold.
+    pub(super) fn rank(&self, light: u32) -> u32 {
+        self.ranks[light as usize]
+    }
+
+    /// Nodes as plain data, four words each. The last has two bits, whether it is a leaf and whether lights shine to both
+    /// sides; then the left half and the rank of the first leaf of the right one, or both lights of a leaf and the
+    /// probability of the first.
+    pub(super) fn words(&self) -> Vec<Word> {
+        let words = |node: &Node| {
+            let Cluster { centre, half, axis, cos_cone, cos_beyond, intensity, two_sided } = node.cluster;
+            let sides = u32::from(two_sided) << 1;
+            let last = match node.link {
+                Link::Leaf(Leaf { lights: [a, b], probabilities: [of_first, _] }) => {
+                    [1 | sides, a, b, of_first.to_bits()]
+                }
+                Link::Inner { left, middle } => [sides, left, middle, 0],
+            };
+            let part = |v: Vec3A, beside: f32| word(v.into(), beside.to_bits());
+            [part(centre, intensity), part(half, cos_cone), part(axis, cos_beyond), last]
+        };
+        self.nodes.iter().flat_map(words).collect()
+    }
+
+    /// Whether the tree holds no light.
     pub(super) fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
@@ -137,7 +163,8 @@ impl LightTree {
     }
 }
 
-/// `None` where neither half can reach the point. One that can is never left out, however dim it is beside the other.
+/// Probability of the left half; `None` where neither half can reach the point. One that can is never left out, however
+/// dim it is beside the other.
 #[inline]
 fn probability_of_left(halves: &[Node], ctx: &LightSampleContext) -> Option<f32> {
     let [left, right] = [0, 1].map(|i| ctx.importance(&halves[i].cluster));

@@ -5,10 +5,10 @@ use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
 use super::choice::Choice;
 use super::tree::LightTree;
 use super::{
-    DeltaLight, Facing, Light, LightKind, LightPose, LightSampleContext, PointLight, SpotLight, SurfaceEmission, Tint,
-    TriangleLight,
+    AreaLight, DeltaLight, Facing, Light, LightKind, LightPose, LightSampleContext, PointLight, SpotLight,
+    SurfaceEmission, Tint,
 };
-use crate::geometry::{Deformation, Geometry, MeshRange, Motion, Triangle};
+use crate::geometry::{Deformation, Geometry, MeshRange, Motion, Primitive, Triangle};
 use photosite_core::math::hash::{hash64, unit_f32};
 use photosite_core::math::warp;
 use photosite_core::spectrum::{Spectrum, SpectrumId, SpectrumTable};
@@ -26,7 +26,7 @@ fn place(key: u64) -> Vec3 {
     Vec3::new(number(key, 102), number(key, 103), number(key, 104)) * 4.0 - 2.0
 }
 
-/// Triangles in the upper half of the numbers, that turn and grow in the time of the picture; lamps in the lower.
+/// Triangles in the upper half of the numbers, that turn and grow in the time of the image; lights in the lower.
 struct Lot {
     lights: Vec<Light>,
     motions: Vec<Option<Motion>>,
@@ -57,7 +57,7 @@ fn lot(count: u32, seed: u64) -> Lot {
             later.extend(corners.map(|c| position + turn * (c - position)));
             lot.geometry.triangles.push(Triangle { corners: [0, 1, 2].map(|i| 3 * triangle + i), mesh: 0 });
             let emission = SurfaceEmission { radiance, tint: Tint::None, two_sided: number(key, 5) < 0.3 };
-            lot.lights.push(Light::Triangle(TriangleLight { triangle, emission }));
+            lot.lights.push(Light::Area(AreaLight { primitive: Primitive::Triangle(triangle), emission }));
             lot.motions.push(None);
             continue;
         }
@@ -113,7 +113,8 @@ impl Lot {
                         if let LightKind::Spot(spot) = light.kind() { spot.outer_rad().cos() } else { -2.0 };
                     arrives(position) && (ctx.point - position).normalize().dot(axis) > cos_outer
                 }
-                &Light::Triangle(TriangleLight { triangle, emission }) => {
+                Light::Area(AreaLight { primitive, emission }) => {
+                    let triangle = primitive.triangle().expect("a triangle");
                     let corners = self.geometry.corners_at(triangle, time);
                     let [a, b, c] = corners;
                     let normal = (b - a).cross(c - a).normalize();

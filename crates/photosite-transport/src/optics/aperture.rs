@@ -1,4 +1,4 @@
-//! The opening of a lens: its area, what it lets onto the middle of the picture, and how points on it are drawn.
+//! The opening of a lens: its area, what it lets onto the middle of the image, and how points on it are drawn.
 
 use glam::{DVec2, Vec2};
 
@@ -16,7 +16,7 @@ pub(super) struct Aperture {
 }
 
 impl Aperture {
-    /// `radius` in m; `blades` is 0 for a disk or at least 3.
+    /// Makes an aperture of `radius` in m; `blades` is 0 for a disk or at least 3.
     pub(super) fn new(radius: f64, blades: u32, rotation_deg: f64) -> Self {
         Self { radius, blades, rotation_rad: rotation_deg.to_radians() }
     }

@@ -1,7 +1,8 @@
-//! Rays from the sensor through the lens into the scene, and the weight that makes irradiance of their radiance.
+//! Camera: rays from the sensor through the lens into the scene, and the weight that makes irradiance of their
+//! radiance.
 //!
 //! Camera space is that of glTF: x right, y up, the camera looks along −z, the origin is the centre of the lens. The
-//! sensor stands at z = +v, where the picture lies upside down.
+//! sensor stands at z = +v, where the image lies upside down.
 
 mod connection;
 mod figures;
@@ -37,7 +38,7 @@ pub use ways_in::{Arrival, TowardsLens};
 /// The grid of pixels behind the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelGrid {
-    /// Columns and rows.
+    /// Numbers of columns and rows.
     pub resolution: [u32; 2],
     /// Width and height of a pixel, m.
     pub pitch_m: [f64; 2],
@@ -51,22 +52,22 @@ impl PixelGrid {
     }
 }
 
-/// A lens in front of a pixel grid, placed in the world.
+/// Camera: a lens in front of a pixel grid, placed in the world.
 #[derive(Clone, Debug)]
 pub struct Camera {
     to_world: DAffine3,
     kind: LensKind,
-    /// What [`LensKind::Prescription`] is made of; `None` of others. It decides in place of most of what follows.
+    /// Lens of [`LensKind::Prescription`], which decides in place of most fields below; `None` for other lenses.
     prescribed: Option<Arc<PrescribedLens>>,
     aperture: Aperture,
     /// Distance lens → plane of focus along the axis, m; infinite where focused at infinity, below 0 where what leaves
     /// the lens diverges.
     focus_distance_m: f64,
-    /// `None` of a lens that is the same at all wavelengths.
+    /// Chromatic aberration; `None` for a lens that is the same at all wavelengths.
     chromatic: Option<ChromaticFocus>,
     /// Distance lens → sensor, m.
     image_distance_m: f64,
-    /// The same where it is focused at infinity; `None` where it cannot be.
+    /// Distance lens → sensor where the lens is focused at infinity, m; `None` where it cannot be.
     image_distance_at_infinity_m: Option<f64>,
     /// Distance that perspective is that of, m: of a lens without elements before it, lens → sensor.
     perspective_distance_m: f64,
@@ -81,23 +82,23 @@ pub struct Camera {
     falloff: Falloff,
     /// Irradiance on the axis over the mean radiance over the aperture, sr.
     on_axis_sr: f64,
-    /// What a sample of the aperture counts before the falloff, sr.
+    /// Weight of a sample of the aperture before the falloff, sr.
     sample_sr: f64,
     /// Distance lens → sensor over the diameter of the aperture.
     working_f_number: f64,
     point_spread: Option<PointSpread>,
     lateral_colour: Option<LateralColour>,
     stops: Vec<Stop>,
-    /// `None` where nothing moves.
+    /// Recording of the image; `None` where nothing moves.
     recording: Option<Recording>,
-    /// Which part of the picture's time has gone by, 0 to 1, where it is always the same.
+    /// Part of the image's time that has gone by, 0 to 1, where it is always the same.
     time: f32,
-    /// Whether all lines of the picture are seen by one row of pixels.
+    /// Whether one row of pixels sees all lines of the image.
     scans: bool,
     cells: CellLayout,
 }
 
-/// From OpenCV's camera space to that of glTF.
+/// Turns a direction from OpenCV's camera space to that of glTF.
 #[inline(always)]
 fn turned(seen: Seen) -> Seen {
     let turned = |d: DVec3| DVec3::new(d.x, -d.y, -d.z);
@@ -107,7 +108,7 @@ fn turned(seen: Seen) -> Seen {
 impl Camera {
     /// Places a lens. `autofocus_distance_m` is what [`Focus::Autofocus`](crate::optics::Focus::Autofocus) found along the axis (infinite for nothing)
     /// and not looked at for other kinds of focus. A pinhole has no focus: whatever the lens is said to be focused on,
-    /// its picture lies one focal length behind it.
+    /// its image lies one focal length behind it.
     pub fn new(
         lens: &LensDescription,
         grid: &PixelGrid,
@@ -179,31 +180,31 @@ impl Camera {
         })
     }
 
-    /// The same camera taking a picture in whose time something moves.
+    /// Returns the camera taking an image in whose time something moves.
     #[must_use]
     pub fn recording(self, recording: Recording) -> Self {
         Self { recording: Some(recording), ..self }
     }
 
-    /// The same camera moving as another does.
+    /// Returns the camera moving as another does.
     #[must_use]
     pub fn moving_as(self, other: &Self) -> Self {
         Self { recording: other.recording.clone(), ..self }
     }
 
-    /// The same camera with a single row of pixels, which sees every line of the picture. Its grid has one row.
+    /// Returns the camera with a single row of pixels, which sees every line of the image. Its grid has one row.
     #[must_use]
     pub fn scanning(self) -> Self {
         Self { scans: true, ..self }
     }
 
-    /// The same camera with pixels of another shape, or of which some see no light.
+    /// Returns the camera with pixels of another shape, or of which some see no light.
     #[must_use]
     pub fn with_cells(self, cells: CellLayout) -> Self {
         Self { cells, ..self }
     }
 
-    /// Where in the picture each pixel collects light.
+    /// Layout of the places in the image where each pixel collects light.
     pub fn cells(&self) -> &CellLayout {
         &self.cells
     }
@@ -213,31 +214,31 @@ impl Camera {
         self.recording.is_some()
     }
 
-    /// Whether all lines of the picture are seen by one row of pixels.
+    /// Whether one row of pixels sees all lines of the image.
     pub fn scans(&self) -> bool {
         self.scans
     }
 
-    /// The camera as it stands, still, in the middle of the exposure of a row.
+    /// Returns the camera as it stands, still, in the middle of the exposure of a row.
     pub fn at_row(&self, row: f64) -> Self {
         let (to_world, time) = self.pose(row, 0.5);
         Self { to_world, time: time as f32, recording: None, ..self.clone() }
     }
 
-    /// Camera → world in the middle of the exposure of a row, and which part of the picture's time has gone by then.
+    /// Transform camera → world in the middle of the exposure of a row, and the part of the image's time that has gone
+    /// by then, 0 to 1.
     pub fn pose_at_row(&self, row: f64) -> (DAffine3, f64) {
         self.pose(row, 0.5)
     }
 
-    /// The camera as it stands, still, at [`Recording::middle_s`]: where it is where one pose is to stand for the
-    /// picture.
+    /// Returns the camera as it stands, still, at [`Recording::middle_s`]: the pose that stands for the whole image.
     pub fn halfway(&self) -> Self {
         let Some(recording) = &self.recording else { return self.clone() };
         let (to_world, time) = self.pose_at(recording, recording.middle_s());
         Self { to_world, time: time as f32, recording: None, ..self.clone() }
     }
 
-    /// Where the camera is at the sample u in [0, 1) of the exposure of a row, and which part of the picture's time has
+    /// Pose of the camera at the sample u in [0, 1) of the exposure of a row, and the part of the image's time that has
     /// gone by.
     #[inline]
     fn pose(&self, row: f64, u: f32) -> (DAffine3, f64) {
@@ -251,18 +252,17 @@ impl Camera {
         (pose, recording.part(time_s))
     }
 
-    /// Camera → world, of a moving camera at time 0.
+    /// Transform camera → world, of a moving camera at time 0.
     pub fn to_world(&self) -> DAffine3 {
         self.to_world
     }
 
-    /// Pinhole matrix of the picture, pixels.
+    /// Pinhole matrix of the image, pixels.
     pub fn intrinsics(&self) -> Intrinsics {
         self.intrinsics
     }
 
-    /// The projected solid angle Ω that the light on the axis fills, sr: of even radiance L its irradiance is Ω·L, τ
-    /// aside.
+    /// Projected solid angle Ω that the light on the axis fills, sr: of even radiance L its irradiance is Ω·L, τ aside.
     ///
     /// Ω = π·sin²θ' for a round aperture, tan θ' = D/2v, whatever the kind of lens; for one with blades, the same
     /// integral over the polygon. A projection that does not show the axis at the scale of v has its own dΩ/dA_s there
@@ -307,22 +307,22 @@ impl Camera {
         }
     }
 
-    /// Whether a lens, or a hole, makes a picture.
-    pub fn makes_picture(&self) -> bool {
+    /// Whether a lens or a hole forms an image.
+    pub fn makes_image(&self) -> bool {
         self.kind != LensKind::Bare
     }
 
-    /// How directions become places in the picture.
+    /// Projection from directions to places in the image.
     pub fn projection(&self) -> &Projection {
         &self.projection
     }
 
-    /// How far from the axis the lens sees.
+    /// Reach of the lens: the angle from the axis up to which it sees.
     pub fn reach(&self) -> &Reach {
         &self.reach
     }
 
-    /// Columns and rows.
+    /// Numbers of columns and rows.
     pub fn resolution(&self) -> [u32; 2] {
         self.resolution
     }
@@ -336,7 +336,8 @@ impl Camera {
         DVec2::new((pixel.x - i.cx - i.skew * y) / i.fx, y)
     }
 
-    /// Where a pixel position is on the sensor, m from the axis, in camera space of glTF: the picture lies upside down.
+    /// Position of a pixel position on the sensor, m from the axis, in camera space of glTF: the image lies upside
+    /// down.
     #[inline]
     fn on_sensor_m(&self, pixel: DVec2) -> DVec2 {
         let row = if self.scans { pixel.y - pixel.y.floor() } else { pixel.y };
@@ -344,13 +345,13 @@ impl Camera {
         DVec2::new((self.intrinsics.cx - pixel.x) * width, (row - self.intrinsics.cy) * height)
     }
 
-    /// What a pixel position sees, in camera space of glTF (x right, y up, z backward); `None` out of the lens's reach
-    /// and without a lens.
+    /// Direction that a pixel position sees, in camera space of glTF (x right, y up, z backward); `None` out of the
+    /// lens's reach and without a lens.
     #[inline]
     pub fn seen(&self, pixel: DVec2) -> Option<Seen> {
         match &self.prescribed {
             Some(lens) => lens.seen(self.sensor_mm(pixel)).map(|(_, seen)| seen),
-            None if self.makes_picture() => self.seen_at(self.place(pixel)),
+            None if self.makes_image() => self.seen_at(self.place(pixel)),
             None => None,
         }
     }
@@ -360,9 +361,9 @@ impl Camera {
         self.projection.unproject(place, &self.reach).map(turned)
     }
 
-    /// The ray through the centre of the lens, or of its stop, in world space. Its parameter t is the distance in metres that focusing
-    /// counts: along the axis, or along the ray where the lens can see more than a half-space. `None` of a place that
-    /// sees nothing, or whose pixel sees no light.
+    /// Chief ray of a pixel position: the ray through the centre of the lens, or of its stop, in world space. Its
+    /// parameter t is the distance in metres that focusing counts: along the axis, or along the ray where the lens can
+    /// see more than a half-space. `None` of a place that sees nothing, or whose pixel sees no light.
     pub fn chief_ray(&self, pixel: DVec2) -> Option<Ray> {
         if !self.sees_light(pixel) {
             return None;
@@ -375,23 +376,24 @@ impl Camera {
         Some(Ray::new(self.to_world.transform_point3(origin).as_vec3(), direction.as_vec3()).at_time(self.time))
     }
 
-    /// Pixels per solid angle in the middle of the picture, px²·sr⁻¹.
+    /// Number of pixels per solid angle in the middle of the image, px²·sr⁻¹.
     pub fn px2_per_sr(&self) -> f64 {
         self.intrinsics.fx * self.intrinsics.fy
     }
 
-    /// Where a world point appears: continuous pixel coordinates of its sharp picture through the whole lens model, on
+    /// Projects a world point to the continuous pixel coordinates of its sharp image through the whole lens model, on
     /// the sensor or beside it; `None` out of the lens's reach and without a lens. Of a moving camera at time 0.
     pub fn project(&self, point: Vec3) -> Option<DVec2> {
         self.project_camera(self.to_world.inverse().transform_point3(point.as_dvec3()))
     }
 
-    /// The same for a point in camera space of glTF (x right, y up, z backward).
+    /// Projects a point in camera space of glTF (x right, y up, z backward), as [`Self::project`] does one in the
+    /// world.
     pub fn project_camera(&self, point: DVec3) -> Option<DVec2> {
         if let Some(lens) = &self.prescribed {
             return lens.place(point).map(|sensor_mm| self.pixel_of(sensor_mm));
         }
-        if !self.makes_picture() {
+        if !self.makes_image() {
             return None;
         }
         let place = self.projection.project(DVec3::new(point.x, -point.y, -point.z), &self.reach)?;

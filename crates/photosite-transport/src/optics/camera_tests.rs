@@ -36,7 +36,7 @@ fn all_rays_of_a_pixel_meet_where_it_is_focused() {
 }
 
 #[test]
-fn the_picture_is_upright_and_not_mirrored() {
+fn the_image_is_upright_and_not_mirrored() {
     let lens = camera(&LensDescription::thin(0.05, 8.0, Focus::Infinity));
     let top_right = lens.chief_ray(DVec2::new(600.0, 20.0)).expect("no distortion").direction;
     assert!(top_right.x > 0.0 && top_right.y > 0.0 && top_right.z < 0.0);
@@ -88,10 +88,10 @@ fn pixels_and_what_they_see_agree_over_the_whole_sensor() {
 }
 
 #[test]
-fn a_fold_within_the_picture_is_refused_but_no_image_circle() {
+fn a_fold_within_the_image_is_refused_but_no_image_circle() {
     // It folds at r = √(1/1.5), 0.544 focal lengths or some 218 px from the middle; the corner lies 420 px away.
     let invalid = projected(barrel(-0.5), None).check_coverage().expect_err("a fold");
-    assert!(invalid.message.contains("folds back over its own picture 21"), "{invalid}");
+    assert!(invalid.message.contains("folds back over its own image 21"), "{invalid}");
     let circle = projected(barrel(-0.5), Some(35.0));
     circle.check_coverage().expect("black beyond 35°");
     assert!(circle.seen(DVec2::new(0.0, 0.0)).is_none() && circle.seen(DVec2::new(300.0, 100.0)).is_some());
@@ -128,7 +128,7 @@ fn illumination_follows_the_solid_angle() {
         // dΩ/dA of an equidistant fisheye is sin θ/θ.
         assert!((at(&projected(FISHEYE, None), x) - x.sin() / x).abs() < 1e-12);
     }
-    // A distortion that is none keeps cos⁴; a barrel multiplies it by the area of the ideal picture over its own.
+    // A distortion that is none keeps cos⁴; a barrel multiplies it by the area of the ideal image over its own.
     let mut lens = LensDescription::thin(0.004, 200.0, Focus::Infinity);
     for (k1, distorted) in [(0.0, 0.5), (-0.2, 0.45), (0.3, 0.5)] {
         lens.projection = barrel(k1);
@@ -144,7 +144,7 @@ fn illumination_follows_the_solid_angle() {
 }
 
 #[test]
-fn the_light_of_a_picture_is_that_of_what_it_shows() {
+fn the_light_of_an_image_is_that_of_what_it_shows() {
     // Étendue: a far disk of uniform light gives the same power, whatever the distortion. Its image fits the sensor.
     let power = |projection: Projection| {
         let camera = projected(projection, Some(20.0));
@@ -182,7 +182,7 @@ fn illumination_is_told_relative_to_the_axis() {
             let axis = DVec2::new(300.0, 250.0);
             let relative = camera.relative_illumination(axis).expect("light");
             assert!((relative - 1.0).abs() < 1e-12, "{projection:?} {kind:?} {falloff:?}: {relative}");
-            // The mean weight on the axis is the projected solid angle; near the middle of a mirror's picture a radian
+            // The mean weight on the axis is the projected solid angle; near the middle of a mirror's image a radian
             // is 1/(1 + ξ) of a focal length.
             let n: u16 = 200;
             let at = |i: u16| (f32::from(i) + 0.5) / f32::from(n);
@@ -239,7 +239,7 @@ fn stops_leave_the_overlap_of_two_circles() {
             let tan = x * 5e-6 / 0.004;
             let (radius, apart) = match distance_m {
                 d if d > 0.0 => (radius_m, d * tan),
-                // At half of the way to the sensor, the light is half as wide and half as far out as the picture.
+                // At half of the way to the sensor, the light is half as wide and half as far out as the image.
                 _ => (radius_m * 2.0, 2.0 * 0.5 * 0.004 * tan),
             };
             let open = overlap(0.001, radius, 0.0);
@@ -296,7 +296,7 @@ fn rays_that_are_made_together_are_those_of_each_sample() {
 }
 
 #[test]
-fn lateral_colour_moves_the_picture_of_the_hero() {
+fn lateral_colour_moves_the_image_of_the_hero() {
     let mut lens = LensDescription::thin(0.004, 2.0, Focus::Infinity);
     lens.lateral_colour = Some(LateralColour { points: vec![(450.0, 0.998), (650.0, 1.002)] });
     let camera = camera(&lens);

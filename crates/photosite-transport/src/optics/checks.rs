@@ -1,10 +1,10 @@
-//! What no lens can be is refused.
+//! Checks that refuse descriptions of impossible lenses.
 
 use super::{Falloff, Focus, LensDescription, LensKind, PointSpread, Power, Projection};
 use photosite_core::Invalid;
 
 impl LensDescription {
-    /// Refuses what no lens can be. Keys are those of the capture file's `[lens]` table.
+    /// Refuses a description that no lens can have. Keys are those of the capture file's `[lens]` table.
     pub fn validate(&self) -> Result<(), Invalid> {
         let positive = |key: &str, value: f64, unit: &str, example: &str| {
             if value.is_finite() && value > 0.0 {
@@ -164,7 +164,7 @@ impl LensDescription {
             return other(if self.ground.is_some() { "lensmaker" } else { "supplementary" });
         }
         if !self.supplementary.is_empty() && !self.projection.is_flat() {
-            let message = "go before a lens with a flat picture, and this one can see more than a half-space";
+            let message = "go before a lens with a flat image, and this one can see more than a half-space";
             return Err(Invalid::new("supplementary", message).help("remove them, or use a perspective lens"));
         }
         if !self.supplementary.is_empty() && !self.stops.is_empty() {

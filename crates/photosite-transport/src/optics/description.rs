@@ -1,55 +1,58 @@
-//! A lens as a user describes it.
+//! Lens as a user describes it.
 
+use photosite_core::keys::Keys;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 use super::{GroundLens, Intrinsics, LateralColour, PointSpread, Projection, Stop, SupplementaryLens};
 use photosite_core::spectrum::Spectrum;
 use photosite_lens::Prescription;
 
-/// A lens in SI units. Distances are measured from the lens along the axis.
+/// Description of a lens in SI units. Distances are measured from the lens along the axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LensDescription {
-    /// What makes the picture.
+    /// Lens model.
     pub kind: LensKind,
-    /// The surfaces of [`LensKind::Prescription`]; nothing to others.
+    /// Surfaces of [`LensKind::Prescription`]; without effect for other kinds.
     pub prescription: Option<Arc<Prescription>>,
     /// Focal length f of the main lens, m, not 0; below 0 for a diverging lens. Of a pinhole and a hole, the distance
     /// from there to the sensor, above 0; of a prescription, what it is zoomed to; nothing to a bare sensor.
     pub focal_length_m: f64,
     /// f-number N = |f|/D, above 0. For a pinhole it sets the exposure only, to that of a thin lens on its axis.
     pub f_number: f64,
-    /// What is sharp. Looked at of a thin lens and a prescription alone. Distances of the latter count from the sensor, as
-    /// on the barrel of a lens, and its image distance from the vertex of the last surface.
+    /// Focus of the lens, used for a thin lens and a prescription alone. Distances of the latter count from the sensor,
+    /// as on the barrel of a lens, and its image distance from the vertex of the last surface.
     pub focus: Focus,
     /// Wavelengths in nm and weights by which a prescription is focused: the spot of these is least. Empty for five from 440 to
     /// 640 nm; nothing to others.
     pub focus_spectrum: Vec<(f64, f64)>,
-    /// The nearest that it can be focused on, m from the main lens; `None` for no such limit.
+    /// Nearest distance on which the lens can be focused, m from the main lens; `None` for no limit.
     pub min_focus_distance_m: Option<f64>,
-    /// The acceptable circle of confusion, m; `None` for the diagonal of the sensor over 1440.
+    /// Diameter of the acceptable circle of confusion, m; `None` for the diagonal of the sensor over 1440.
     pub circle_of_confusion_m: Option<f64>,
     /// The glass of the main lens, whose focal length at the d line is f; `None` for a lens that is the same at all
     /// wavelengths.
     pub ground: Option<GroundLens>,
-    /// Lenses before the main one.
+    /// Supplementary lenses before the main one.
     pub supplementary: Vec<SupplementaryLens>,
     /// Aperture blades: 0 for a disk of diameter D, else at least 3, the corners of a polygon within it.
     pub blades: u32,
-    /// Rotation of the blades, degrees.
+    /// Rotation of the aperture blades, degrees.
     pub blade_rotation_deg: f64,
-    /// Whether irradiance falls off towards the corners.
+    /// Falloff of irradiance towards the corners.
     pub falloff: Falloff,
     /// Spectral transmittance τ, 0–1.
     pub transmittance: Spectrum,
-    /// How directions become places in the picture, at ray level.
+    /// Projection from directions to places in the image, at ray level.
     pub projection: Projection,
     /// Angle from the axis beyond which the lens sees nothing, rad; `None` for all that its projection can show.
     pub max_angle_rad: Option<f64>,
-    /// The picture of a point; `None` for a point.
+    /// Point spread of the lens; `None` for sharp points.
     pub point_spread: Option<PointSpread>,
     /// Lateral chromatic aberration; `None` for none.
     pub lateral_colour: Option<LateralColour>,
-    /// What cuts off light beside the aperture.
+    /// Stops that cut off light beside the aperture.
     pub stops: Vec<Stop>,
     /// Intrinsics given directly, in place of those that follow from v and the pixel pitch.
     pub intrinsics: Option<Intrinsics>,
@@ -58,20 +61,20 @@ pub struct LensDescription {
 /// Lens models.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LensKind {
-    /// v = f, and everything is sharp; exposure on the axis as through an aperture D = f/N.
+    /// Pinhole: v = f, and everything is sharp; exposure on the axis as through an aperture D = f/N.
     Pinhole,
-    /// 1/f = 1/u + 1/v, with depth of field.
+    /// Thin lens: 1/f = 1/u + 1/v, with depth of field.
     Thin,
     /// A hole of the diameter D = f/N at the distance f before the sensor: light goes straight on.
     Hole,
     /// Surfaces and glasses, which all rays are traced through exactly.
     Prescription,
-    /// No lens: each place of the sensor sees all that is in front of it.
+    /// Bare sensor without a lens: each place of the sensor sees all that is in front of it.
     Bare,
 }
 
 impl LensKind {
-    /// Its name in a capture file.
+    /// Name of the kind in a capture file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pinhole => "pinhole",
@@ -83,46 +86,48 @@ impl LensKind {
     }
 }
 
-/// What the lens is focused on.
+/// Focus of a lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Focus {
     /// Distance u from the lens along the axis, m, above f.
     Distance(f64),
-    /// v = f.
+    /// Focus at infinity, v = f.
     Infinity,
-    /// The sensor stands at this distance v behind the lens, m, above 0, whatever is sharp then.
+    /// Distance v of the sensor behind the lens, m, above 0, whatever is sharp then.
     ImageDistance(f64),
-    /// On what is seen at this pixel position (continuous coordinates).
+    /// Autofocus on the surface that is seen at a pixel position (continuous coordinates).
     Autofocus {
-        /// Column, row.
+        /// Column and row of the pixel position.
         pixel: [f64; 2],
-        /// How its distance is found.
+        /// Method that finds the distance.
         method: AutofocusMethod,
     },
 }
 
-/// How autofocus finds the distance of what is seen.
+/// Method by which autofocus finds the distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AutofocusMethod {
-    /// By the distance of what the chief ray meets.
+    /// Distance of the surface that the chief ray meets.
     Exact,
-    /// As cameras do: by the focus at which a part of the picture has the most contrast.
+    /// Contrast autofocus as in cameras: the focus at which a part of the image has the most contrast.
     Contrast(ContrastAutofocus),
 }
 
-/// A search for the most contrast.
+/// Search for the focus of the most contrast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContrastAutofocus {
-    /// Width and height of the part of the picture that is looked at, px.
+    /// Width and height of the part of the image whose contrast is measured, px.
     pub window_px: u32,
-    /// Positions of the focus that are tried in each round, at least 5; the next looks between the neighbours of the best.
+    /// Number of focus positions that are tried in each round, at least 5; the next looks between the neighbours of the
+    /// best.
     pub steps: u32,
-    /// What counts as contrast.
+    /// Measure of contrast.
     pub measure: Sharpness,
 }
 
-/// Measures of the sharpness of a picture g, relative to the square of its mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Measures of sharpness, relative to the square of the mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema, Keys)]
+#[serde(rename_all = "kebab-case")]
 pub enum Sharpness {
     /// Mean squared gradient, by Sobel's masks (Tenengrad).
     Gradient,
@@ -132,19 +137,21 @@ pub enum Sharpness {
     Variance,
 }
 
-/// Falloff of the irradiance towards the corners.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Falloff of light towards the corners.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema, Keys)]
+#[serde(rename_all = "kebab-case")]
 pub enum Falloff {
-    /// The natural cos⁴θ of each aperture point, for a rectilinear lens; what keeps the étendue for any other.
+    /// Natural cos⁴ of each point of the aperture, for a rectilinear lens; by the étendue for any other.
     Cos4,
-    /// As on the axis everywhere: E = τ·Ω·(mean radiance over the aperture), with the Ω of
-    /// [`Camera::on_axis_sr`](super::Camera::on_axis_sr), π·sin²θ' of a round aperture, tan θ' = D/2v. Stops still cut
-    /// off theirs.
+    /// Even: as bright everywhere as on the axis of a thin lens of this f-number: π·sin²θ' times the mean radiance over
+    /// a round aperture, where tan θ' is its radius over the distance from the lens to the sensor.
+    // E = τ·Ω·(mean radiance over the aperture), with the Ω of `Camera::on_axis_sr`. Stops still cut off theirs.
     None,
 }
 
 impl LensDescription {
-    /// What makes places of directions, as reports name it: the projection, `prescription`, or `none` of a bare sensor.
+    /// Name in reports of the mapping from directions to places: the projection, `prescription`, or `none` for a bare
+    /// sensor.
     pub fn projection_name(&self) -> &'static str {
         match self.kind {
             LensKind::Thin | LensKind::Pinhole | LensKind::Hole => self.projection.name(),

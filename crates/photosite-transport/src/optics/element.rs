@@ -24,7 +24,7 @@ impl GroundLens {
     ///
     /// P = (n − 1)·[1/R₁ − 1/R₂ + (n − 1)·d/(n·R₁·R₂)].
     ///
-    /// Distances of object and picture count from the principal planes, which stand for one plane here.
+    /// Distances of object and image count from the principal planes, which stand for one plane here.
     pub fn power(&self, lambda_nm: f64) -> f64 {
         let n = self.index.index(lambda_nm);
         let [c1, c2] = self.radii_m.map(f64::recip);
@@ -69,9 +69,9 @@ pub struct SupplementaryLens {
 /// The power of an element.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Power {
-    /// The same at all wavelengths, m⁻¹.
+    /// Constant power at all wavelengths, m⁻¹.
     Constant(f64),
-    /// Of a piece of glass.
+    /// Power of a ground piece of glass.
     Ground(GroundLens),
 }
 
@@ -84,7 +84,7 @@ impl Power {
         }
     }
 
-    /// Whether it is the same at all wavelengths.
+    /// Whether the power is the same at all wavelengths.
     pub fn is_constant(&self) -> bool {
         match self {
             Self::Constant(_) => true,

@@ -1,4 +1,4 @@
-//! What a camera sees: how far from the axis, and whether of every pixel.
+//! Field of view of a camera: its reach from the axis, and whether every pixel sees something.
 
 use std::f64::consts::TAU;
 
@@ -7,24 +7,24 @@ use glam::{DVec2, DVec3};
 use super::{Camera, ReachEnd};
 use photosite_core::Invalid;
 
-/// The part of space that the sensor sees through the lens.
+/// Field of view: the part of space that the sensor sees through the lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FieldOfView {
-    /// Angle between what is seen at the middle of the left and the right edge, and of the top and the bottom edge,
-    /// rad; `None` where an edge sees nothing, and without a lens.
+    /// Angles of view between the middle of the left and the right edge, and of the top and the bottom edge, rad;
+    /// `None` where an edge sees nothing, and without a lens.
     pub across_rad: [Option<f64>; 2],
     /// Largest angle from the axis that the lens reaches, rad.
     pub reach_rad: f64,
     /// Smallest and largest distance from the principal point at which the reach ends, px.
     pub radius_px: [f64; 2],
-    /// A position on the edge of the picture that sees nothing, the farthest from the principal point; `None` where all
+    /// A position on the edge of the image that sees nothing, the farthest from the principal point; `None` where all
     /// see something.
     pub blind_px: Option<[f64; 2]>,
 }
 
 impl FieldOfView {
     fn new(camera: &Camera) -> Self {
-        if !camera.makes_picture() {
+        if !camera.makes_image() {
             let (reach_rad, radius_px) = (TAU / 4.0, [0.0; 2]);
             return Self { across_rad: [None; 2], reach_rad, radius_px, blind_px: None };
         }
@@ -50,7 +50,7 @@ impl FieldOfView {
             end.map(|pixel| (pixel - centre).length())
         });
         let [low, high] = ends.fold([f64::INFINITY, 0.0], |[low, high]: [f64; 2], r| [low.min(r), high.max(r)]);
-        // What is seen has no holes, so that its edge tells of all of the picture.
+        // What is seen has no holes, so that its edge tells of all of the image.
         let edge = |n: u32| (0..=n).map(f64::from);
         let [columns, rows] = camera.resolution();
         let sides = edge(columns).flat_map(|x| [[x, 0.0], [x, height]]);
@@ -63,20 +63,20 @@ impl FieldOfView {
 }
 
 impl Camera {
-    /// What of the picture is seen, and how far from the axis.
+    /// Field of view of the camera, with the part of the image that is seen.
     pub fn field_of_view(&self) -> FieldOfView {
         FieldOfView::new(self)
     }
 
-    /// Refuses a lens whose model ends within the picture, because it folds back over itself or because its picture is
+    /// Refuses a lens whose model ends within the image, because it folds back over itself or because its image is
     /// flat and 90° are not enough; not one whose image circle is smaller than the sensor. The key is that of `[lens]`.
     pub fn check_coverage(&self) -> Result<(), Invalid> {
-        if !self.makes_picture() {
+        if !self.makes_image() {
             return Ok(());
         }
         let what = match self.reach().end {
             ReachEnd::Sees => return Ok(()),
-            ReachEnd::Folds => "folds back over its own picture",
+            ReachEnd::Folds => "folds back over its own image",
             ReachEnd::Flat => "has reached 90° from the axis",
         };
         let field = self.field_of_view();

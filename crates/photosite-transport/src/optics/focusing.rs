@@ -1,4 +1,4 @@
-//! Where the sensor stands behind a lens and what is sharp then, to first order, with all elements of the lens.
+//! Place of the sensor behind a lens and distance of the plane of focus, to first order, with all elements of the lens.
 //!
 //! A ray that leaves the main lens at the height a from the axis comes from the sensor point at the height s, at the
 //! distance v, and has the slope c − a·q there, with c = −s/v and q = P − 1/v, the main lens's power less the vergence
@@ -12,7 +12,7 @@ use super::{Focus, LensDescription, LensKind};
 use photosite_core::Invalid;
 use photosite_core::spectrum::Spectrum;
 
-/// As equal as rounding leaves what is equal.
+/// Ratio of numbers that are equal but for rounding.
 const NEARLY: f64 = 1.0 - 1e-12;
 
 /// A focused lens.
@@ -23,25 +23,26 @@ pub(super) struct Focusing {
     /// Distance entrance pupil → plane of focus u along the axis, m: infinite where focused at infinity, below 0 where
     /// rays of a sensor point leave the lens as if they came from a point behind it.
     pub(super) focus_distance_m: f64,
-    /// D of the elements before the main lens; 1 without any.
+    /// Coefficient D of the elements before the main lens; 1 without any.
     pub(super) chief_slope: f64,
-    /// v where the lens is focused at infinity, m; `None` where no sensor could stand.
+    /// Distance v of the sensor where the lens is focused at infinity, m; `None` where no sensor could stand.
     pub(super) image_distance_at_infinity_m: Option<f64>,
-    /// `None` of a lens that is the same at all wavelengths.
+    /// Chromatic aberration; `None` for a lens that is the same at all wavelengths.
     pub(super) chromatic: Option<ChromaticFocus>,
 }
 
-/// How the focus depends on wavelength: longitudinal chromatic aberration.
+/// Longitudinal chromatic aberration: the focus by wavelength.
 #[derive(Clone, Debug)]
 pub(super) struct ChromaticFocus {
-    /// 1/u at each wavelength, m⁻¹, of the pupil at the nominal one, whose place and size stand for those at all.
+    /// Vergence 1/u at each wavelength, m⁻¹, of the pupil at the nominal one, whose place and size stand for those at
+    /// all.
     per_m: Spectrum,
-    /// Size of the picture over that at the nominal wavelength: D of elements at a distance.
+    /// Size of the image over that at the nominal wavelength: D of elements at a distance.
     pub(super) magnification: Spectrum,
 }
 
 impl ChromaticFocus {
-    /// u at a wavelength in nm, m.
+    /// Distance u of the plane of focus at a wavelength in nm, m.
     #[inline]
     pub(super) fn focus_distance_m(&self, lambda_nm: f32) -> f64 {
         1.0 / f64::from(self.per_m.eval(lambda_nm))
@@ -71,7 +72,7 @@ impl Front {
         Self { b, c, d }
     }
 
-    /// 1/u of the vergence q behind these elements.
+    /// Vergence 1/u in front of these elements, for the vergence q behind them.
     fn seen(&self, q: f64) -> f64 {
         self.d * (self.d * q - self.c)
     }
@@ -102,7 +103,7 @@ impl Focusing {
         }
         let front = Front::new(lens, NOMINAL_NM);
         if front.d <= 0.0 {
-            let message = "these lenses form a picture before the main lens";
+            let message = "these lenses form an image before the main lens";
             return Err(Invalid::new("supplementary", message).help("take weaker ones, or put them nearer to it"));
         }
         // As it focuses, with the elements before it.

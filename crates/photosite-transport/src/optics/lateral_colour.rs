@@ -1,6 +1,6 @@
-//! Lateral chromatic aberration: pictures of different size at different wavelengths.
+//! Lateral chromatic aberration: images of different size at different wavelengths.
 
-/// Magnification of the picture about the principal point by wavelength: linear between its points, and constant before
+/// Magnification of the image about the principal point by wavelength: linear between its points, and constant before
 /// the first and after the last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LateralColour {

@@ -1,5 +1,5 @@
-//! The camera's optics: where on the aperture a path leaves towards the scene, and what its radiance counts on the
-//! sensor.
+//! Optics of the camera: the point of the aperture at which a path leaves towards the scene, and the weight of its
+//! radiance on the sensor.
 //!
 //! In: a [`LensDescription`], the pose, the pixel grid. Out: rays and the weight that turns radiance into irradiance.
 

@@ -26,11 +26,11 @@ use photosite_lens::{Lens, paraxial::FirstOrder};
 /// Wavelengths, nm, that the table of the pupil holds for: beyond and between them apertures look the same to 2 %, which
 /// the table adds.
 const PUPIL_NM: [f64; 5] = [350.0, 450.0, 550.0, 750.0, 1000.0];
-/// The same of the table of the entrance pupil.
+/// Wavelengths, nm, that the table of the entrance pupil holds for.
 const ENTRANCE_NM: [f64; 3] = [350.0, 550.0, 1000.0];
 /// Wavelengths, nm, and weights of the spot that is least in focus, where the description has none.
 const FOCUS_NM: [(f64, f64); 5] = [(440.0, 1.0), (490.0, 1.0), (540.0, 1.0), (590.0, 1.0), (640.0, 1.0)];
-/// Where chief rays, illumination and a ray without a wavelength are taken, nm: where the eye sees best.
+/// Wavelength, nm, of chief rays, illumination and rays without a wavelength: the one that the eye sees best.
 pub(super) const REFERENCE_NM: f64 = 555.0;
 /// An f-number may be this much smaller than the open lens has: engravings are rounded.
 const OPEN: f64 = 0.97;
@@ -42,19 +42,19 @@ const DIRECTIONS: usize = 128;
 #[derive(Debug)]
 pub(super) struct PrescribedLens {
     lens: Lens,
-    /// To first order at the d line.
+    /// Figures to first order at the d line.
     first_order: FirstOrder,
     chief: ChiefMap,
-    /// Where the picture ends, mm from the axis.
+    /// Distance of the image's corners from the axis, mm.
     corner_mm: f64,
     /// Distance of what is sharp from the entrance pupil, m.
     focus_distance_m: f64,
     /// Irradiance over radiance, sr, by image height in mm, at the reference wavelength. Worked out when it is asked for,
-    /// as is what rays are drawn and traced by: many cameras are made that take no picture.
+    /// as is what rays are drawn and traced by: many cameras are made that take no image.
     illumination: OnceLock<MonotoneCubic>,
     tables: OnceLock<Tables>,
     entrance: OnceLock<EntranceTable>,
-    /// Where points are spread as waves are, and not as the rays of the glass land.
+    /// Point spread of waves, where points are not spread as the rays of the glass land.
     wave: Option<Arc<WaveSpread>>,
     /// Image height up to which chief rays pass all apertures, mm.
     clear_mm: OnceLock<f64>,
@@ -63,7 +63,7 @@ pub(super) struct PrescribedLens {
 /// A ray as it starts at the sensor.
 pub(super) struct Start {
     pub(super) ray: LaneRay,
-    /// Of the region that its direction was drawn from, sr.
+    /// Solid angle of the region that the direction was drawn from, sr.
     pub(super) area: f32,
     /// The sensor point whose chief ray leads to what it meets in the plane of focus, mm from the axis, where points are
     /// spread as waves are; else where it starts.
@@ -72,15 +72,15 @@ pub(super) struct Start {
 
 /// A way into the lens from a point of the scene.
 pub(super) struct WayIn {
-    /// Where it meets the first surface, m, in the camera's space.
+    /// Point at which the way meets the first surface, m, in the camera's space.
     pub(super) front: DVec3,
-    /// From there on, at any wavelength.
+    /// Ray from that point on, at any wavelength.
     pub(super) ray: LaneRay,
-    /// cos θ·A/r², sr: of the area A that it was drawn from, at the distance r, under the angle θ.
+    /// Solid angle cos θ·A/r², sr: of the area A that it was drawn from, at the distance r, under the angle θ.
     pub(super) solid_angle: f32,
 }
 
-/// What rays are drawn and traced by.
+/// Tables by which rays are drawn and traced.
 #[derive(Debug)]
 struct Tables {
     pupil: PupilTable,
@@ -88,7 +88,7 @@ struct Tables {
 }
 
 impl PrescribedLens {
-    /// Zooms, stops down and focuses the lens of a prescription for a picture whose corners are at `corner_mm` from the
+    /// Zooms, stops down and focuses the lens of a prescription for an image whose corners are at `corner_mm` from the
     /// axis. `autofocus_distance_m` counts from the entrance pupil.
     pub(super) fn new(
         prescription: &Prescription,
@@ -119,7 +119,7 @@ impl PrescribedLens {
         };
         let at = lens.at(REFERENCE_NM);
         let first_order = lens.at(lines::D).first_order();
-        let no_chief = || Invalid::new("prescription", "no chief ray of this lens reaches the picture beside its axis");
+        let no_chief = || Invalid::new("prescription", "no chief ray of this lens reaches the image beside its axis");
         let chief = ChiefMap::new(&at, corner_mm).ok_or_else(no_chief)?;
         // What is sharp on the axis to first order, seen from the sensor.
         let gap = lens.gap_mm(lens.surfaces().len() - 1);
@@ -163,8 +163,8 @@ impl PrescribedLens {
         })
     }
 
-    /// The sensor point whose light lands at another, mm from the axis, by a sample of the picture of a point: what is spread
-    /// by an offset to there comes from that much before.
+    /// Sensor point whose light lands at another, mm from the axis, by a sample of the point spread: light that is
+    /// spread by an offset to there comes from that much before.
     #[inline]
     pub(super) fn image(&self, sensor_mm: DVec2, spread: [f32; 2], wavelength_nm: f32) -> DVec2 {
         sensor_mm - self.offset(sensor_mm, wavelength_nm, spread)
@@ -178,15 +178,15 @@ impl PrescribedLens {
         Some(Start { ray, area: direction.area as f32, image })
     }
 
-    /// Where points are spread as waves are: how far from the middle of a point's picture rays land, and how far what is
-    /// tabulated reaches, mm, at the reference wavelength; `None` where it reaches as far.
+    /// Distance from the middle of a point's image at which rays land, and the distance that the tabulated point spread
+    /// reaches, mm, at the reference wavelength, where points are spread as waves are; `None` where it reaches as far.
     pub(super) fn beyond_reach_mm(&self) -> Option<[f64; 2]> {
         self.wave.as_ref()?.beyond_reach_mm(REFERENCE_NM)
     }
 
-    /// Whether the pictures of points of both are in one place of memory.
+    /// Whether both lenses share their point spreads in memory.
     #[cfg(test)]
-    pub(super) fn shares_pictures_of_points(&self, other: &Self) -> bool {
+    pub(super) fn shares_images_of_points(&self, other: &Self) -> bool {
         self.wave.as_ref().zip(other.wave.as_ref()).is_some_and(|(one, other)| Arc::ptr_eq(one, other))
     }
 
@@ -195,15 +195,16 @@ impl PrescribedLens {
         self.wave.is_some()
     }
 
-    /// How far from where a chief ray lands light does, mm, where points are spread as waves are.
+    /// Offset from the place where a chief ray lands to the one where light does, mm, where points are spread as waves
+    /// are.
     #[inline]
     fn offset(&self, sensor_mm: DVec2, wavelength_nm: f32, spread: [f32; 2]) -> DVec2 {
         let offset = |wave: &WaveSpread| wave.offset(sensor_mm, wavelength_nm.into(), spread.map(f64::from));
         self.wave.as_deref().map_or(DVec2::ZERO, offset)
     }
 
-    /// Where points are spread as waves are, turns a ray that has come out into the scene to the point in focus that the
-    /// chief ray of its [`Start::image`] meets.
+    /// Aims a ray by the point spread: where points are spread as waves are, turns a ray that has come out into the
+    /// scene to the point in focus that the chief ray of its [`Start::image`] meets.
     ///
     /// Rays from one sensor point that a lens without aberrations leads through one point there are those of the glass but
     /// for these, as far as they are within the lens: what passes and what it weighs stays as it is.
@@ -219,8 +220,9 @@ impl PrescribedLens {
         }
     }
 
-    /// Where light that has come in lands, mm from the axis, if it does: as its ray, or where points are spread as waves are
-    /// about where the chief ray lands of what the ray `(point, direction)` out in the scene meets in the plane of focus.
+    /// Place where light that has come in lands, mm from the axis, if it does: as its ray, or where points are spread
+    /// as waves are about where the chief ray lands of what the ray `(point, direction)` out in the scene meets in the
+    /// plane of focus.
     #[inline]
     pub(super) fn landing(&self, inside: &LaneRay, outside: (Vec3, Vec3), spread: [f32; 2]) -> Option<DVec2> {
         let Some(wave) = &self.wave else { return Some(inside.point.truncate().as_dvec2()) };
@@ -256,7 +258,7 @@ impl PrescribedLens {
     }
 
     /// A way in from a point of the camera's space, m, by a sample of the entrance pupil; `None` where no light of it comes
-    /// to the picture, and nearer than [`Self::least_distance_m`].
+    /// to the image, and nearer than [`Self::least_distance_m`].
     pub(super) fn way_in(&self, point: DVec3, sample: [f32; 2]) -> Option<WayIn> {
         let point_mm = point * 1e3 + DVec3::new(0.0, 0.0, self.first_order.entrance_pupil_mm);
         let table = self.entrance();
@@ -288,9 +290,9 @@ impl PrescribedLens {
         self.tables().pupil.lit_mm()
     }
 
-    /// What a sensor point, mm from the axis, sees by its chief ray: from the point at which that crosses the plane of the
-    /// camera's origin, of a lens that sees less than a half-space, else from its own entrance pupil. The solid angle is
-    /// that over the area of the sensor in units of [`Self::scale_mm`].
+    /// View of a sensor point, mm from the axis, along its chief ray: from the point at which that crosses the plane of
+    /// the camera's origin, of a lens that sees less than a half-space, else from its own entrance pupil. The solid
+    /// angle is that over the area of the sensor in units of [`Self::scale_mm`].
     pub(super) fn seen(&self, sensor_mm: DVec2) -> Option<(DVec3, Seen)> {
         let sighting = self.chief.sighting(sensor_mm)?;
         let direction = sighting.direction;
@@ -328,35 +330,35 @@ impl PrescribedLens {
         curve.eval(height_mm.min(self.corner_mm)).max(0.0)
     }
 
-    /// The f-number whose cone of light, 1/(2·sin u′), is as much as comes to the middle of the picture at the reference
+    /// The f-number whose cone of light, 1/(2·sin u′), is as much as comes to the middle of the image at the reference
     /// wavelength: |S| = π·sin² u′.
     pub(super) fn working_f_number(&self) -> f64 {
         let axis_sr = self.lens.at(REFERENCE_NM).pupil_region(0.0, DIRECTIONS).map_or(0.0, |region| region.area());
         0.5 / (axis_sr / std::f64::consts::PI).sqrt()
     }
 
-    /// Image height up to which chief rays pass all apertures, mm; infinite where all of the picture's do.
+    /// Image height up to which chief rays pass all apertures, mm; infinite where all of the image's do.
     pub(super) fn clear_height_mm(&self) -> f64 {
         *self.clear_mm.get_or_init(|| self.lens.at(REFERENCE_NM).clear_height_mm(self.chief.widest_stop_rad()))
     }
 
-    /// From the first vertex to the sensor, m.
+    /// Distance from the first vertex to the sensor, m.
     pub(super) fn length_m(&self) -> f64 {
         self.lens.sensor_z_mm() * 1e-3
     }
 
-    /// The distance mm at which a pinhole has the scale of the picture on the axis: dh/dθ.
+    /// The distance mm at which a pinhole has the scale of the image on the axis: dh/dθ.
     pub(super) fn scale_mm(&self) -> f64 {
         let height = 1e-3 * self.corner_mm;
         self.chief.field_rad(height).map_or(self.first_order.efl_mm, |field| height / field.tan())
     }
 
-    /// Whether it is focused on a plane, and sees less than a half-space.
+    /// Whether the lens is focused on a plane, and sees less than a half-space.
     pub(super) fn is_flat(&self) -> bool {
         is_flat(&self.chief)
     }
 
-    /// To first order at the d line.
+    /// Figures to first order at the d line.
     pub(super) fn first_order(&self) -> &FirstOrder {
         &self.first_order
     }
@@ -366,7 +368,7 @@ impl PrescribedLens {
         self.focus_distance_m
     }
 
-    /// From the last vertex to the sensor, m.
+    /// Distance from the last vertex to the sensor, m.
     pub(super) fn last_gap_m(&self) -> f64 {
         self.lens.gap_mm(self.lens.surfaces().len() - 1) * 1e-3
     }
@@ -381,13 +383,13 @@ impl PrescribedLens {
         self.chief.highest_mm()
     }
 
-    /// From mm of the prescription to m about the entrance pupil.
+    /// Converts a point from mm of the prescription to m about the entrance pupil.
     fn to_camera(&self, point: DVec3) -> DVec3 {
         (point - DVec3::new(0.0, 0.0, self.first_order.entrance_pupil_mm)) * 1e-3
     }
 }
 
-/// Up to this part of 90° a lens counts as one with a flat picture.
+/// Part of 90° up to which a lens counts as one with a flat image.
 const FLAT: f64 = 0.9;
 
 fn is_flat(chief: &ChiefMap) -> bool {

@@ -11,7 +11,7 @@ use photosite_lens::prescription::{Glass, Prescription, Surface};
 use photosite_lens::profile::Travel;
 use photosite_lens::trace::{Apertures, Step};
 
-/// 36 × 24 mm.
+/// Sensor of 36 × 24 mm.
 const GRID: PixelGrid = PixelGrid { resolution: [900, 600], pitch_m: [40e-6, 40e-6] };
 
 fn triplet() -> Prescription {
@@ -142,7 +142,7 @@ fn places_and_what_they_see_agree_at_all_distances() {
     assert!((place.x - 450.0 - camera.intrinsics().fx * 0.005).abs() < 1e-3, "{place}");
 }
 
-/// All rays of a pixel come together at the distance, which counts from the sensor, and nowhere else; the whole beam is as
+/// Rays of a pixel come together at the distance, which counts from the sensor, and nowhere else; the whole beam is as
 /// wide there as its aberrations leave it, 24 µm of spot on the sensor by Optiland at f/5.
 #[test]
 fn rays_of_a_pixel_meet_where_the_lens_is_focused() {
@@ -171,7 +171,7 @@ fn rays_of_a_pixel_meet_where_the_lens_is_focused() {
 }
 
 #[test]
-fn the_picture_gets_darker_outwards_as_the_apertures_say() {
+fn the_image_gets_darker_outwards_as_the_apertures_say() {
     let camera = camera(5.0, Focus::Infinity);
     let at = |x: f64| camera.relative_illumination(DVec2::new(x, 300.0)).expect("light");
     assert!((at(450.0) - 1.0).abs() < 1e-12);

@@ -8,7 +8,7 @@ use super::*;
 use photosite_core::spectrum::Wavelengths;
 use photosite_lens::files;
 
-/// 36 × 24 mm.
+/// Sensor of 36 × 24 mm.
 const GRID: PixelGrid = PixelGrid { resolution: [3600, 2400], pitch_m: [10e-6, 10e-6] };
 const NM: f32 = 550.0;
 
@@ -55,7 +55,7 @@ fn land(
     });
 }
 
-/// Where a ray is at a distance along the axis.
+/// Position of a ray at a distance along the axis.
 fn at_distance(ray: &CameraRay, distance: f64) -> DVec3 {
     let (origin, direction) = (ray.ray.origin.as_dvec3(), ray.ray.direction.as_dvec3());
     origin + direction * ((-distance - origin.z) / direction.z)
@@ -63,16 +63,16 @@ fn at_distance(ray: &CameraRay, distance: f64) -> DVec3 {
 
 /// Frames of a data set and moves of a view place a camera anew.
 #[test]
-fn cameras_of_one_lens_share_its_pictures_of_points_wherever_they_stand() {
+fn cameras_of_one_lens_share_its_images_of_points_wherever_they_stand() {
     let placed = |f_number: f64, focus: f64, x: f64| {
         let to_world = DAffine3::from_translation(DVec3::new(x, 0.0, 0.0));
         let lens = described(f_number, Focus::Distance(focus), true);
         Camera::new(&lens, &GRID, to_world, f64::NAN).expect("a lens")
     };
     let first = placed(4.0, 1.7, 0.0);
-    assert!(first.shares_pictures_of_points(&placed(4.0, 1.7, 3.0)));
-    assert!(!first.shares_pictures_of_points(&placed(4.0, 1.8, 0.0)));
-    assert!(!first.shares_pictures_of_points(&placed(5.6, 1.7, 0.0)));
+    assert!(first.shares_images_of_points(&placed(4.0, 1.7, 3.0)));
+    assert!(!first.shares_images_of_points(&placed(4.0, 1.8, 0.0)));
+    assert!(!first.shares_images_of_points(&placed(5.6, 1.7, 0.0)));
 }
 
 #[test]
@@ -91,15 +91,15 @@ fn uniform_light_gives_the_irradiance_of_the_rays_of_the_glass() {
     }
 }
 
-/// What a position gets comes from places of the plane of focus whose pictures reach it: with coma, on one side. The offsets
-/// from their chief rays are those of rays of the glass from such a place in the mean.
+/// Light of a position comes from places of the plane of focus whose images reach it: with coma, on one side. The
+/// offsets from their chief rays are those of rays of the glass from such a place in the mean.
 #[test]
-fn light_comes_from_where_the_picture_of_a_point_reaches() {
+fn light_comes_from_where_the_image_of_a_point_reaches() {
     let camera = camera(2.8, Focus::Distance(1.5), true);
     let glass = self::camera(2.8, Focus::Distance(1.5), false);
     let pixel = DVec2::new(1800.0 + 1000.0, 1200.0);
     let u = camera.focus_distance_m();
-    // Of the picture of a point: this position less that of the point in focus, as its chief ray has it. Its 40 px about
+    // Of the image of a point: this position less that of the point in focus, as its chief ray has it. Its 40 px about
     // the middle, since diffraction's tails have no mean.
     let gathered: Vec<DVec2> = rays(&camera, pixel, 192)
         .iter()
@@ -164,7 +164,7 @@ fn far_out_of_focus_a_point_is_as_large_as_by_rays() {
 
 /// A path's other wavelengths land about where their chief rays of the same point in focus do. Of the hero's own wavelength
 /// they come to where the path started, in the plane of focus by any point of the pupil, and by the way in as well: all but
-/// a seventh whose picture is drawn from another node, as nodes are chosen by where light comes from and where it lands.
+/// a seventh whose image is drawn from another node, as nodes are chosen by where light comes from and where it lands.
 #[test]
 fn wavelengths_land_about_the_chief_rays_of_one_point() {
     const SAMPLES: usize = 64;

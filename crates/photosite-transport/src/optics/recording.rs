@@ -1,35 +1,34 @@
-//! When each row of a picture sees light, and where a moving camera is then.
+//! Exposure times of the rows of an image, and the motion of the camera.
 
 use crate::geometry::Trajectory;
 
-/// A picture in whose time the camera or the scene moves: row y sees light from start + n·row time on, for the exposure
-/// time, where n = |y + ½ − first row| − ½ rows come before it.
+/// Recording of an image in whose time the camera or the scene moves: row y sees light from start + n·row time on, for
+/// the exposure time, where n = |y + ½ − first row| − ½ rows come before it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    /// How the camera moves; `None` if it stands still.
+    /// Motion of the camera; `None` if it stands still.
     pub motion: Option<Trajectory>,
-    /// When the exposure of the first rows starts, s.
+    /// Time at which the exposure of the first rows starts, s.
     pub start_s: f64,
-    /// How long each row is exposed, s.
+    /// Exposure time of each row, s.
     pub exposure_s: f64,
     /// Time from the start of one row to that of the next, s: 0 for a global shutter.
     pub row_time_s: f64,
-    /// Where the first rows are exposed: 0 for from the top on, half the rows for from the middle.
+    /// Position of the rows that are exposed first: 0 for from the top on, half the rows for from the middle.
     pub first_row: f64,
     /// Time from the start of the first row's exposure to the end of the last one's, s.
     pub duration_s: f64,
-    /// Time from the start of one picture to that of the next, s.
+    /// Time from the start of one image to that of the next, s.
     pub frame_interval_s: f64,
 }
 
 impl Recording {
-    /// The same of a picture that comes so many pictures later.
+    /// Returns the recording of the image that comes `frames` images later.
     pub fn later(&self, frames: u32) -> Self {
         Self { start_s: self.start_s + f64::from(frames) * self.frame_interval_s, ..self.clone() }
     }
 
-    /// The time, s, of a sample u in [0, 1) of a row's exposure. Rows beyond the picture go on as those at its border
-    /// do.
+    /// Time, s, of a sample u in [0, 1) of a row's exposure. Rows beyond the image go on as those at its border do.
     #[inline]
     pub fn time_s(&self, row: f64, u: f32) -> f64 {
         let below_first = row + 0.5 - self.first_row;
@@ -44,14 +43,14 @@ impl Recording {
         (start_s..start_s + self.exposure_s).contains(&time_s)
     }
 
-    /// The time, s, halfway between the start of the first row's exposure and the end of the last one's: the time of
-    /// the picture where it has but one. With a global shutter it is the middle of the exposure, with rows one after
-    /// the other that of the middle row.
+    /// Time, s, halfway between the start of the first row's exposure and the end of the last one's: the one time that
+    /// stands for the image. With a global shutter it is the middle of the exposure, with rows one after the other that
+    /// of the middle row.
     pub fn middle_s(&self) -> f64 {
         self.start_s + 0.5 * self.duration_s
     }
 
-    /// Which part of the picture's duration has gone by at a time, 0 to 1.
+    /// Part of the image's duration that has gone by at a time, 0 to 1.
     #[inline]
     pub fn part(&self, time_s: f64) -> f64 {
         if self.duration_s > 0.0 { ((time_s - self.start_s) / self.duration_s).clamp(0.0, 1.0) } else { 0.0 }

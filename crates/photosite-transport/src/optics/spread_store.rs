@@ -1,8 +1,8 @@
-//! Pictures of points through lenses from prescriptions, kept from camera to camera and, where a program has a shelf for them,
-//! from run to run.
+//! Store of the point spreads of lenses from prescriptions, kept from camera to camera and, where a program has a shelf
+//! for them, from run to run.
 //!
-//! A node of a [`WaveSpread`] takes tens of milliseconds to work out, and a picture needs a thousand of them. Frames of a data
-//! set and moves of a view share those in memory.
+//! A node of a [`WaveSpread`] takes tens of milliseconds to work out, and an image needs a thousand of them. Frames of
+//! a data set and moves of a view share those in memory.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -10,23 +10,23 @@ use photosite_lens::wave::WaveSpread;
 
 pub use photosite_lens::wave::Shelf;
 
-/// Lenses whose pictures stay in memory, the last used ones: some hundred MB each.
+/// Number of lenses whose point spreads stay in memory, the last used ones: some hundred MB each.
 const IN_MEMORY: usize = 2;
 
-/// The shelf of a key; `None` where there is none.
+/// Function that gives the shelf of a key; `None` where there is none.
 pub type ShelfOf = Box<dyn Fn(&str) -> Option<Arc<dyn Shelf>> + Send + Sync>;
 
 static SHELVES: OnceLock<ShelfOf> = OnceLock::new();
 static RECENT: Mutex<Vec<(String, Arc<WaveSpread>)>> = Mutex::new(Vec::new());
 
-/// Keeps pictures of points through lenses on shelves from now on; the first call counts. Until then they are kept in memory
+/// Keeps point spreads of lenses on shelves from now on; the first call counts. Until then they are kept in memory
 /// alone.
 pub fn keep_point_spreads(shelves: ShelfOf) {
     // A second call is of the same program.
     let _ = SHELVES.set(shelves);
 }
 
-/// The pictures as they are known, or these.
+/// Returns the point spread that is known already, or this one.
 pub(super) fn known(wave: WaveSpread) -> Arc<WaveSpread> {
     let key = wave.key();
     let mut recent = RECENT.lock().unwrap_or_else(PoisonError::into_inner);

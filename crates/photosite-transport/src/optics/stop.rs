@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3};
 
-/// A round opening across the axis, centred on it.
+/// Stop: a round opening across the axis, centred on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stop {
     /// Distance before the lens, m; below 0 behind it, as far as the sensor.

@@ -1,7 +1,7 @@
-//! Where the random numbers of light transport come from.
+//! Random numbers of light transport.
 //!
 //! The numbers of a [`Sampler`] are a pure function of (seed, sequence, index, dimension), and [`PixelOrder`] gives
-//! each sample of a picture a sequence and an index, so a picture can be computed in any order, in parts, and on any
+//! each sample of an image a sequence and an index, so an image can be computed in any order, in parts, and on any
 //! number of threads. In: those four. Out: numbers in [0, 1).
 
 mod pixel_order;
@@ -11,30 +11,25 @@ mod window;
 
 pub use pixel_order::PixelOrder;
 
+use photosite_core::keys::Keys;
 use photosite_core::math::hash::{first_half, hash64, unit_f32};
 use request_key::request_key;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 use window::Window;
 
-/// Random number sequences.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Sampler of random numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema, Keys)]
+#[serde(rename_all = "kebab-case")]
 pub enum SamplerKind {
-    /// Owen-scrambled Sobol points, shared by neighbours in [`PixelOrder`].
+    /// Owen-scrambled Sobol points.
+    // Neighbours share them in `PixelOrder`.
     Sobol,
-    /// Independent random numbers: more noise, but the reported variance is exact.
+    /// Independent random numbers: more noise, but its reported variance is exact.
     Independent,
 }
 
-impl SamplerKind {
-    /// The name that capture files use.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Sobol => "sobol",
-            Self::Independent => "independent",
-        }
-    }
-}
-
-/// Gives the numbers of camera paths, dimension by dimension.
+/// Sampler that gives the random numbers of camera paths, dimension by dimension.
 #[derive(Clone, Debug)]
 pub struct Sampler {
     kind: SamplerKind,
@@ -48,7 +43,7 @@ pub struct Sampler {
 /// A position in the random numbers of a sample.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SamplePosition {
-    /// [`first_half`] of the key of the sequence.
+    /// Half [`first_half`] of the key of the sequence.
     key: u64,
     /// Index of the sample in the sequence.
     index: u32,
@@ -57,8 +52,13 @@ pub struct SamplePosition {
 }
 
 impl SamplePosition {
-    /// The position of one of `count` paths that go on together from here. The branches of all samples of the sequence
-    /// are stratified together too.
+    /// The position as plain data: key, its lower half first, index, number of requests so far.
+    pub fn words(self) -> [u32; 4] {
+        [self.key as u32, (self.key >> 32) as u32, self.index, self.dimension]
+    }
+
+    /// Position of one of `count` paths that go on together from this position. The branches of all samples of the
+    /// sequence are stratified together too.
     #[inline]
     #[must_use]
     pub fn branch(self, branch: u32, count: u32) -> Self {
@@ -67,7 +67,7 @@ impl SamplePosition {
 }
 
 impl Sampler {
-    /// Of a render with `seed`, at no sample yet.
+    /// Makes a sampler of a render with `seed`, at no sample yet.
     pub fn new(kind: SamplerKind, seed: u64) -> Self {
         Self { kind, seed, position: SamplePosition::default(), window: Window::default() }
     }
@@ -106,7 +106,7 @@ impl Sampler {
         }
     }
 
-    /// The next number in [0, 1).
+    /// Draws the next random number in [0, 1).
     #[inline]
     pub fn next_1d(&mut self) -> f32 {
         self.position.dimension += 1;
@@ -122,7 +122,7 @@ impl Sampler {
         self.position.dimension += 1;
     }
 
-    /// The next two numbers in [0, 1), stratified together.
+    /// Draws the next two random numbers in [0, 1), stratified together.
     #[inline]
     pub fn next_2d(&mut self) -> [f32; 2] {
         self.position.dimension += 1;

@@ -1,8 +1,8 @@
-//! Which numbers the samples of a pixel have.
+//! Order in which the pixels share sequences of random numbers.
 
 use super::SamplerKind;
 
-/// Shares sequences out among the pixels of a picture.
+/// Shares sequences out among the pixels of an image.
 ///
 /// The pixels of a square share a sequence of Sobol points in Z order, so that all smaller squares of 2ⁿ × 2ⁿ pixels
 /// have an interval of it: their samples are stratified together as those of one pixel are. The error of each pixel
@@ -11,11 +11,11 @@ use super::SamplerKind;
 /// 2020).
 #[derive(Clone, Copy, Debug)]
 pub struct PixelOrder {
-    /// Squares in a row of the picture.
+    /// Squares in a row of the image.
     squares: u64,
     /// Binary logarithm of the number of pixels along a square.
     log2_side: u32,
-    /// The same of the number of samples that each pixel has room for.
+    /// Binary logarithm of the number of samples that each pixel has room for.
     log2_samples: u32,
 }
 
@@ -23,9 +23,9 @@ pub struct PixelOrder {
 const LARGEST: u32 = 6;
 
 impl PixelOrder {
-    /// Of a picture so many pixels wide, with at most so many `samples` a pixel in the whole render, each of which
-    /// splits into so many paths. The more there are the smaller are the squares, since indices of samples have 32
-    /// bits.
+    /// Makes the order of an image `width` pixels wide, with at most `samples` samples a pixel in the whole render,
+    /// each of which splits into `splitting` paths. The more paths there are, the smaller are the squares, since
+    /// indices of samples have 32 bits.
     pub fn new(kind: SamplerKind, width: u32, samples: u32, splitting: u32) -> Self {
         let log2 = |n: u32| u32::BITS - n.saturating_sub(1).leading_zeros();
         let room = u32::BITS.saturating_sub(log2(samples) + log2(splitting));
@@ -63,7 +63,7 @@ mod tests {
     use crate::sampler::Sampler;
 
     #[test]
-    fn no_two_paths_of_a_picture_have_the_same_numbers() {
+    fn no_two_paths_of_an_image_have_the_same_numbers() {
         for (samples, splitting) in [(1, 1), (3, 1), (8, 3), (5, 256)] {
             let order = PixelOrder::new(SamplerKind::Sobol, 130, samples, splitting);
             let mut seen = HashSet::new();

@@ -9,7 +9,7 @@ pub(super) fn request_key(sequence_key: u64, dimension: u32) -> u64 {
     hash64_halves(sequence_key, half.unwrap_or_else(|| second_half(u64::from(dimension))))
 }
 
-/// [`second_half`] of the dimensions that most paths come by.
+/// Halves [`second_half`] of the dimensions that most paths come by.
 static DIMENSIONS: [u64; 64] = {
     let mut halves = [0; 64];
     let mut dimension = 0;

@@ -27,9 +27,9 @@ fn reversed_second_dimension(mut index: u32) -> u32 {
     index ^ (index >> 1) & 0x5555_5555
 }
 
-/// What the key of a request makes of the index of a sample: its place in the order of this request. Scrambling alone
-/// would leave the first bit of the first dimension, which is the reversed index, a function of the index's last, and
-/// two requests dependent: one half of one would always meet the same half of the other.
+/// Index of a sample, shuffled by the key of a request: its place in the order of this request. Scrambling alone would
+/// leave the first bit of the first dimension, which is the reversed index, a function of the index's last, and two
+/// requests dependent: one half of one would always meet the same half of the other.
 #[inline(always)]
 pub(super) fn shuffled(index: u32, key: u64) -> u32 {
     permute(index.reverse_bits(), key as u32).reverse_bits()

@@ -18,7 +18,7 @@ const KEPT: usize = 8;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Window {
     sequence_key: u64,
-    /// Of the first sample; a multiple of [`WIDTH`].
+    /// Index of the first sample; a multiple of [`WIDTH`].
     first_index: u32,
     /// The dimension that each slot holds of one number, and of two; none has number 0.
     first_of: [u32; KEPT],
@@ -26,7 +26,7 @@ pub(super) struct Window {
     numbers: [Numbers; KEPT],
 }
 
-/// Two dimensions of each sample.
+/// Random numbers of two dimensions of each sample.
 type Numbers = [[f32; WIDTH]; 2];
 
 impl Window {
@@ -50,7 +50,7 @@ impl Window {
         self.numbers[slot][0][index as usize % WIDTH]
     }
 
-    /// Both numbers.
+    /// Both random numbers of a sample.
     #[inline]
     pub(super) fn both(&mut self, index: u32, dimension: u32) -> [f32; 2] {
         let slot = dimension as usize % KEPT;

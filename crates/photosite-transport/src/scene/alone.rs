@@ -1,9 +1,9 @@
-//! Objects by themselves, as if nothing else were there.
+//! Objects by themselves, as if the scene held nothing else.
 
 use super::Scene;
 use crate::geometry::{HitFilter, Primitive, Ray};
 
-/// Where the surfaces of an object are.
+/// Object by itself, with the instances that hold its surfaces.
 #[derive(Clone, Debug, Default)]
 pub struct ObjectAlone {
     /// Index of the object.
@@ -15,7 +15,7 @@ pub struct ObjectAlone {
 }
 
 impl Scene {
-    /// Each object by itself, in the order of [`object`](Self::object).
+    /// Objects by themselves, one each, in the order of [`object`](Self::object).
     pub fn objects_alone(&self) -> Vec<ObjectAlone> {
         let count = self.objects.iter().max().map_or(0, |last| last + 1);
         let mut all: Vec<ObjectAlone> = (0..count).map(|object| ObjectAlone { object, ..Default::default() }).collect();

@@ -1,12 +1,13 @@
-//! From a description to the tables of a [`Scene`].
+//! Construction of the tables of a [`Scene`] from a description.
 
 use std::sync::{Arc, OnceLock};
 
 use glam::DAffine3;
 
 use super::description::{
-    AlphaMode, Colour, Described, EmissionDescription, EnvironmentDescription, LayeredDescription, LightDescription,
-    MaterialDescription, PictureLevel, Roughness, SceneDescription, TextureDescription, TexturedColour, TexturedFactor,
+    AlphaMode, Colour, Described, EmissionDescription, EnvironmentDescription, ImageLevel, LayeredDescription,
+    LightDescription, MaterialDescription, Roughness, SceneDescription, TextureDescription, TexturedColour,
+    TexturedFactor,
 };
 use super::layout::{Earlier, LaidOut, lay_out, moves_from};
 use super::{
@@ -14,10 +15,10 @@ use super::{
     Scene, Tabled,
 };
 use crate::bsdf::{Ggx, Map, MapAll, Mix, Model, RelativeIndex, SceneTraits};
-use crate::geometry::{Geometry, MeshRange, Motion, Primitive};
+use crate::geometry::{Geometry, MeshRange, Motion, Primitive, PrimitiveRange};
 use crate::light::{
-    DeltaLight, Environment, EnvironmentPicture, Light, LightPose, Lights, Sky, SkyLight, SurfaceEmission, Tint,
-    TriangleLight,
+    AreaLight, DeltaLight, Emitter, EmitterShape, Environment, EnvironmentImage, Light, LightPose, Lights, Sky,
+    SkyLight, SurfaceEmission, Tint,
 };
 use crate::texture::{Bitmap, Texture};
 use photosite_core::spectrum::dispersion::lines;
@@ -67,14 +68,12 @@ pub fn build_after(description: SceneDescription, importance: &Spectrum, earlier
 
     let mut all =
         LightList { lights: Vec::new(), motions: Vec::new(), powers: Vec::new(), spectrum: Spectrum::constant(0.0) };
-    for range in kept.emitters.iter().cloned() {
-        let material = geometry.meshes[geometry.triangles[range.start as usize].mesh as usize].material;
+    for primitive in kept.emitters.iter().flat_map(PrimitiveRange::primitives) {
+        let material = geometry.meshes[geometry.mesh_of(primitive) as usize].material;
         if let Some(emission) = &emissions[material as usize] {
-            for triangle in range {
-                let power = builder.triangle_power(&geometry, triangle, emission);
-                let light = Light::Triangle(TriangleLight { triangle, emission: emission.surface });
-                all.add(light, None, power, &emission.spectrum, importance);
-            }
+            let power = builder.emitted_power(&geometry, primitive, emission);
+            let light = Light::Area(AreaLight { primitive, emission: emission.surface });
+            all.add(light, None, power, &emission.spectrum, importance);
         }
     }
     for light in &lights {
@@ -121,7 +120,7 @@ struct LightList {
 }
 
 impl LightList {
-    /// `factor` times the integral of `spectrum` is the light's power, W.
+    /// Adds a light. `factor` times the integral of `spectrum` is the light's power, W.
     fn add(&mut self, light: Light, motion: Option<Motion>, factor: f64, spectrum: &Spectrum, importance: &Spectrum) {
         self.lights.push(light);
         self.motions.push(motion);
@@ -243,31 +242,26 @@ impl Builder<'_> {
         Emission { surface, spectrum }
     }
 
-    /// Factor of the emission's spectrum that gives the triangle's power: π·area·(mean tint), twice for two sides.
-    fn triangle_power(&self, geometry: &Geometry, triangle: u32, emission: &Emission) -> f64 {
-        let [a, b, c] = geometry.corners(triangle);
-        let area = 0.5 * f64::from((b - a).cross(c - a).length());
+    /// Factor of the emission's spectrum that gives the power of a primitive: π·area·(mean tint), twice for two sides.
+    fn emitted_power(&self, geometry: &Geometry, primitive: Primitive, emission: &Emission) -> f64 {
+        let Some(shape) = Emitter::at(geometry, primitive, 0.0) else { return 0.0 };
         let brightness = match emission.surface.tint {
             Tint::None => 1.0,
             Tint::Textured { texture, .. } => {
-                // Sixteen points spread over the triangle; a triangle that shines between them only is still found by
-                // scattered rays.
+                // Sixteen points spread over the shape; one that shines between them only is still found by scattered
+                // rays.
                 let texture = &self.textures[texture as usize];
                 let points = (0..16).map(|i| {
                     let u = [(i % 4) as f32 * 0.25 + 0.125, (i / 4) as f32 * 0.25 + 0.125];
-                    let barycentric = photosite_core::math::warp::uniform_triangle(u);
-                    let [r, g, b, _] = texture.sample_rgba_srgb(geometry.uv(
-                        Primitive::Triangle(triangle),
-                        barycentric,
-                        texture.uv_set as usize,
-                    ));
+                    let at = shape.sample_area(u).parameters;
+                    let [r, g, b, _] = texture.sample_rgba_srgb(geometry.uv(primitive, at, texture.uv_set as usize));
                     f64::from(emission.surface.tinted([r, g, b]).iter().sum::<f32>()) / 3.0
                 });
                 points.sum::<f64>() / 16.0
             }
         };
         let sides = if emission.surface.two_sided { 2.0 } else { 1.0 };
-        std::f64::consts::PI * area * brightness * sides
+        std::f64::consts::PI * f64::from(shape.area()) * brightness * sides
     }
 
     fn light(&mut self, light: &LightDescription, scene_radius: f64, list: &mut LightList) {
@@ -288,12 +282,12 @@ impl Builder<'_> {
                 let environment = Environment::Constant { radiance: self.spectra.add(&spectrum) };
                 (environment, spectrum, 4.0 * std::f64::consts::PI)
             }
-            EnvironmentDescription::Picture { image, level, rotation_deg } => {
-                let (sphere, _) = EnvironmentPicture::luminous_integrals(image);
+            EnvironmentDescription::Image { image, level, rotation_deg } => {
+                let (sphere, _) = EnvironmentImage::luminous_integrals(image);
                 let spectrum = emission_spectrum(&Colour::Rgb([1.0; 3]), Some(nit_per_unit(image, *level)));
                 let radiance = self.spectra.add(&spectrum);
-                let picture = EnvironmentPicture::new(Arc::clone(image), radiance, *rotation_deg);
-                (Environment::Picture(picture), spectrum, sphere)
+                let image = EnvironmentImage::new(Arc::clone(image), radiance, *rotation_deg);
+                (Environment::Image(image), spectrum, sphere)
             }
             EnvironmentDescription::Sky(conditions) => {
                 // Its spectrum is that of the light from all directions together.
@@ -361,12 +355,12 @@ fn disk_m2(radius: f64) -> f64 {
     std::f64::consts::PI * radius * radius
 }
 
-/// Luminance of a white texel of value 1 of an environment picture, nit.
-pub fn nit_per_unit(image: &Arc<Bitmap>, level: PictureLevel) -> f64 {
+/// Luminance of a white texel of value 1 of an environment image, nit.
+pub fn nit_per_unit(image: &Arc<Bitmap>, level: ImageLevel) -> f64 {
     match level {
-        PictureLevel::NitPerUnit(nit) => nit,
-        PictureLevel::HorizontalLux(lux) => {
-            let (_, horizontal) = EnvironmentPicture::luminous_integrals(image);
+        ImageLevel::NitPerUnit(nit) => nit,
+        ImageLevel::HorizontalLux(lux) => {
+            let (_, horizontal) = EnvironmentImage::luminous_integrals(image);
             if horizontal > 0.0 { lux / horizontal } else { 0.0 }
         }
     }

@@ -1,4 +1,4 @@
-//! Where the meshes of a description go: into the world, with the shapes that they go through, or into a space of
+//! Layout of the meshes of a description: into the world, with the shapes that they go through, or into a space of
 //! their own with instances.
 
 use std::collections::{BTreeMap, HashMap};
@@ -27,32 +27,32 @@ pub(super) struct LaidOut {
     pub(super) kept: Kept,
 }
 
-/// What the next scene looks at to tell whether geometry and hierarchies are the same, and what it takes over then.
+/// Record by which the next scene tells whether geometry and hierarchies are the same, and which it takes over then.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Kept {
-    /// Those of the description. They may be gone, but no other has their place in memory.
+    /// Meshes of the description. They may be gone, but no other has their place in memory.
     meshes: Vec<Weak<MeshDescription>>,
     /// Meshes in world space and their places.
     in_world: Vec<(usize, DAffine3)>,
     /// Whether any mesh has several shapes, of which nothing is taken over.
     deforms: bool,
-    /// Which meshes have each hierarchy in a space of its own.
+    /// Indices of the meshes in each hierarchy with a space of its own.
     groups: Vec<Vec<usize>>,
-    /// Which meshes in world space shine.
+    /// Whether each mesh in world space emits light.
     shining: Vec<bool>,
     /// The primitives of each hierarchy.
     ranges: Vec<PrimitiveRange>,
-    /// The triangles of each mesh that shines.
-    pub(super) emitters: Vec<Range<u32>>,
+    /// Primitives of each mesh that emits light.
+    pub(super) emitters: Vec<PrimitiveRange>,
 }
 
 impl Kept {
-    /// How many meshes each hierarchy in a space of its own has.
+    /// Number of meshes in each hierarchy with a space of its own.
     pub(super) fn group_sizes(&self) -> impl Iterator<Item = usize> {
         self.groups.iter().map(Vec::len)
     }
 
-    /// Whether these are the meshes.
+    /// Whether the scene was laid out from these very meshes.
     pub(super) fn has_meshes(&self, meshes: &[Arc<MeshDescription>]) -> bool {
         let pairs = || self.meshes.iter().zip(meshes);
         self.meshes.len() == meshes.len() && pairs().all(|(own, other)| std::ptr::eq(own.as_ptr(), Arc::as_ptr(other)))
@@ -79,18 +79,18 @@ pub(super) struct Part {
     pub(super) number: u32,
 }
 
-/// Which instance of the description each surface belongs to.
+/// Table of the description's instances, to which the surfaces belong.
 #[derive(Clone, Debug, Default)]
 pub(super) struct InstanceTable {
-    /// Of the first meshes of the geometry, which stand in world space: instances, and which of its meshes each is.
+    /// Parts of instances that the first meshes of the geometry are, those in world space.
     pub(super) of_mesh: Vec<Part>,
-    /// Of the instances of the geometry: `None` for those in world space.
+    /// Instances of the description for those of the geometry: `None` for those in world space.
     pub(super) of_placed: Vec<Option<u32>>,
-    /// Of the meshes that follow, which have spaces of their own: which of its meshes an instance has there.
+    /// Numbers, among the meshes of an instance, of the geometry's further meshes, which have spaces of their own.
     pub(super) numbers: Vec<u32>,
 }
 
-/// What an earlier scene has that another may share.
+/// Parts of an earlier scene that another may share.
 #[derive(Clone, Copy)]
 pub(super) struct Earlier<'a> {
     pub(super) geometry: &'a Arc<Geometry>,
@@ -138,13 +138,13 @@ pub(super) fn lay_out(
     LaidOut { geometry, accel, instances: table, kept }
 }
 
-/// Where the meshes of all instances go.
+/// Destinations of the meshes of all instances.
 struct Parts {
-    /// Into the world, with others: parts with the indices of their meshes.
+    /// Parts that go into the world, with others, and the indices of their meshes.
     in_world: Vec<(Part, usize)>,
-    /// Into the world in several shapes.
+    /// Parts that go into the world in several shapes.
     deforming: Vec<(Part, usize)>,
-    /// Into spaces of their own: the meshes that have one together, and the instances that share it.
+    /// Groups that go into spaces of their own: the meshes that have one together, and the instances that share it.
     groups: BTreeMap<Vec<usize>, Vec<u32>>,
 }
 
@@ -178,13 +178,13 @@ impl Parts {
     }
 }
 
-/// The tables of the geometry, the primitives of each hierarchy, and the triangles of each mesh that shines.
+/// The tables of the geometry, the primitives of each hierarchy, and those of each mesh that shines.
 fn tables(
     meshes: &[Arc<MeshDescription>],
     instances: &[InstanceDescription],
     parts: &Parts,
     emits: impl Fn(usize) -> bool,
-) -> (Geometry, Vec<PrimitiveRange>, Vec<Range<u32>>) {
+) -> (Geometry, Vec<PrimitiveRange>, Vec<PrimitiveRange>) {
     let mut geometry = Geometry::default();
     let (mut emitters, mut light_count) = (Vec::new(), 0);
     let mut add = |geometry: &mut Geometry, &(part, mesh): &(Part, usize)| {
@@ -192,7 +192,7 @@ fn tables(
         let emitting = emits(mesh.material);
         let to_world = &instances[part.instance as usize].to_world;
         let range = append(geometry, mesh, to_world, emitting.then_some(light_count));
-        if emitting && !range.is_empty() {
+        if emitting && range.len() > 0 {
             light_count += range.len() as u32;
             emitters.push(range.clone());
         }
@@ -214,7 +214,7 @@ fn tables(
     for part in &parts.deforming {
         let range = add(&mut geometry, part);
         deform(&mut geometry, &meshes[part.1], &instances[part.0.instance as usize]);
-        ranges.push(range.into());
+        ranges.push(range);
     }
     for group in parts.groups.keys() {
         let before = all(&geometry);
@@ -287,13 +287,13 @@ fn deform(geometry: &mut Geometry, mesh: &MeshDescription, instance: &InstanceDe
     }
 }
 
-/// Adds a mesh, transformed, and returns its triangles.
+/// Adds a mesh, transformed, and returns its primitives.
 fn append(
     geometry: &mut Geometry,
     mesh: &MeshDescription,
     to_world: &DAffine3,
     first_light: Option<u32>,
-) -> Range<u32> {
+) -> PrimitiveRange {
     let identity = *to_world == DAffine3::IDENTITY;
     let point = |p: &Vec3| if identity { *p } else { to_world.transform_point3(p.as_dvec3()).as_vec3() };
     let normal_matrix = to_world.matrix3.inverse().transpose();
@@ -316,9 +316,10 @@ fn append(
     };
     let mesh_handle = geometry.meshes.len() as u32;
     if let Some(kind) = mesh.quadric {
-        geometry.meshes.push(MeshRange { quadric: Some(geometry.quadrics.len() as u32), ..range });
+        let quadric = geometry.quadrics.len() as u32;
+        geometry.meshes.push(MeshRange { quadric: Some(quadric), ..range });
         geometry.quadrics.push(PlacedQuadric::new(kind, to_world, mesh_handle));
-        return first_triangle..first_triangle;
+        return PrimitiveRange { triangles: first_triangle..first_triangle, quadrics: quadric..quadric + 1 };
     }
     geometry.positions.extend(mesh.positions.iter().map(point));
     geometry.normals.extend(mesh.normals.iter().map(normal));
@@ -338,7 +339,7 @@ fn append(
         Triangle { corners: corners.map(|corner| base + corner), mesh: mesh_handle }
     }));
     geometry.meshes.push(range);
-    first_triangle..geometry.triangles.len() as u32
+    PrimitiveRange::from(first_triangle..geometry.triangles.len() as u32)
 }
 
 #[cfg(test)]
@@ -396,7 +397,7 @@ mod tests {
         build_after(description, &Spectrum::constant(1.0), earlier)
     }
 
-    /// The same rays find the same surfaces in both.
+    /// Asserts that the same rays find the same surfaces in both scenes.
     fn assert_same_hits(found: &Scene, expected: &Scene) {
         let mut hits = 0;
         for i in 0..2000 {

@@ -7,15 +7,15 @@ use photosite_core::spectrum::SpectrumId;
 /// A material of a [`Scene`](super::Scene).
 #[derive(Clone, Debug)]
 pub struct Material {
-    /// How it scatters.
+    /// Scattering model of the surface.
     pub model: ScatteringModel,
-    /// Bumps.
+    /// Normal map of the surface.
     pub normal_map: Option<NormalMap>,
-    /// Its own light.
+    /// Light that the surface emits.
     pub emission: Option<SurfaceEmission>,
-    /// Its holes.
+    /// Alpha of the surface, which makes holes.
     pub alpha: Alpha,
-    /// Absorption of the closed volume that it bounds, m⁻¹.
+    /// Absorption of the closed volume that the surface bounds, m⁻¹.
     pub absorption: Option<SpectrumId>,
 }
 
@@ -30,7 +30,7 @@ impl Material {
 /// A reflectance that may vary over a surface.
 #[derive(Clone, Copy, Debug)]
 pub enum ColourSource {
-    /// The same everywhere.
+    /// Spectrum that is the same everywhere.
     Spectrum(SpectrumId),
     /// A linear sRGB factor times a texture, upsampled point by point.
     Texture {
@@ -71,9 +71,9 @@ impl TableForm for Tabled {}
 /// A number, times a channel of a linear texture.
 #[derive(Clone, Copy, Debug)]
 pub struct FactorSource {
-    /// The number.
+    /// Number that multiplies the texture.
     pub value: f32,
-    /// Handle of the texture, and which channel of it counts.
+    /// Handle of the texture, and the index of the channel of it that counts.
     pub texture: Option<(u32, usize)>,
 }
 
@@ -82,13 +82,13 @@ pub struct FactorSource {
 pub struct LayeredMaterial {
     /// Reflectance of the coloured base, F₀ of the metal, tint of transmission.
     pub base_colour: ColourSource,
-    /// Metalness.
+    /// Metalness, 0–1.
     pub metallic: FactorSource,
-    /// Perceptual roughness.
+    /// Perceptual roughness, 0–1.
     pub roughness: FactorSource,
-    /// Index, and whether it depends on wavelength.
+    /// Refractive index by wavelength.
     pub eta: SpectrumId,
-    /// Whether it does.
+    /// Whether the index depends on wavelength.
     pub dispersive: bool,
     /// Reflectance at normal incidence that the index gives.
     pub f0: f32,
@@ -98,19 +98,19 @@ pub struct LayeredMaterial {
     pub specular_colour: Option<ColourSource>,
     /// Factor of F₀ that is no colour, for colours above 1.
     pub specular_scale: f32,
-    /// What goes on.
+    /// Part of the light let in that goes straight on or is refracted, 0–1.
     pub transmission: FactorSource,
     /// Whether the surface bounds a volume.
     pub has_volume: bool,
-    /// What comes out behind, and its colour.
+    /// Part of the other light let in that comes out behind, 0–1, and its colour.
     pub diffuse_transmission: Option<(FactorSource, ColourSource)>,
-    /// Grooves.
+    /// Grooves, which make roughness anisotropic.
     pub anisotropy: Option<AnisotropySource>,
     /// A thin film.
     pub film: Option<FilmSource>,
     /// Fibres: colour and roughness.
     pub sheen: Option<(ColourSource, FactorSource)>,
-    /// Varnish.
+    /// Clear coat.
     pub coat: Option<CoatSource>,
 }
 
@@ -140,10 +140,10 @@ impl SceneTraits for LayeredMaterial {
     }
 }
 
-/// Grooves.
+/// Grooves, which make roughness anisotropic.
 #[derive(Clone, Copy, Debug)]
 pub struct AnisotropySource {
-    /// 0–1.
+    /// Strength of the grooves, 0–1.
     pub strength: f32,
     /// Cosine and sine of the rotation of the rougher direction from the tangent.
     pub rotation: [f32; 2],
@@ -154,24 +154,25 @@ pub struct AnisotropySource {
 /// A thin film.
 #[derive(Clone, Copy, Debug)]
 pub struct FilmSource {
-    /// 0–1.
+    /// Part of the surface that the film covers, 0–1.
     pub weight: FactorSource,
     /// Refractive index.
     pub index: f32,
-    /// From where the texture is 0 to where it is 1, nm.
+    /// Thickness where the texture is 0 and where it is 1, nm.
     pub thickness_nm: [f32; 2],
-    /// Handle of a linear texture whose green says where between; none for the second.
+    /// Handle of a linear texture whose green channel places the thickness between the two of `thickness_nm`; `None`
+    /// for the second.
     pub texture: Option<u32>,
 }
 
-/// Varnish.
+/// Clear coat.
 #[derive(Clone, Copy, Debug)]
 pub struct CoatSource {
-    /// 0–1.
+    /// Weight of the coat, 0–1.
     pub weight: FactorSource,
     /// Perceptual roughness.
     pub roughness: FactorSource,
-    /// Its own bumps.
+    /// Normal map of the coat.
     pub normal_map: Option<NormalMap>,
 }
 
@@ -180,25 +181,25 @@ pub struct CoatSource {
 pub struct NormalMap {
     /// Handle of a linear texture.
     pub texture: u32,
-    /// Factor of x and y.
+    /// Scale of x and y.
     pub scale: f32,
 }
 
-/// Where a surface is.
+/// Alpha mode of a surface, with its parameters.
 #[derive(Clone, Copy, Debug)]
 pub enum Alpha {
-    /// Everywhere.
+    /// Opaque surface, which is there everywhere.
     Opaque,
-    /// Where alpha ≥ cutoff.
+    /// Surface that is there where alpha ≥ cutoff.
     Mask {
         /// Alpha factor.
         factor: f32,
         /// Texture whose alpha multiplies it.
         texture: Option<u32>,
-        /// Threshold.
+        /// Threshold of alpha.
         cutoff: f32,
     },
-    /// With probability alpha.
+    /// Surface that is there with probability alpha.
     Blend {
         /// Alpha factor.
         factor: f32,

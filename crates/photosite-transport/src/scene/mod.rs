@@ -1,5 +1,5 @@
-//! What is in front of the camera: the [`description`] that files give, and the immutable [`Scene`] that light
-//! transport reads.
+//! Scene in front of the camera: the [`description`] that files give, and the immutable [`Scene`] that light transport
+//! reads.
 //!
 //! A scene is flat tables with `u32` handles: geometry, materials, textures, spectra, lights. [`build`] makes it from a
 //! description and never looks at a file.
@@ -9,6 +9,7 @@ mod build;
 pub mod description;
 mod layout;
 mod material;
+pub mod packed;
 mod panes;
 mod shading;
 pub mod spectral_coverage;
@@ -32,14 +33,14 @@ use crate::geometry::{
     self, Accel, AcceptAll, Geometry, Hit, HitFilter, InstanceTransform, Primitive, Ray, SurfacePoint,
 };
 use crate::light::{
-    Choice, LiContext, LightRay, LightSample, LightSampleContext, Lights, SurfaceEmission, Tint, TriangleLight,
+    AreaLight, Choice, LiContext, LightRay, LightSample, LightSampleContext, Lights, SurfaceEmission, Tint,
 };
 use crate::texture::Texture;
 use layout::{InstanceTable, Kept, Part};
 use photosite_core::math::hash::{hash64, unit_f32};
 use photosite_core::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths};
 
-/// Everything that light transport needs to know of a scene. Immutable.
+/// Scene as light transport reads it: immutable tables of geometry, materials, textures, spectra and lights.
 #[derive(Clone, Debug)]
 pub struct Scene {
     geometry: Arc<Geometry>,
@@ -47,9 +48,9 @@ pub struct Scene {
     instances: InstanceTable,
     /// Index of the object of each instance.
     objects: Vec<u32>,
-    /// What the next scene may have in common.
+    /// Record of the layout that the next scene may have in common.
     kept: Kept,
-    /// Where the surfaces of another scene are in this one, once somebody asks.
+    /// Places of another scene's surfaces in this one, filled on demand.
     places: OnceLock<HashMap<Part, [u32; 2]>>,
     materials: Vec<Material>,
     /// Reflectance of each mesh that is diffuse and nothing else.
@@ -69,17 +70,18 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The triangles.
+    /// Geometry of the scene.
     pub fn geometry(&self) -> &Geometry {
         &self.geometry
     }
 
-    /// The lights.
+    /// Lights of the scene.
     pub fn lights(&self) -> &Lights {
         &self.lights
     }
 
-    /// Whether it was built of the very meshes of a description, so that one of that may share much with it.
+    /// Whether the scene was built of the very meshes of a description, so that a scene of that description may share
+    /// much with it.
     pub fn has_meshes_of(&self, description: &description::SceneDescription) -> bool {
         self.kept.has_meshes(&description.meshes)
     }
@@ -89,7 +91,8 @@ impl Scene {
         self.accel.bounds()
     }
 
-    /// The light of all sources together in relative units: where wavelengths are worth sampling.
+    /// Spectrum of the light of all sources together, in relative units, which tells the wavelengths that are worth
+    /// sampling.
     pub fn light_spectrum(&self) -> &Spectrum {
         &self.light_spectrum
     }
@@ -115,7 +118,7 @@ impl Scene {
         self.models().any(|model| matches!(model, Model::Diffuse(_)))
     }
 
-    /// What the models say of themselves.
+    /// Traits of the materials' scattering models.
     fn scene_traits(&self) -> impl Iterator<Item = &dyn SceneTraits> {
         let layered = self.layered.iter().map(|layers| layers as &dyn SceneTraits);
         self.models().filter_map(Model::scene_traits).chain(layered)
@@ -127,7 +130,7 @@ impl Scene {
         of_materials.chain(self.mixes.iter().flat_map(|mix| &mix.models))
     }
 
-    /// The nearest surface along a ray.
+    /// Finds the nearest surface along a ray.
     #[inline]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         if self.has_alpha { self.accel.closest(ray, &Holes(self)) } else { self.accel.closest(ray, &AcceptAll) }
@@ -139,7 +142,7 @@ impl Scene {
         if self.has_alpha { self.accel.occluded(ray, &Holes(self)) } else { self.accel.occluded(ray, &AcceptAll) }
     }
 
-    /// The nearest surface along each of several rays, in their order.
+    /// Finds the nearest surface along each of several rays, in their order.
     #[inline]
     pub fn closest_each(&self, rays: &[Ray], hits: &mut Vec<Option<Hit>>) {
         if self.has_alpha {
@@ -165,7 +168,7 @@ impl Scene {
         SurfacePoint::new(&self.geometry, &self.accel, hit, time)
     }
 
-    /// Where the surface of a hit is at a time, in double precision.
+    /// Position of the surface point of a hit at a time, in double precision, m.
     pub fn position(&self, hit: &Hit, time: f64) -> DVec3 {
         SurfacePoint::position_at(&self.geometry, &self.accel, hit, time)
     }
@@ -176,7 +179,7 @@ impl Scene {
         self.objects[self.part(hit).instance as usize]
     }
 
-    /// Where each mesh of each instance is: its index in the geometry, and that of its instance there.
+    /// Places of each mesh of each instance: its index in the geometry, and that of its instance there.
     fn places(&self) -> &HashMap<Part, [u32; 2]> {
         self.places.get_or_init(|| {
             let InstanceTable { of_mesh, of_placed, numbers } = &self.instances;
@@ -213,7 +216,7 @@ impl Scene {
         }
     }
 
-    /// The same point of the same surface in another scene, whose description has the same
+    /// Hit of the same point of the same surface in another scene, whose description has the same
     /// [surfaces](description::SceneDescription::surfaces): it may stand elsewhere there and have another shape. `None`
     /// where there is none.
     pub fn hit_in(&self, hit: &Hit, other: &Self) -> Option<Hit> {
@@ -246,8 +249,8 @@ impl Scene {
         self.emitted_at(emission, point.primitive, point.parameters, wavelengths)
     }
 
-    /// The medium that light from `point` to the unit direction `wo` has come through, where `point` is seen from
-    /// within a volume: its absorption, m⁻¹.
+    /// Medium that light from `point` to the unit direction `wo` has come through, where `point` is seen from within a
+    /// volume: its absorption, m⁻¹.
     #[inline]
     pub fn absorption_behind(&self, point: &SurfacePoint, wo: glam::Vec3) -> Option<SpectrumId> {
         if !self.has_media {
@@ -256,7 +259,7 @@ impl Scene {
         self.materials[point.material as usize].absorption.filter(|_| wo.dot(point.geometric_normal) < 0.0)
     }
 
-    /// The medium beyond `point` for light that passes it in the direction `wi` and was in `medium` before.
+    /// Medium beyond `point` for light that passes it in the direction `wi` and was in `medium` before.
     #[inline]
     pub fn medium_across(
         &self,
@@ -273,7 +276,7 @@ impl Scene {
         }
     }
 
-    /// The part of the light that is left after `distance` (m) in a medium: exp(−σ·d).
+    /// Transmittance: the part of the light that is left after `distance` (m) in a medium: exp(−σ·d).
     #[inline]
     pub fn transmittance(&self, absorption: SpectrumId, distance: f32, wavelengths: &Wavelengths) -> SampledSpectrum {
         self.spectra.sample(absorption, wavelengths).map(|per_m| (-per_m * distance).exp())
@@ -293,8 +296,7 @@ impl Scene {
     #[inline]
     pub fn light_of(&self, point: &SurfacePoint) -> Option<u32> {
         let mesh = &self.geometry.meshes[point.mesh as usize];
-        // Quadrics are no lights.
-        Some(mesh.first_light? + (point.primitive.triangle()? - mesh.first_triangle))
+        Some(mesh.first_light? + point.primitive.triangle().map_or(0, |triangle| triangle - mesh.first_triangle))
     }
 
     /// Samples a light and a direction to it, at a time, by two random numbers.
@@ -326,7 +328,7 @@ impl Scene {
         v: f32,
         wavelengths: &Wavelengths,
     ) -> Option<LightSample> {
-        let emitted_at = |light: &TriangleLight, barycentric| self.emitted_radiance(light, barycentric, wavelengths);
+        let emitted_at = |light: &AreaLight, parameters| self.emitted_radiance(light, parameters, wavelengths);
         let li = LiContext { point: ctx.point, time, wavelengths, spectra: &self.spectra, geometry: &self.geometry };
         self.lights.sample_chosen(choice, v, &li, emitted_at)
     }
@@ -334,7 +336,7 @@ impl Scene {
     /// Samples a ray that leaves an area light at a time, by five random numbers: for the light, the point and the
     /// direction; `SampleLe` in [pbrt4](photosite_core::references#pbrt4) §12.1.
     pub fn sample_le(&self, time: f32, u: (f32, [f32; 2], [f32; 2]), wavelengths: &Wavelengths) -> Option<LightRay> {
-        let emitted_at = |light: &TriangleLight, barycentric| self.emitted_radiance(light, barycentric, wavelengths);
+        let emitted_at = |light: &AreaLight, parameters| self.emitted_radiance(light, parameters, wavelengths);
         self.lights.sample_le(&self.geometry, emitted_at, time, u)
     }
 
@@ -344,18 +346,17 @@ impl Scene {
         self.lights.emission_density(light, &self.geometry, time)
     }
 
-    /// Radiance of a point of a triangle light.
+    /// Radiance of a point of an area light.
     #[inline]
     pub(crate) fn emitted_radiance(
         &self,
-        light: &TriangleLight,
-        barycentric: [f32; 2],
+        light: &AreaLight,
+        parameters: [f32; 2],
         wavelengths: &Wavelengths,
     ) -> SampledSpectrum {
-        let primitive = Primitive::Triangle(light.triangle);
-        let emitted = self.emitted_at(&light.emission, primitive, barycentric, wavelengths);
+        let emitted = self.emitted_at(&light.emission, light.primitive, parameters, wavelengths);
         // Where there are holes, rays that look for the light end in front of them.
-        if self.has_alpha { emitted * self.presence(primitive, barycentric) } else { emitted }
+        if self.has_alpha { emitted * self.presence(light.primitive, parameters) } else { emitted }
     }
 
     /// Radiance from infinitely far in the unit direction `towards`.

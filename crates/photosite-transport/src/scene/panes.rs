@@ -1,4 +1,4 @@
-//! Light of lamps without a surface behind panes.
+//! Shadow rays through panes to lights without a surface.
 
 use super::Scene;
 use super::shading::Shading;

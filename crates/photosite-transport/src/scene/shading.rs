@@ -1,4 +1,4 @@
-//! From a surface point to the frame and the BSDF that light scatters by.
+//! Shading: from a surface point to the frame and the BSDF that light scatters by.
 
 use glam::{Vec2, Vec3};
 
@@ -46,8 +46,8 @@ impl Scene {
             .unwrap_or_else(|| unreachable!("models made of others are taken apart above"))
     }
 
-    /// One of two models, the second with the probability of its weight: the expected radiance is that of both. The
-    /// choice is a function of the point, so that it is the same from wherever a path comes.
+    /// Chooses one of two models, the second with the probability of its weight: the expected radiance is that of both.
+    /// The choice is a function of the point, so that it is the same from wherever a path comes.
     #[inline(never)]
     fn chosen<'a>(&self, mix: &'a Mix<Tabled>, point: &SurfacePoint) -> &'a ScatteringModel {
         let [u, v] = point.parameters.map(|c| u64::from(c.to_bits()));
@@ -194,7 +194,7 @@ impl Scene {
         self.mapped_frame(material.normal_map, point, wo, two_sided)
     }
 
-    /// The same with any bumps.
+    /// Shading frame with the normal map applied, if there is one.
     #[inline]
     fn mapped_frame(&self, map: Option<NormalMap>, point: &SurfacePoint, wo: Vec3, two_sided: bool) -> Frame {
         let mut normal = point.shading_normal;

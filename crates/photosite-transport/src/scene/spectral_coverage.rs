@@ -1,4 +1,4 @@
-//! Where the spectra of a scene end before the sensor stops seeing.
+//! Coverage of the sensor's wavelengths by the spectra of a scene.
 //!
 //! In: a scene as read, what the sensor makes of each wavelength. Out: a warning that names what is assumed there, or
 //! nothing. The assumptions themselves are made where spectra are: [`Outside`](photosite_core::spectrum::Outside),
@@ -56,14 +56,14 @@ fn part_outside(response: &Spectrum, [first, last]: Range) -> f64 {
     if all > 0.0 { 1.0 - known.integral() / all } else { 0.0 }
 }
 
-/// All that has a spectrum, with a name for messages.
+/// Known ranges of all spectra of a scene, each with a name for messages.
 fn known_ranges(scene: &SceneDescription) -> Vec<(String, Range)> {
     let mut all = Vec::new();
     match &scene.environment {
         Some(EnvironmentDescription::Constant { colour, .. }) => {
             all.push(("environment".to_owned(), of_colour(colour)))
         }
-        Some(EnvironmentDescription::Picture { .. }) => all.push(("environment".to_owned(), RANGE_NM)),
+        Some(EnvironmentDescription::Image { .. }) => all.push(("environment".to_owned(), RANGE_NM)),
         Some(EnvironmentDescription::Sky(_)) => all.push(("sky".to_owned(), Sky::KNOWN_NM)),
         None => {}
     }
@@ -77,7 +77,7 @@ fn known_ranges(scene: &SceneDescription) -> Vec<(String, Range)> {
     all
 }
 
-/// Where both are known.
+/// Range in which both are known.
 fn both([a, b]: Range, [c, d]: Range) -> Range {
     [a.max(c), b.min(d)]
 }
@@ -103,8 +103,8 @@ fn of_model(model: &MaterialModel) -> Range {
     known.0.unwrap_or(Spectrum::EVERYWHERE_NM)
 }
 
-/// Where all spectra of a model are known. Formulas of glasses hold as far as silicon sees, so that indices do not
-/// count.
+/// Range in which all spectra of a model are known. Formulas of glasses hold as far as silicon sees, so that indices do
+/// not count.
 struct Known(Option<Range>);
 
 impl Known {

@@ -1,4 +1,4 @@
-//! Decoded pictures: how texels are stored and what numbers they stand for.
+//! Decoded images: the storage of texels and the values that they stand for.
 
 use std::sync::OnceLock;
 
@@ -8,14 +8,14 @@ use super::sampler::Taps;
 use photosite_core::Invalid;
 use photosite_core::spectrum::rgb;
 
-/// A decoded picture of up to four channels.
+/// A decoded image of up to four channels.
 #[derive(Clone, Debug)]
 pub struct Bitmap {
-    /// Where it came from, for messages.
+    /// Origin of the image, for messages.
     pub name: String,
-    /// Columns.
+    /// Number of columns.
     pub width: usize,
-    /// Rows; the first is the top.
+    /// Number of rows; the first is the top.
     pub height: usize,
     /// Texels, row by row.
     pub texels: Texels,
@@ -28,12 +28,12 @@ pub enum Texels {
     Rgba8(Vec<[u8; 4]>),
     /// 16-bit RGBA.
     Rgba16(Vec<[u16; 4]>),
-    /// Linear float RGB, of HDR pictures.
+    /// Linear float RGB, of HDR images.
     Rgb32F(Vec<[f32; 3]>),
 }
 
 impl Texels {
-    /// How many there are.
+    /// Number of texels.
     pub fn len(&self) -> usize {
         match self {
             Self::Rgba8(texels) => texels.len(),
@@ -42,13 +42,13 @@ impl Texels {
         }
     }
 
-    /// Whether there are none.
+    /// Whether there are no texels.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// Longest side of a picture: positions of texels are exact in f32 up to here.
+/// Longest side of an image: positions of texels are exact in f32 up to here.
 const MAX_SIDE: usize = 1 << 20;
 
 impl Bitmap {
@@ -56,11 +56,11 @@ impl Bitmap {
     pub fn check(&self) -> Result<(), Invalid> {
         let Self { name, width, height, texels } = self;
         if !(1..=MAX_SIDE).contains(width) || !(1..=MAX_SIDE).contains(height) {
-            let message = format!("picture \"{name}\" is {width} × {height} pixels");
-            return Err(Invalid::new("", message).help(format!("pictures have 1 to {MAX_SIDE} pixels per side")));
+            let message = format!("image \"{name}\" is {width} × {height} pixels");
+            return Err(Invalid::new("", message).help(format!("images have 1 to {MAX_SIDE} pixels per side")));
         }
         if texels.len() != width * height {
-            let message = format!("picture \"{name}\" holds {} pixels for {width} × {height}", texels.len());
+            let message = format!("image \"{name}\" holds {} pixels for {width} × {height}", texels.len());
             return Err(Invalid::new("", message).help("the file may be cut short; write it again"));
         }
         Ok(())

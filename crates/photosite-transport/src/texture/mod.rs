@@ -1,6 +1,6 @@
-//! Pictures on surfaces: bitmaps, wrap modes, filters, UV transforms.
+//! Images on surfaces: bitmaps, wrap modes, filters, UV transforms.
 //!
-//! In: decoded pictures and a point in UV space, u to the right and v down from the top-left corner of the picture
+//! In: decoded images and a point in UV space, u to the right and v down from the top-left corner of the image
 //! (glTF). Out: four numbers, linear. What they mean (a colour, a roughness, a normal) is left to whoever asks; turning
 //! colours into spectra is left to [`spectrum::upsampling`](photosite_core::spectrum::upsampling).
 //!
@@ -9,6 +9,7 @@
 //! What an average of texels would look like need not be what the average of their spectra does.
 
 mod bitmap;
+pub(crate) mod packed;
 mod sampler;
 mod transform;
 
@@ -20,22 +21,22 @@ pub use bitmap::{Bitmap, Texels};
 pub use sampler::{Filter, SamplerSettings, Wrap};
 pub use transform::UvTransform;
 
-/// A picture with everything needed to look it up at a point of a surface.
+/// Texture: an image with everything needed to look it up at a point of a surface.
 #[derive(Clone, Debug)]
 pub struct Texture {
     image: Arc<Bitmap>,
     sampler: SamplerSettings,
-    /// Surface UV → picture UV.
+    /// Surface UV → image UV.
     transform: Affine2,
-    /// Which UV set of the mesh to look up with.
+    /// Index of the mesh's UV set that is looked up.
     pub uv_set: u32,
 }
 
 impl Texture {
-    /// A picture that is looked up through `transform` and `sampler` in a UV set of the mesh.
+    /// An image that is looked up through `transform` and `sampler` in a UV set of the mesh.
     ///
     /// # Panics
-    /// If the picture does not pass [`Bitmap::check`]; those that the readers make do.
+    /// If the image does not pass [`Bitmap::check`]; those that the readers make do.
     pub fn new(image: Arc<Bitmap>, sampler: SamplerSettings, transform: UvTransform, uv_set: u32) -> Self {
         if let Err(problem) = image.check() {
             panic!("{problem}");
@@ -43,7 +44,17 @@ impl Texture {
         Self { image, sampler, transform: transform.to_affine(), uv_set }
     }
 
-    /// The picture.
+    /// Wrap modes and filter.
+    pub(crate) fn sampler(&self) -> SamplerSettings {
+        self.sampler
+    }
+
+    /// Transform from the UV of the surface to that of the image.
+    pub(crate) fn transform(&self) -> Affine2 {
+        self.transform
+    }
+
+    /// Image of the texture.
     pub fn image(&self) -> &Bitmap {
         &self.image
     }
@@ -57,7 +68,7 @@ impl Texture {
     }
 
     /// RGBA at `uv` of the surface with R, G, B decoded from sRGB before they are mixed: colours. Alpha is linear in
-    /// any case, and so are pictures of floats.
+    /// any case, and so are images of floats.
     #[inline]
     pub fn sample_rgba_srgb(&self, uv: Vec2) -> [f32; 4] {
         let taps = self.sampler.taps(self.transform.transform_point2(uv), self.image.width, self.image.height);
@@ -151,9 +162,9 @@ mod tests {
 
     #[test]
     fn top_left_is_the_origin() {
-        let picture = texture(grey(&[0, 51, 102, 153, 204, 255]), [3, 2], Wrap::Repeat, Filter::Nearest);
+        let image = texture(grey(&[0, 51, 102, 153, 204, 255]), [3, 2], Wrap::Repeat, Filter::Nearest);
         for (u, v, expected) in [(0.1, 0.1, 0.0), (0.9, 0.1, 102.0), (0.1, 0.9, 153.0), (0.9, 0.9, 255.0)] {
-            assert!((red(&picture, u, v) * 255.0 - expected).abs() < 1e-4, "{u} {v}");
+            assert!((red(&image, u, v) * 255.0 - expected).abs() < 1e-4, "{u} {v}");
         }
     }
 
@@ -164,9 +175,9 @@ mod tests {
             for filter in [Filter::Nearest, Filter::Linear] {
                 for size in [[1, 1], [2, 3], [5, 1]] {
                     let texels = grey(&vec![128; size[0] * size[1]]);
-                    let picture = texture(texels, size, wrap, filter);
+                    let image = texture(texels, size, wrap, filter);
                     for (u, v) in odd.iter().flat_map(|&u| odd.map(|v| (u, v))) {
-                        let value = red(&picture, u, v);
+                        let value = red(&image, u, v);
                         assert!((value * 255.0 - 128.0).abs() < 1e-4, "{wrap:?} {filter:?} {u} {v}: {value}");
                     }
                 }
@@ -177,12 +188,12 @@ mod tests {
     #[test]
     fn colours_are_decoded_before_they_are_mixed_and_alpha_never() {
         let half = Texels::Rgba8(vec![[0, 0, 0, 0], [255, 188, 255, 128]]);
-        let picture = texture(half, [2, 1], Wrap::ClampToEdge, Filter::Linear);
-        let [r, g, b, a] = picture.sample_rgba_srgb(vec2(0.5, 0.5));
+        let image = texture(half, [2, 1], Wrap::ClampToEdge, Filter::Linear);
+        let [r, g, b, a] = image.sample_rgba_srgb(vec2(0.5, 0.5));
         assert!((r - 0.5).abs() < 1e-6 && (b - 0.5).abs() < 1e-6);
         assert!((g - 0.5 * rgb::decode(188.0 / 255.0)).abs() < 1e-6);
         assert!((a - 0.5 * 128.0 / 255.0).abs() < 1e-6);
-        assert!((picture.sample_rgba_linear(vec2(0.5, 0.5))[1] - 0.5 * 188.0 / 255.0).abs() < 1e-6);
+        assert!((image.sample_rgba_linear(vec2(0.5, 0.5))[1] - 0.5 * 188.0 / 255.0).abs() < 1e-6);
     }
 
     #[test]
@@ -201,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_of_the_wrong_size_are_refused() {
+    fn images_of_the_wrong_size_are_refused() {
         for (width, height, count) in [(2, 2, 3), (0, 0, 0), (0, 5, 0), (usize::MAX, 2, 4)] {
             let image = Bitmap { name: "brick.png".to_owned(), width, height, texels: grey(&vec![0; count]) };
             assert!(image.check().expect_err("inconsistent").message.contains("brick.png"));

@@ -1,8 +1,11 @@
-//! Which texels count at a point, and how much: wrap modes and filters, as OpenGL and glTF define them.
+//! Texels that count at a point, with their weights: wrap modes and filters, as OpenGL and glTF define them.
 
 use glam::{Vec2, Vec4};
+use photosite_core::keys::Keys;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
 
-/// How texels are found and mixed.
+/// Settings by which texels are found and interpolated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SamplerSettings {
     /// Wrap along u and v.
@@ -17,24 +20,28 @@ impl Default for SamplerSettings {
     }
 }
 
-/// What lies outside the unit square.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Wrap mode: the continuation of the image beyond its borders.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema, Keys)]
+#[serde(rename_all = "kebab-case")]
 pub enum Wrap {
-    /// The picture again.
+    /// Image repeated.
     Repeat,
-    /// The picture mirrored, then again.
+    /// Image mirrored, then repeated.
+    #[serde(rename = "mirror")]
     MirroredRepeat,
-    /// The texels of the border.
+    /// Border of the image.
+    #[serde(rename = "clamp")]
     ClampToEdge,
 }
 
-/// Interpolation between texels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Filter: the interpolation between texels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema, Keys)]
+#[serde(rename_all = "kebab-case")]
 pub enum Filter {
-    /// The texel that contains the point.
-    Nearest,
-    /// Bilinear between texel centres.
+    /// Bilinear interpolation.
     Linear,
+    /// The nearest texel.
+    Nearest,
 }
 
 /// The four texels around a point, rows first, and where between them the point lies. A single texel is four times the
@@ -47,7 +54,7 @@ pub(super) struct Taps {
 }
 
 impl Taps {
-    /// One texel alone.
+    /// Taps of one texel alone.
     pub(super) fn single(index: usize) -> Self {
         Self { indices: [index; 4], within: Vec2::ZERO }
     }
@@ -68,7 +75,7 @@ impl Taps {
 }
 
 impl SamplerSettings {
-    /// The texels at `uv` of a picture of at least 1 × 1.
+    /// The texels at `uv` of an image of at least 1 × 1.
     #[inline]
     pub(super) fn taps(&self, uv: Vec2, width: usize, height: usize) -> Taps {
         let axis = |wrap: Wrap, u: f32, size: usize| match self.filter {

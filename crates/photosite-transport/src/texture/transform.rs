@@ -1,4 +1,4 @@
-//! Moving, turning and scaling UVs, as the glTF extension KHR_texture_transform does.
+//! Transforms of UVs that move, turn and scale them, as the glTF extension KHR_texture_transform does.
 
 use glam::{Affine2, Mat2, Vec2};
 
@@ -9,7 +9,7 @@ pub struct UvTransform {
     pub offset: Vec2,
     /// Rotation, rad, counter-clockwise as the extension defines it: as one sees it with u to the right and v down.
     pub rotation_rad: f32,
-    /// Scale.
+    /// Scale along u and v.
     pub scale: Vec2,
 }
 
@@ -25,7 +25,7 @@ impl UvTransform {
         self.to_affine().transform_point2(uv)
     }
 
-    /// The same as a matrix.
+    /// Transform of the UVs as a matrix.
     pub fn to_affine(&self) -> Affine2 {
         let (sin, cos) = self.rotation_rad.sin_cos();
         let rotation = Mat2::from_cols(Vec2::new(cos, -sin), Vec2::new(sin, cos));
@@ -51,7 +51,7 @@ mod tests {
         // "Utilizes only the lower left quadrant of the source image, rotated clockwise 90°": v points down.
         let quadrant = UvTransform { offset: vec2(0.0, 1.0), rotation_rad: FRAC_PI_2, scale: vec2(0.5, 0.5) };
         for (uv, expected) in [
-            // The picture's left bottom corner is seen at the top left, its left edge along the top.
+            // The image's left bottom corner is seen at the top left, its left edge along the top.
             (vec2(0.0, 0.0), vec2(0.0, 1.0)),
             (vec2(1.0, 0.0), vec2(0.0, 0.5)),
             (vec2(0.0, 1.0), vec2(0.5, 1.0)),

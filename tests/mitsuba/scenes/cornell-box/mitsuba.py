@@ -11,7 +11,7 @@ def load(mitsuba, folder, export):
     light = photometric(at(SPECTRA / "cornell" / "light.csv"), 10_000)
     materials = {name: (diffuse(at(SPECTRA / "cornell" / f"{name}.csv")), None) for name in ("white", "red", "green")}
     materials["lamp"] = (diffuse(np.full(GRID.shape, 0.78)), light)
-    # The pinhole is focused at infinity: the picture lies one focal length behind it.
+    # The pinhole is focused at infinity: the image lies one focal length behind it.
     counts = film("generic-cmos-color", 64, 64, 45.0, 2.0, 4.032e-3, 4.032e-3, 0.0001)
     with tempfile.TemporaryDirectory() as scratch:
         box = shapes(folder, Path(scratch), ["../../../../scenes/cornell-box/cornell-box.obj"], materials, scale=0.001)

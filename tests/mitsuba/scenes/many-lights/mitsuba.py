@@ -17,7 +17,7 @@ def load(mitsuba, folder, export):
         "lamps": (diffuse(black), photometric(illuminant_a(), 30_000)),
         "bright": (diffuse(black), photometric(daylight, 300_000)),
     }
-    # A pinhole focused at infinity: the picture lies one focal length behind it.
+    # A pinhole focused at infinity: the image lies one focal length behind it.
     counts = film("generic-cmos-color", 64, 64, 45.0, 2.0, 4e-3, 4e-3, 0.00003)
     files = [f"../../geometry/{name}.obj" for name in ("stage", "block", "lamps")]
     with tempfile.TemporaryDirectory() as scratch:

@@ -1,5 +1,4 @@
-//! Fitting a [`SigmoidPolynomial`] to a colour: the coefficients for which a surface under D65 has the linear sRGB
-//! asked for.
+//! Fitting a [`SigmoidPolynomial`] to a colour: coefficients of a reflectance that has a given linear sRGB under D65.
 
 use std::sync::OnceLock;
 
@@ -11,7 +10,7 @@ use crate::spectrum::{cie, illuminant, rgb};
 /// Number of wavelengths that colours are integrated over: every nanometre of [`RANGE_NM`].
 const STEPS: usize = (RANGE_NM[1] - RANGE_NM[0]) as usize + 1;
 
-/// What a reflectance of 1 at one nanometre adds to linear sRGB under D65. The sum over all is (1, 1, 1).
+/// Contribution of a reflectance of 1 at one nanometre to linear sRGB under D65. The sum over all is (1, 1, 1).
 fn weights() -> &'static [DVec3; STEPS] {
     static WEIGHTS: OnceLock<Box<[DVec3; STEPS]>> = OnceLock::new();
     WEIGHTS.get_or_init(|| {
@@ -97,7 +96,7 @@ pub(super) fn fit(target: DVec3, start: DVec4, iterations: usize) -> Fit {
     Fit { v, error: (target - found).abs().max_element() }
 }
 
-/// The product of a column with itself as a row.
+/// Outer product of a column with itself.
 fn outer(column: DVec3) -> DMat3 {
     DMat3::from_cols(column * column.x, column * column.y, column * column.z)
 }

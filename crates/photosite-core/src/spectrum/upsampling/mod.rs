@@ -1,9 +1,10 @@
-//! Colours of textures and files as spectra, after [JakobHanika19](crate::references#jakobhanika19).
+//! Spectral upsampling: reflectances and emission spectra for colours of textures and files, after
+//! [JakobHanika19](crate::references#jakobhanika19).
 //!
-//! In: linear sRGB. Out: a smooth reflectance between 0 and 1 that has this colour under D65, or light of this colour
-//! as a multiple of D65. Greys become constants. Of the infinitely many spectra of a colour this is a plausible one,
-//! not the true one: where the light is far from D65, or the sensor far from the eye, a measured spectrum is worth
-//! more. Beyond 360–830 nm the value at the nearer end holds.
+//! Linear sRGB becomes a smooth reflectance between 0 and 1 that has this colour under D65, or light of this colour as
+//! a multiple of D65. Greys become constants. Of the infinitely many spectra of a colour this is a plausible one, not
+//! the true one: where the light is far from D65, or the sensor far from the eye, a measured spectrum is worth more.
+//! Beyond 360–830 nm the value at the nearer end holds.
 //!
 //! [`reflectance_polynomial`] is for textures, a table look-up good to about 0.002 in each channel; the functions that
 //! give a [`Spectrum`] are for constants and exact.
@@ -18,15 +19,15 @@ pub use polynomial::{RANGE_NM, SigmoidPolynomial};
 
 use super::{Spectrum, illuminant};
 
-/// A reflectance of this linear sRGB under D65. Channels are taken to be in [0, 1]; what is outside is clamped, what is
-/// no number becomes 0.
+/// A reflectance of this linear sRGB under D65. Channels are clamped to [0, 1]; NaN becomes 0.
 #[inline]
 pub fn reflectance_polynomial(rgb: [f32; 3]) -> SigmoidPolynomial {
     let rgb = rgb.map(within_unit);
     if rgb[0] == rgb[1] && rgb[1] == rgb[2] { SigmoidPolynomial::constant(rgb[0]) } else { table::look_up(rgb) }
 }
 
-/// Like [`reflectance_polynomial`], but with the colour met to 1e-5: the table's polynomial after a few Newton steps.
+/// Reflectance whose linear sRGB under D65 is met to 1e-5: the polynomial of [`reflectance_polynomial`] after a few
+/// Newton steps.
 pub fn precise_polynomial(rgb: [f32; 3]) -> SigmoidPolynomial {
     let rgb = rgb.map(within_unit);
     let guess = reflectance_polynomial(rgb);
@@ -43,9 +44,9 @@ pub fn reflectance_spectrum(rgb: [f32; 3]) -> Spectrum {
     precise_polynomial(rgb).to_spectrum()
 }
 
-/// Any colour without an upper bound, as a factor and a polynomial: rgb = factor·S with S at most about ½, so that
-/// bright saturated colours stay smooth ([pbrt4](crate::references#pbrt4) §4.6.6). Negative channels, infinite ones and
-/// what is no number become 0.
+/// Factor and polynomial of a colour without an upper bound: rgb = factor·S with S at most about ½, so that bright
+/// saturated colours stay smooth ([pbrt4](crate::references#pbrt4) §4.6.6). Negative channels, infinite ones and NaN
+/// become 0.
 #[inline]
 pub fn unbounded_polynomial(rgb: [f32; 3]) -> (f32, SigmoidPolynomial) {
     let (factor, rgb) = halved(rgb);
@@ -59,13 +60,19 @@ pub fn rgb_illuminant(rgb: [f32; 3]) -> Spectrum {
     reflectance_spectrum(rgb).product(illuminant::d65()).scale(f64::from(factor))
 }
 
-/// Clamped to [0, 1]; 0 for what is no number.
+/// The table of fitted polynomials as plain data: the bits of b₀, b₁, b₂, w of each node, 32 along each of the three axes
+/// of each of the three largest channels.
+pub fn table_words() -> Vec<[u32; 4]> {
+    table::nodes().iter().map(|node| node.to_array().map(f32::to_bits)).collect()
+}
+
+/// Channel clamped to [0, 1]; 0 for NaN.
 #[inline]
 fn within_unit(channel: f32) -> f32 {
     if channel > 0.0 { channel.min(1.0) } else { 0.0 }
 }
 
-/// Twice the largest channel, and the colour divided by it.
+/// Factor and colour of [`unbounded_polynomial`]: twice the largest channel, and the colour divided by it.
 #[inline]
 fn halved(rgb: [f32; 3]) -> (f32, [f32; 3]) {
     let rgb = rgb.map(|channel| if channel.is_finite() { channel.max(0.0) } else { 0.0 });

@@ -4,7 +4,8 @@ use glam::{DVec4, Vec4};
 
 use crate::spectrum::{SampledSpectrum, Spectrum, Wavelengths};
 
-/// Range of the fit, nm; beyond it the value at the nearer end holds. A colour says nothing of a reflectance there.
+/// Range of the fit, nm; beyond it the value at the nearer end holds. A colour implies nothing about the reflectance
+/// there.
 pub const RANGE_NM: [f32; 2] = [360.0, 830.0];
 
 const CENTRE_NM: f32 = 0.5 * (RANGE_NM[0] + RANGE_NM[1]);
@@ -21,12 +22,12 @@ const HALF_WIDTH_NM: f32 = 0.5 * (RANGE_NM[1] - RANGE_NM[0]);
 pub struct SigmoidPolynomial(Vec4);
 
 impl SigmoidPolynomial {
-    /// From homogeneous coordinates (b₀, b₁, b₂, w).
+    /// Polynomial of homogeneous coordinates (b₀, b₁, b₂, w).
     pub(super) fn from_homogeneous(coordinates: Vec4) -> Self {
         Self(coordinates)
     }
 
-    /// The same value in [0, 1] at every wavelength, exactly.
+    /// Constant spectrum of a value in [0, 1], exact at every wavelength.
     #[inline]
     pub fn constant(value: f32) -> Self {
         // With P = v − ½ and w² = v(1 − v) the root is ½.

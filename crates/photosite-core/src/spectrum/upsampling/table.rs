@@ -1,9 +1,9 @@
-//! The table of fitted polynomials, and the look-up in it that textures use.
+//! The table of fitted polynomials, and its interpolation for textures.
 //!
-//! A colour is placed by its largest channel m, by the value z of that channel, and by the two others relative to it,
-//! x = (next channel)/z and y = (the one after)/z, as in [JakobHanika19](crate::references#jakobhanika19) §4.1. Along
+//! A colour is placed by its largest channel m, by the value z of that channel, and by the two others relative to it, x
+//! = (next channel)/z and y = (the one after)/z, as in [JakobHanika19](crate::references#jakobhanika19) §4.1. Along
 //! each of the three axes the nodes are at z = s²/(s² + (1 − s)²) for evenly spaced s: near 0 and near 1, where the
-//! coefficients of saturated spectra run off like 1/√z and 1/√(1 − z), they lie dense in proportion. What is stored and
+//! coefficients of saturated spectra run off like 1/√z and 1/√(1 − z), they lie dense in proportion. Stored and
 //! interpolated are homogeneous coordinates (see [`SigmoidPolynomial`]), which stay finite there, and are nearly linear
 //! in s.
 
@@ -26,7 +26,7 @@ const NEARLY_BLACK: f64 = 1e-6;
 /// The file: four little-endian f32 (b₀, b₁, b₂, w) a node, x fastest, then y, z, m.
 const FILE: &[u8] = include_bytes!("../../../assets/spectra/jakob-hanika-srgb.bin");
 
-fn nodes() -> &'static [Vec4] {
+pub(super) fn nodes() -> &'static [Vec4] {
     static TABLE: OnceLock<Vec<Vec4>> = OnceLock::new();
     TABLE.get_or_init(|| {
         let number = |bytes: &[u8]| f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
@@ -81,7 +81,7 @@ fn node_colour(largest: usize, [i, j, k]: [usize; 3]) -> DVec3 {
     rgb
 }
 
-/// The content of `assets/spectra/jakob-hanika-srgb.bin`, fitted anew. Takes some seconds.
+/// The content of `assets/spectra/jakob-hanika-srgb.bin`, fitted anew. The fit takes some seconds.
 ///
 /// Returns the bytes and the largest error of a channel relative to the colour's largest channel.
 pub(super) fn fit_all() -> (Vec<u8>, f64) {

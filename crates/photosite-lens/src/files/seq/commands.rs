@@ -1,47 +1,47 @@
-//! A sequence as commands.
+//! Commands of a CODE V sequence.
 
 use crate::files::draft::{Fault, Read};
 use crate::files::text::number;
 use crate::files::text::positive;
 
-/// A command.
+/// A command of a sequence.
 #[derive(Debug)]
 pub(super) struct Command {
-    /// Its line, counted from 1.
+    /// Line, counted from 1.
     pub(super) line: usize,
-    /// What it does: its first three letters, in capitals; `S` for every surface.
+    /// Key: the first three letters in capitals; `S` for every surface.
     pub(super) key: String,
-    /// All words, without the quotes of texts.
+    /// All words; texts without their quotes.
     pub(super) words: Vec<String>,
-    /// The surface that it names: 5 of `STO S5`.
+    /// Surface named by the command: 5 of `STO S5`.
     pub(super) surface: Option<usize>,
-    /// The zoom position that it names: 2 of `THI S5 Z2 1.5`.
+    /// Zoom position named by the command: 2 of `THI S5 Z2 1.5`.
     pub(super) zoom: Option<usize>,
-    /// Whether it is part of the private catalogue, between PRV and END.
+    /// Whether the command is part of the private catalogue, between PRV and END.
     pub(super) is_private: bool,
 }
 
 impl Command {
-    /// The words behind the key and the qualifiers.
+    /// Words behind the key and the qualifiers.
     pub(super) fn arguments(&self) -> Vec<&str> {
         let is_qualifier = |word: &&String| qualifier(word, 'S').is_some() || qualifier(word, 'Z').is_some();
         self.words[1..].iter().skip_while(is_qualifier).map(String::as_str).collect()
     }
 
-    /// A number above 0.
+    /// Argument that must be a number above 0.
     pub(super) fn positive(&self, word: usize) -> Read<f64> {
         let words: Vec<&str> = self.words[word.min(self.words.len())..].iter().map(String::as_str).collect();
         positive(&words, &self.key, self.line)
     }
 }
 
-/// 5 of `S5`.
+/// Number of a qualifier, 5 of `S5`.
 fn qualifier(word: &str, letter: char) -> Option<usize> {
     let digits = word.strip_prefix(letter).or_else(|| word.strip_prefix(letter.to_ascii_lowercase()))?;
     digits.parse().ok()
 }
 
-/// The commands of a text. `!` begins a comment, `&` at the end of a line continues it, `;` ends a command.
+/// Commands of a text. `!` begins a comment, `&` at the end of a line continues it, `;` ends a command.
 pub(super) fn commands(text: &str) -> Vec<Command> {
     let mut found = Vec::new();
     let mut is_private = false;
@@ -78,7 +78,7 @@ pub(super) fn commands(text: &str) -> Vec<Command> {
     found
 }
 
-/// `S`, `SO`, `SI`, `S3` and the first three letters of all others, in capitals.
+/// Key of a command: `S`, `SO`, `SI`, `S3`, or the first three letters of all others, in capitals.
 fn key(word: &str) -> String {
     let upper = word.to_ascii_uppercase();
     if qualifier(&upper, 'S').is_some() {
@@ -91,7 +91,7 @@ fn without_comment(line: &str) -> &str {
     split_outside_quotes(line, '!').next().unwrap_or_default()
 }
 
-/// Parts between a letter, where it stands outside of quotes.
+/// Parts of a text between separators outside of quotes.
 fn split_outside_quotes(text: &str, separator: char) -> impl Iterator<Item = &str> {
     let mut quote = None;
     text.split(move |c| {
@@ -104,7 +104,7 @@ fn split_outside_quotes(text: &str, separator: char) -> impl Iterator<Item = &st
     })
 }
 
-/// Words; a text in quotes is one.
+/// Words of a command; a text in quotes is one.
 fn words(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut rest = text.trim_start();
@@ -125,7 +125,7 @@ pub(super) fn is_number(word: &str) -> bool {
     number(word).is_some()
 }
 
-/// The fault of a command.
+/// Fault at a command.
 pub(super) fn fault(command: &Command, message: &str) -> Fault {
     Fault::at(command.line, format!("{}: {message}", command.words.join(" ")))
 }

@@ -9,28 +9,29 @@ use crate::files::draft::Read;
 use crate::files::text::number;
 use crate::prescription::Glass;
 
-/// Most wavelengths of a table.
+/// Largest number of wavelengths of a table.
 const MOST: usize = 100;
 
-/// The most that a formula may be off the table, and above which that is warned of.
+/// Errors of a formula against the table above which the residuals are interpolated, and above which a warning is
+/// given.
 const PRECISION: f64 = 1e-5;
 const POOR: f64 = 1e-4;
 
-/// Exponents of λ in the terms of n²: Schott's, then one more at either end. Glasses are read with as few as do.
+/// Exponents of λ in the terms of n²: Schott's, then one more at either end. The fewest terms that suffice are used.
 const EXPONENTS: [f64; 8] = [0.0, -2.0, 2.0, -4.0, -6.0, -8.0, 4.0, -10.0];
 
-/// What a private catalogue holds.
+/// Content of a private catalogue.
 #[derive(Debug, Default)]
 pub(super) struct Catalogue {
-    /// The glasses by name in capitals.
+    /// Glasses by name in capitals.
     pub(super) glasses: BTreeMap<String, Glass>,
-    /// What is there and not used.
+    /// Unused content.
     pub(super) ignored: Vec<String>,
-    /// Tables that no formula goes through.
+    /// Warnings of tables that no formula fits.
     pub(super) warnings: Vec<String>,
 }
 
-/// The private catalogue of a sequence.
+/// Private catalogue of a sequence.
 pub(super) fn glasses(commands: &[Command]) -> Read<Catalogue> {
     let mut found = Catalogue::default();
     let mut wavelengths: Vec<f64> = Vec::new();
@@ -82,14 +83,14 @@ pub(super) fn glasses(commands: &[Command]) -> Read<Catalogue> {
     Ok(found)
 }
 
-/// A formula of the index, what it is called, and its largest error at the wavelengths given.
+/// A formula of the index, its name, and its largest error at the given wavelengths.
 struct Fit {
     dispersion: Dispersion,
     formula: String,
     error: f64,
 }
 
-/// The formula of fewest terms that is within 1e-5 of the table, else the best: Conrady's, then n² as a sum of powers of λ.
+/// Formula of fewest terms that is within 1e-5 of the table, else the best: Conrady's, then n² as a sum of powers of λ.
 /// A glass of one index is constant.
 fn fitted(wavelengths_nm: &[f64], indices: &[f64]) -> Option<Fit> {
     let of = |dispersion: Dispersion, formula: String| {
@@ -126,7 +127,7 @@ fn fitted(wavelengths_nm: &[f64], indices: &[f64]) -> Option<Fit> {
     best
 }
 
-/// A formula and what the indices are off it, which runs straight from line to line and stays as it is beyond them.
+/// Formula plus its residuals at the tabulated wavelengths, interpolated linearly and constant beyond the ends.
 fn interpolated(formula: &Dispersion, wavelengths_nm: &[f64], indices: &[f64]) -> Dispersion {
     let mut off: Vec<(f64, f64)> =
         wavelengths_nm.iter().zip(indices).map(|(&nm, n)| (nm, n - formula.index(nm))).collect();
@@ -143,8 +144,8 @@ fn interpolated(formula: &Dispersion, wavelengths_nm: &[f64], indices: &[f64]) -
     Dispersion::Table(Spectrum::from_fn(|nm| formula.index(nm) + rest(nm)))
 }
 
-/// The factors of powers of x whose sum has the least squares of differences from `values`, by Gram and Schmidt's
-/// orthogonal columns, twice for the sake of digits. `None` where there are fewer values than powers.
+/// Factors of powers of x with the least sum of squared differences from `values`, by Gram and Schmidt's orthogonal
+/// columns, twice for the sake of digits. `None` where there are fewer values than powers.
 fn least_squares(x: &[f64], values: &[f64], exponents: &[f64]) -> Option<Vec<f64>> {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let less = |from: &mut [f64], factor: f64, column: &[f64]| {

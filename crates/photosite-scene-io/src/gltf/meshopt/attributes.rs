@@ -1,19 +1,19 @@
-//! Mode 0: attributes. The bytes of an element are differences to those of the one before, stored byte by byte in groups
-//! of 16.
+//! Attribute streams of meshopt (mode 0): the bytes of an element are differences to those of the one before, stored
+//! byte by byte in groups of 16.
 
 use super::stream::{Fault, Stream, TOO_SHORT, unzigzag};
 
-/// Elements of a group.
+/// Number of elements of a group.
 const GROUP: usize = 16;
 
-/// What the deltas of four bytes are.
+/// Encoding of the deltas of four bytes.
 #[derive(Clone, Copy)]
 enum Channel {
     /// Differences of bytes.
     Bytes,
-    /// Differences of numbers of 16 bits.
+    /// Differences of 16-bit numbers.
     Words,
-    /// What an exclusive or of 32 bits undoes, turned left by so many of them.
+    /// Exclusive or of 32 bits, rotated left by this number of bits.
     Bits(u32),
 }
 
@@ -27,7 +27,7 @@ impl Channel {
         }
     }
 
-    /// Four bytes of an element, of those of the one before.
+    /// Decodes four bytes of an element from those of the one before and their delta.
     fn next(self, previous: [u8; 4], delta: [u8; 4]) -> [u8; 4] {
         match self {
             Self::Bytes => std::array::from_fn(|i| previous[i].wrapping_add(unzigzag(u32::from(delta[i])) as u8)),
@@ -47,7 +47,7 @@ impl Channel {
     }
 }
 
-/// Unpacks so many elements of `stride` bytes, a multiple of four up to 256.
+/// Unpacks `count` elements of `stride` bytes, a multiple of four up to 256.
 pub(super) fn decode(packed: &[u8], count: usize, stride: usize, allows_version_1: bool) -> Result<Vec<u8>, Fault> {
     let is_version_1 = match packed.first() {
         Some(0xa0) => false,
@@ -107,7 +107,7 @@ pub(super) fn decode(packed: &[u8], count: usize, stride: usize, allows_version_
     Ok(unpacked)
 }
 
-/// Reads deltas of so many bits. One of ones alone stands for a byte that follows them all.
+/// Reads deltas of `width` bits. A delta of all ones stands for a byte that follows them all.
 fn read_group(stream: &mut Stream<'_>, width: usize, group: &mut [u8; GROUP]) -> Result<(), Fault> {
     match width {
         0 => group.fill(0),

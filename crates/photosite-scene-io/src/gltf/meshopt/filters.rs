@@ -1,14 +1,14 @@
-//! What is done to unpacked attributes: directions, rotations, real numbers and colours get their usual form.
+//! Filters of meshopt: unpacked attributes decoded into directions, rotations, real numbers and colours.
 
-/// A component of four, little-endian.
+/// Component of a vector of four, little-endian.
 pub(super) trait Component: Copy {
-    /// Its largest value.
+    /// Largest value of the type.
     const LARGEST: f32;
 
     fn read(bytes: &[u8]) -> [Self; 4];
     fn write(components: [Self; 4], bytes: &mut [u8]);
     fn float(self) -> f32;
-    /// The nearest; 0 of what is no number.
+    /// Nearest value of the type; 0 for NaN.
     fn nearest(value: f32) -> Self;
 }
 
@@ -46,7 +46,8 @@ fn each<T: Component>(bytes: &mut [u8], decode: impl Fn([T; 4]) -> [T; 4]) {
     bytes.chunks_exact_mut(4 * size_of::<T>()).for_each(|four| T::write(decode(T::read(four)), four));
 }
 
-/// Unit vectors, of their place on an octahedron; the third component is the largest that the first two can have.
+/// Unit vectors from their place on an octahedron; the third component holds the largest value that the first two can
+/// have.
 pub(super) fn octahedral<T: Component>(bytes: &mut [u8]) {
     each(bytes, |[x, y, one, fourth]: [T; 4]| {
         let [x, y] = [x, y].map(|c| c.float() / one.float());
@@ -60,8 +61,8 @@ pub(super) fn octahedral<T: Component>(bytes: &mut [u8]) {
     });
 }
 
-/// Unit quaternions, of all components but the largest. The fourth number tells which that is in its two lowest bits;
-/// with these set, it is the largest that the others can have.
+/// Unit quaternions from all components but the largest. The fourth number holds the index of that one in its two
+/// lowest bits; with these set, it is the largest value that the others can have.
 pub(super) fn quaternion(bytes: &mut [u8]) {
     each(bytes, |[x, y, z, code]: [i16; 4]| {
         let scale = std::f32::consts::FRAC_1_SQRT_2 / f32::from(code | 3);
@@ -74,7 +75,7 @@ pub(super) fn quaternion(bytes: &mut [u8]) {
     });
 }
 
-/// Real numbers, of an exponent of 8 bits and a mantissa of 24.
+/// Real numbers from an exponent of 8 bits and a mantissa of 24.
 pub(super) fn exponential(bytes: &mut [u8]) {
     for bytes in bytes.as_chunks_mut::<4>().0 {
         let number = i32::from_le_bytes(*bytes);
@@ -83,7 +84,7 @@ pub(super) fn exponential(bytes: &mut [u8]) {
     }
 }
 
-/// Colours, of luma and two differences. The highest bit of the alpha tells how many bits all have.
+/// Colours from luma and two differences. The highest bit of the alpha gives the number of bits of all.
 pub(super) fn colour<T: Component>(bytes: &mut [u8])
 where
     u32: From<T>,

@@ -1,12 +1,12 @@
-//! Modes 1 and 2: indices. Those of triangles share edges and corners with the last few; others are differences to the
-//! one before.
+//! Index streams of meshopt (modes 1 and 2): triangles share edges and corners with the last few; other indices are
+//! differences to the one before.
 
 use super::stream::{Fault, Stream, TOO_SHORT, unzigzag};
 
-/// Entries of both queues of triangles.
+/// Number of entries of both queues of triangles.
 const QUEUE: usize = 16;
 
-/// The last few that were pushed.
+/// Ring buffer of the last pushed entries.
 struct Queue<T> {
     entries: [T; QUEUE],
     pushed: usize,
@@ -22,7 +22,7 @@ impl<T: Copy + Default> Queue<T> {
         self.pushed += 1;
     }
 
-    /// The last one is number 0.
+    /// Entry by its age; the last pushed is number 0.
     fn get(&self, number: u8) -> Result<T, Fault> {
         let number = usize::from(number);
         if number >= self.pushed {
@@ -32,20 +32,20 @@ impl<T: Copy + Default> Queue<T> {
     }
 }
 
-/// What is known of the triangles so far.
+/// State of the decoder of triangles.
 struct Corners<'a> {
     /// Numbers that do not fit into the code of a triangle.
     data: Stream<'a>,
     edges: Queue<[u32; 2]>,
     vertices: Queue<u32>,
-    /// The next vertex that is new.
+    /// Next vertex that is new.
     next: u32,
-    /// The last one that was given by a number.
+    /// Last vertex that was given by a number.
     last: u32,
 }
 
 impl Corners<'_> {
-    /// The next new vertex.
+    /// Takes the next new vertex.
     fn fresh(&mut self) -> u32 {
         let vertex = self.next;
         self.next = self.next.wrapping_add(1);
@@ -62,7 +62,7 @@ impl Corners<'_> {
         Ok(self.moved(by))
     }
 
-    /// A triangle on an edge that was there.
+    /// Triangle on an edge of an earlier triangle.
     fn on_edge(&mut self, edge: u8, corner: u8) -> Result<[u32; 3], Fault> {
         let [a, b] = self.edges.get(edge)?;
         let c = match corner {
@@ -80,7 +80,7 @@ impl Corners<'_> {
         Ok([a, b, c])
     }
 
-    /// A triangle of which four bits each say what the second and the third corner are.
+    /// Triangle whose second and third corner are coded by four bits each.
     fn on_corners(&mut self, a: u32, corners: u8) -> Result<[u32; 3], Fault> {
         let mut corner = |code: u8| match code {
             0 => Ok(self.fresh()),
@@ -154,7 +154,7 @@ pub(super) fn decode_sequence(packed: &[u8], count: usize) -> Result<Vec<u32>, F
     Ok(indices)
 }
 
-/// Indices of so many bytes, 2 or 4.
+/// Bytes of indices, 2 or 4 each.
 pub(super) fn bytes(indices: &[u32], stride: usize) -> Vec<u8> {
     indices.iter().flat_map(|index| index.to_le_bytes().into_iter().take(stride)).collect()
 }

@@ -1,8 +1,8 @@
-//! Buffer views that are packed, as EXT_meshopt_compression and KHR_meshopt_compression have it.
+//! Packed buffer views of EXT_meshopt_compression and KHR_meshopt_compression.
 //!
-//! In: the table of the extension and the packed bytes. Out: the bytes of the buffer view. The streams are those of
-//! appendix A of the specifications, the filters those of appendix B. Both extensions are the same but for what the KHR
-//! one adds: version 1 of attributes, and the filter of colours.
+//! The table of the extension and the packed bytes give the bytes of the buffer view. The streams are those of appendix
+//! A of the specifications, the filters those of appendix B. Both extensions are the same but for what the KHR one
+//! adds: version 1 of attributes, and the filter of colours.
 //!
 //! The decoders are our own: they are short, and the format is settled. The libraries that have them hold all of
 //! meshoptimizer, which takes half a minute to compile.
@@ -17,16 +17,16 @@ use serde::Deserialize;
 
 use photosite_core::{Invalid, memory};
 
-/// The names of the extension, of which a view may have one.
+/// Names of the extension, of which a view may have one.
 pub(super) const NAMES: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 
-/// Most bytes that a packed byte stands for: a block of 256 attributes that are all alike takes a quarter of a byte for
-/// each of theirs.
+/// Largest ratio of unpacked to packed bytes: a block of 256 identical attributes takes a quarter of a byte for each of
+/// their bytes.
 const MOST_INFLATION: u64 = 1024;
 
-/// How a buffer view is packed.
+/// Packing of a buffer view.
 pub(super) struct Packed {
-    /// Where the extension stands.
+    /// Path of the extension in the document.
     pub(super) key: String,
     pub(super) table: Table,
     is_khr: bool,
@@ -83,7 +83,7 @@ pub(super) fn is_packed(view: &buffer::View) -> bool {
 }
 
 impl Packed {
-    /// How a view is packed, if it is. `key` names the view.
+    /// Packing of a view, if it is packed. `key` names the view.
     pub(super) fn of_view(view: &buffer::View, key: &str) -> Result<Option<Self>, Invalid> {
         let find = |name| Some((name, view.extensions.as_ref()?.others.get(name)?));
         let Some((name, value)) = NAMES.into_iter().find_map(find) else { return Ok(None) };
@@ -92,7 +92,7 @@ impl Packed {
         Ok(Some(Self { key, table, is_khr: name == NAMES[0] }))
     }
 
-    /// The bytes of the view, of those that the table names.
+    /// Unpacks the bytes of the view from those that the table names.
     pub(super) fn unpack(&self, view: &buffer::View, packed: &[u8]) -> Result<Vec<u8>, Invalid> {
         let Table { byte_stride: stride, count, mode, filter, .. } = self.table;
         let invalid = |name: &str, message: String| {

@@ -1,6 +1,6 @@
-//! A stream that is read from its front.
+//! Byte stream that is read from the front.
 
-/// What is wrong with a stream: "the packed bytes …".
+/// Fault of a stream, as the end of a sentence: "the packed bytes …".
 pub(super) type Fault = &'static str;
 
 pub(super) const TOO_SHORT: Fault = "end too early";
@@ -18,7 +18,8 @@ impl<'a> Stream<'a> {
         Ok(self.take(1)?[0])
     }
 
-    /// A number of one to five bytes, seven bits in each, the lowest first; a set bit above them says that more follow.
+    /// Reads a number of one to five bytes, seven bits in each, the lowest first; a set bit above them says that more
+    /// follow.
     pub(super) fn number(&mut self) -> Result<u32, Fault> {
         let mut number = 0;
         for shift in [0, 7, 14, 21, 28] {
@@ -31,7 +32,7 @@ impl<'a> Stream<'a> {
         Err("hold a number of more than five bytes")
     }
 
-    /// Refuses what is left over.
+    /// Refuses left-over bytes.
     pub(super) fn end(&self) -> Result<(), Fault> {
         if self.0.is_empty() { Ok(()) } else { Err("are more than what they are said to hold") }
     }

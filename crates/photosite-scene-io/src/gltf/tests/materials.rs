@@ -4,14 +4,14 @@ use super::*;
 
 #[test]
 fn a_material_keeps_all_it_says() {
-    let picture = {
+    let image = {
         let mut bytes = std::io::Cursor::new(Vec::new());
         let pixels = image::RgbaImage::from_pixel(2, 2, image::Rgba([1, 2, 3, 4]));
         pixels.write_to(&mut bytes, image::ImageFormat::Png).expect("encoded");
         bytes.into_inner()
     };
     let mut fixture = Fixture::square();
-    let view = fixture.view(&picture);
+    let view = fixture.view(&image);
     fixture.json["images"] = json!([{ "bufferView": view, "mimeType": "image/png" }]);
     fixture.json["samplers"] = json!([{ "magFilter": 9728, "wrapS": 33071, "wrapT": 33648 }]);
     fixture.json["textures"] = json!([{ "source": 0, "sampler": 0 }]);
@@ -117,7 +117,7 @@ fn a_variant_is_chosen_by_its_name() {
 }
 
 #[test]
-fn webp_pictures_are_read() {
+fn webp_images_are_read() {
     let mut bytes = std::io::Cursor::new(Vec::new());
     let pixels = image::RgbaImage::from_pixel(2, 2, image::Rgba([1, 2, 3, 4]));
     pixels.write_to(&mut bytes, image::ImageFormat::WebP).expect("encoded");

@@ -1,4 +1,4 @@
-//! Whole documents, made here: what they mean, and what happens when they are damaged.
+//! Whole documents, made here: their meaning, and errors of damaged ones.
 
 mod damage;
 mod materials;
@@ -74,7 +74,7 @@ impl Fixture {
         &mut self.json["meshes"][0]["primitives"][0]
     }
 
-    /// Sets the value at a JSON pointer, making what is missing on the way.
+    /// Sets the value at a JSON pointer, creating missing parents.
     fn with(mut self, pointer: &str, value: Value) -> Self {
         let mut place = &mut self.json;
         for step in pointer.split('/').skip(1) {
@@ -87,7 +87,7 @@ impl Fixture {
         self
     }
 
-    /// With the buffer as a data URI.
+    /// Text of the document, with the buffer as a data URI.
     fn text(mut self) -> String {
         use base64::Engine;
         let data = base64::engine::general_purpose::STANDARD.encode(&self.bytes);

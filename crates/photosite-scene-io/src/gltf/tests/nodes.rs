@@ -1,4 +1,4 @@
-//! Where things are: cameras, lights, instances, skins, morph targets, animations.
+//! Positions of things: cameras, lights, instances, skins, morph targets, animations.
 
 use super::*;
 
@@ -83,7 +83,7 @@ fn skinned_vertices_follow_their_joints() {
     assert!(error.contains("vertex 1 follows joint 1 of 1"), "{error}");
 }
 
-/// A square that goes 2 m along x in 2 s and then turns by 90° about y in 1 s, with a camera and a lamp on it, and a
+/// A square that goes 2 m along x in 2 s and then turns by 90° about y in 1 s, with a camera and a light on it, and a
 /// morph target that comes in the same time.
 fn animated() -> Fixture {
     let mut f = Fixture::square();
@@ -113,7 +113,7 @@ fn at_moment(fixture: Fixture, start_s: f64, duration_s: f64) -> Result<SceneDes
 }
 
 #[test]
-fn animations_are_evaluated_over_the_time_of_a_picture() {
+fn animations_are_evaluated_over_the_time_of_an_image() {
     // On a straight way two times are enough, at 0.5 m and 1.5 m; the morph target is there by a quarter, then three.
     let scene = at_moment(animated(), 0.5, 1.0).expect("valid");
     let (instance, mesh) = (&scene.instances[0], &scene.meshes[0]);

@@ -1,11 +1,11 @@
-//! Every property that the schemas leave open, left out.
+//! Omission of every property that the schemas leave open.
 
 use std::collections::BTreeSet;
 
 use super::*;
 
-/// The objects of glTF 2.0 (Appendix "JSON Schema Reference") and of the extensions that are read: their name, what they
-/// must have, what they may have. `nodes:node` are objects of that name, or a list of them.
+/// The objects of glTF 2.0 (Appendix "JSON Schema Reference") and of the supported extensions: name, required
+/// properties, optional properties. `nodes:node` are objects of that name, or a list of them.
 const SCHEMAS: &[(&str, &str, &str)] = &[
     (
         "glTF",
@@ -131,8 +131,8 @@ const SCHEMAS: &[(&str, &str, &str)] = &[
     ("volume", "", "thicknessFactor thicknessTexture:texture-info attenuationDistance attenuationColor"),
 ];
 
-/// What the schemas leave open but something else asks for: the end of its path and the message. Where a whole list goes,
-/// what refers to it says so.
+/// Properties that the schemas leave open but other rules require: the end of the path and the message. Where a whole
+/// list is missing, the reference to it is at fault.
 const NEEDED: &[(&str, &str)] = &[
     ("/accessors", "refers to accessors["),
     ("/buffers", "refers to buffers["),
@@ -156,7 +156,7 @@ const NEEDED: &[(&str, &str)] = &[
     // "When undefined, an extension or other mechanism SHOULD supply an alternate texture source".
     ("/textures/0/source", "has no image"),
     ("/textures/1/source", "has no image"),
-    // Zeros, or the bytes of another view, are no times and no picture.
+    // Zeros, or the bytes of another view, are no times and no image.
     ("/accessors/7/bufferView", "times that do not rise"),
     ("/bufferViews/7/byteOffset", "times that do not rise"),
     ("/bufferViews/13/byteOffset", "cannot decode images[1]"),
@@ -164,7 +164,7 @@ const NEEDED: &[(&str, &str)] = &[
     ("/cameras/0/perspective", "has no perspective"),
 ];
 
-/// The paths of all that may be left out, and `object.property` of what is there.
+/// Paths of all optional properties, and `object.property` of those present.
 fn open_properties(schema: &str, value: &Value, path: &str, paths: &mut BTreeSet<String>, seen: &mut BTreeSet<String>) {
     if let Some(list) = value.as_array() {
         list.iter().enumerate().for_each(|(i, v)| open_properties(schema, v, &format!("{path}/{i}"), paths, seen));
@@ -210,7 +210,7 @@ fn everything() -> Value {
     let (sparse_indices, sparse_values) = (f.view(&[0]), f.view(&0.5f32.to_le_bytes().repeat(3)));
     let mut png = std::io::Cursor::new(Vec::new());
     image::GrayImage::from_pixel(1, 1, image::Luma([77])).write_to(&mut png, image::ImageFormat::Png).expect("encoded");
-    let picture = f.view(png.get_ref());
+    let image = f.view(png.get_ref());
     for accessor in f.json["accessors"].as_array_mut().expect("accessors") {
         accessor["byteOffset"] = json!(0);
     }
@@ -294,7 +294,7 @@ fn everything() -> Value {
         "samplers": [{ "magFilter": 9728, "minFilter": 9728, "wrapS": 10497, "wrapT": 10497, "name": "s" }],
         "images": [
             { "uri": data_uri(png.get_ref()), "name": "i", "mimeType": "image/png" },
-            { "bufferView": picture, "mimeType": "image/png" },
+            { "bufferView": image, "mimeType": "image/png" },
         ],
         "cameras": [
             { "type": "perspective", "name": "c",
@@ -330,7 +330,7 @@ fn data_uri(bytes: &[u8]) -> String {
     format!("data:application/octet-stream;base64,{}", base64::engine::general_purpose::STANDARD.encode(bytes))
 }
 
-/// Gives every object extras, and an extension where none is read there, if it may have them.
+/// Gives every object extras, and an unknown extension where it may have them.
 fn add_open_objects(schema: &str, value: &mut Value) {
     if let Some(list) = value.as_array_mut() {
         list.iter_mut().for_each(|value| add_open_objects(schema, value));

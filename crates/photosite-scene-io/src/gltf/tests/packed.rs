@@ -1,13 +1,13 @@
-//! Geometry and pictures that are packed, by the tools of others (see packed/make.py), beside what they were made of.
+//! Packed geometry and images, made by the tools of others (see packed/make.py), compared with their originals.
 
 use base64::Engine;
 use gltf::json::buffer;
 use serde::Deserialize;
 
 use super::*;
+use crate::bitmap_file::decode_bitmap;
 use crate::gltf::meshopt::Packed;
 use crate::gltf::{contained, ktx2};
-use crate::picture::decode_picture;
 use photosite_transport::texture::Bitmap;
 
 macro_rules! file {
@@ -26,7 +26,7 @@ const PACKED: [(&str, &[u8]); 7] = [
     file!("meshopt-fallback.glb"),
 ];
 
-const PICTURES: [(&str, &[u8], &[u8]); 4] = [
+const IMAGES: [(&str, &[u8], &[u8]); 4] = [
     ("etc1s", file!("etc1s.ktx2").1, file!("etc1s.png").1),
     ("etc1s-linear", file!("etc1s-linear.ktx2").1, file!("etc1s-linear.png").1),
     ("uastc", file!("uastc.ktx2").1, file!("uastc.png").1),
@@ -37,7 +37,7 @@ fn read(name: &str, bytes: &[u8]) -> Result<SceneDescription> {
     read_bytes(bytes, Path::new(name), Choice::default()).map(|file| file.scene)
 }
 
-/// Numbers that come again with the same seed.
+/// Random numbers by xorshift, repeatable by seed.
 fn xorshift(state: &mut u64) -> usize {
     *state ^= *state << 13;
     *state ^= *state >> 7;
@@ -45,7 +45,7 @@ fn xorshift(state: &mut u64) -> usize {
     *state as usize
 }
 
-/// With a few bytes that are others, or cut off.
+/// Copy with a few bytes changed, or cut off.
 fn damaged(bytes: &[u8], state: &mut u64) -> Vec<u8> {
     let mut damaged = bytes.to_vec();
     for _ in 0..1 + xorshift(state) % 4 {
@@ -239,7 +239,7 @@ fn a_stream_counts_its_vertices_itself() {
     );
 }
 
-/// A binary file of both parts.
+/// Binary file of a JSON text and a chunk.
 fn joined(json: &Value, bytes: &[u8]) -> Vec<u8> {
     let mut text = json.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
@@ -271,20 +271,20 @@ fn texels(bitmap: &Bitmap) -> &[[u8; 4]] {
 }
 
 #[test]
-fn pictures_decode_to_what_basis_universal_makes_of_them() {
-    for (name, ktx2, png) in PICTURES {
+fn images_decode_to_what_basis_universal_makes_of_them() {
+    for (name, ktx2, png) in IMAGES {
         let found = ktx2::decode(ktx2, name.to_owned()).expect(name);
-        let expected = decode_picture(png, name.to_owned()).expect("a PNG");
+        let expected = decode_bitmap(png, name.to_owned()).expect("a PNG");
         assert_eq!((found.bitmap.width, found.bitmap.height), (20, 12), "{name}");
         assert_eq!(texels(&found.bitmap), texels(&expected), "{name}");
         assert_eq!(found.is_srgb, Some(!name.contains("linear")), "{name}");
     }
 }
 
-/// A square with a picture, used as a material says.
-fn painted(picture: &[u8], material: Value) -> Fixture {
+/// A square with an image that a material uses.
+fn painted(image: &[u8], material: Value) -> Fixture {
     let mut fixture = Fixture::square();
-    let view = fixture.view(picture);
+    let view = fixture.view(image);
     let fixture = fixture.with("/images", json!([{ "bufferView": view, "mimeType": "image/ktx2" }]));
     let texture = json!([{ "extensions": { "KHR_texture_basisu": { "source": 0 } } }]);
     let fixture = fixture.with("/textures", texture).with("/extensionsRequired", json!(["KHR_texture_basisu"]));
@@ -292,16 +292,16 @@ fn painted(picture: &[u8], material: Value) -> Fixture {
 }
 
 #[test]
-fn what_a_picture_says_of_its_colours_must_be_what_they_are_used_for() {
+fn what_an_image_says_of_its_colours_must_be_what_they_are_used_for() {
     let [colours, normals] = [
         json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }),
         json!({ "normalTexture": { "index": 0 } }),
     ];
-    let (srgb, linear) = (PICTURES[0].1, PICTURES[1].1);
-    for (picture, material, warns) in
+    let (srgb, linear) = (IMAGES[0].1, IMAGES[1].1);
+    for (image, material, warns) in
         [(srgb, &colours, false), (linear, &normals, false), (linear, &colours, true), (srgb, &normals, true)]
     {
-        let scene = painted(picture, material.clone()).scene();
+        let scene = painted(image, material.clone()).scene();
         assert_eq!(scene.images[0].width, 20);
         assert_eq!(scene.warnings.len(), usize::from(warns), "{:?}", scene.warnings);
         assert!(scene.warnings.iter().all(|w| w.contains("materials[0]") && w.contains("which its use demands")));
@@ -309,9 +309,9 @@ fn what_a_picture_says_of_its_colours_must_be_what_they_are_used_for() {
 }
 
 #[test]
-fn the_picture_for_readers_that_know_no_ktx2_is_left_alone() {
-    let mut fixture = painted(PICTURES[2].1, json!({ "emissiveTexture": { "index": 0 }, "emissiveFactor": [1, 1, 1] }));
-    let view = fixture.view(b"no picture");
+fn the_image_for_readers_that_know_no_ktx2_is_left_alone() {
+    let mut fixture = painted(IMAGES[2].1, json!({ "emissiveTexture": { "index": 0 }, "emissiveFactor": [1, 1, 1] }));
+    let view = fixture.view(b"no image");
     fixture.json["images"].as_array_mut().expect("images").push(json!({ "bufferView": view }));
     fixture.json["textures"][0]["source"] = json!(1);
     fixture.json["extensionsRequired"] = json!([]);
@@ -322,12 +322,12 @@ fn the_picture_for_readers_that_know_no_ktx2_is_left_alone() {
 #[case::torn(|b: &mut Vec<u8>| b.truncate(200), "ends too early")]
 #[case::empty(|b: &mut Vec<u8>| b[20..24].fill(0), "it has no pixels")]
 #[case::large(|b: &mut Vec<u8>| b[22] = 1, "too large")]
-#[case::layers(|b: &mut Vec<u8>| b[32] = 2, "not a plain picture")]
-#[case::faces(|b: &mut Vec<u8>| b[36] = 6, "not a plain picture")]
+#[case::layers(|b: &mut Vec<u8>| b[32] = 2, "not a plain image")]
+#[case::faces(|b: &mut Vec<u8>| b[36] = 6, "not a plain image")]
 #[case::size(|b: &mut Vec<u8>| b[96] -= 16, "another size")]
-#[case::format(|b: &mut Vec<u8>| b[12] = 37, "not a picture of ETC1S or UASTC")]
-fn damaged_pictures_are_named(#[case] damage: fn(&mut Vec<u8>), #[case] message: &str) {
-    let mut bytes = PICTURES[3].1.to_vec();
+#[case::format(|b: &mut Vec<u8>| b[12] = 37, "not an image of ETC1S or UASTC")]
+fn damaged_images_are_named(#[case] damage: fn(&mut Vec<u8>), #[case] message: &str) {
+    let mut bytes = IMAGES[3].1.to_vec();
     damage(&mut bytes);
     let material = json!({ "emissiveTexture": { "index": 0 } });
     let error = painted(&bytes, material).error();
@@ -335,9 +335,9 @@ fn damaged_pictures_are_named(#[case] damage: fn(&mut Vec<u8>), #[case] message:
 }
 
 #[test]
-fn damaged_pictures_are_errors_or_pictures_and_no_panic() {
+fn damaged_images_are_errors_or_images_and_no_panic() {
     let mut state = 1;
-    for (name, ktx2, _) in PICTURES {
+    for (name, ktx2, _) in IMAGES {
         // Behind the keys and values, and whatever fills them up, nothing may be missing.
         for len in 0..ktx2.len() {
             assert!(ktx2::decode(&ktx2[..len], name.to_owned()).is_err(), "{name} of {len} bytes");
@@ -370,7 +370,7 @@ fn textures_that_cannot_be_had_get_a_stand_in_where_that_is_allowed() {
     }]);
     let lacking = || {
         let mut fixture = Fixture::square();
-        let view = fixture.view(b"no picture");
+        let view = fixture.view(b"no image");
         let images = json!([{ "uri": "gone.png" }, { "bufferView": view }, { "uri": "gone%20too.ktx2" }]);
         let fixture = fixture.with("/images", images).with("/materials", material.clone());
         // The last one is of a kind that nobody knows.

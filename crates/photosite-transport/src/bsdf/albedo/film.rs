@@ -62,7 +62,7 @@ impl FilmWeights {
         Self([0, 4].map(|j| Vec4::new(weight(j), weight(j + 1), weight(j + 2), weight(j + 3))))
     }
 
-    /// Their sum.
+    /// Sum of the weights.
     #[inline]
     pub(in crate::bsdf) fn sum(&self) -> f32 {
         (self.0[0] + self.0[1]).element_sum()

@@ -1,4 +1,4 @@
-//! What one bounce at a rough interface of two clear media reflects and refracts together.
+//! Directional albedo of one bounce, reflected and refracted, at a rough interface of two clear media.
 
 use std::sync::OnceLock;
 
@@ -29,9 +29,9 @@ pub(in crate::bsdf) struct GlassRow {
 }
 
 enum Facets {
-    /// Between two tabulated indices.
+    /// Isotropic roughness, between two tabulated indices.
     Isotropic { below: GridRow<Vec2>, above: GridRow<Vec2>, fraction: f32 },
-    /// Between two indices and four pairs of roughnesses.
+    /// Anisotropic roughness, between two indices and four pairs of roughnesses.
     Anisotropic([Corner; 8]),
 }
 
@@ -44,7 +44,7 @@ struct Corner {
 }
 
 impl GlassRow {
-    /// For the index `eta` of the far side over the near one.
+    /// Returns the albedos for the index `eta` of the far side over the near one.
     #[inline]
     pub(in crate::bsdf) fn of(eta: f32, distribution: Ggx) -> Self {
         let position = position(eta);
@@ -78,8 +78,8 @@ impl GlassRow {
         Self { facets, far_is_rarer: eta < 1.0 }
     }
 
-    /// From the near side and from the far one, each for a direction whose cosine to the surface and azimuth are those
-    /// of `w`, above it.
+    /// Directional albedos for light from the near side and from the far one, each for a direction whose cosine to the
+    /// surface and azimuth are those of `w`, above it.
     #[inline]
     pub(in crate::bsdf) fn directional(&self, w: Vec3) -> [f32; 2] {
         self.sides(match &self.facets {
@@ -93,7 +93,7 @@ impl GlassRow {
         })
     }
 
-    /// For light from everywhere.
+    /// Mean albedos over the hemisphere, for light from the near side and from the far one.
     #[inline]
     pub(in crate::bsdf) fn mean(&self) -> [f32; 2] {
         self.sides(match &self.facets {
@@ -108,7 +108,7 @@ impl GlassRow {
     }
 }
 
-/// Where an index, or its inverse, lies among the tabulated ones, 0–1.
+/// Position of an index, or its inverse, among the tabulated ones, 0–1.
 #[inline]
 pub(super) fn position(eta: f32) -> f32 {
     let index = if eta < 1.0 { 1.0 / eta } else { eta };
@@ -120,7 +120,7 @@ pub(super) fn index(i: usize, nodes: usize) -> f32 {
     1.0 + node(i, nodes).powi(2) * (LARGEST_INDEX - 1.0)
 }
 
-/// What light from `wo` keeps, `wo` on the rarer side and on the denser one.
+/// Part of the light from `wo` that one bounce keeps, `wo` on the rarer side and on the denser one.
 fn bounced(eta: f32, distribution: Ggx, wo: Vec3, turn: f32, lattice: (usize, usize)) -> Vec2 {
     if distribution.is_smooth() {
         return Vec2::ONE;
@@ -141,7 +141,7 @@ fn isotropic() -> &'static [Grid<Vec2>] {
     })
 }
 
-/// By index, smaller and larger roughness; entries of which the first is the larger one are never asked for.
+/// Tables by index, smaller and larger roughness; entries of which the first is the larger one are never asked for.
 fn anisotropic() -> &'static [Azimuthal] {
     static TABLE: OnceLock<Vec<Azimuthal>> = OnceLock::new();
     TABLE.get_or_init(|| {

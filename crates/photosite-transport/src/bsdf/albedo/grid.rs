@@ -8,7 +8,7 @@ use std::ops::{Add, Mul, Sub};
 
 use glam::Vec2;
 
-/// What can be interpolated.
+/// Value that can be interpolated linearly.
 pub(in crate::bsdf) trait Value:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f32, Output = Self>
 {
@@ -47,7 +47,12 @@ impl<T: Value> Grid<T> {
         Self { mus, directional, mean }
     }
 
-    /// At one roughness.
+    /// Values of each roughness with their mean.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (&[T], T)> {
+        self.directional.chunks_exact(self.mus).zip(self.mean.iter().copied())
+    }
+
+    /// Returns the row of the grid at the roughness `alpha`, interpolated.
     #[inline]
     pub(super) fn row(&'static self, alpha: f32) -> GridRow<T> {
         let (i, fraction) = locate(alpha.sqrt(), self.mean.len());
@@ -82,7 +87,7 @@ impl Grid<Vec2> {
 }
 
 impl<T: Value> GridRow<T> {
-    /// For light from the direction of cosine `mu`.
+    /// Value for light from the direction of cosine `mu`.
     #[inline]
     pub(super) fn directional(&self, mu: f32) -> T {
         let (i, t) = locate(mu.sqrt(), self.below.len());
@@ -90,7 +95,7 @@ impl<T: Value> GridRow<T> {
         mix(along(self.below), along(self.above), self.fraction)
     }
 
-    /// For light from everywhere.
+    /// Mean value over the hemisphere, weighted by the cosine.
     #[inline]
     pub(super) fn mean(&self) -> T {
         self.mean

@@ -1,4 +1,4 @@
-//! What a layer hides of the lobe below it.
+//! Part of a lobe that the layer above hides.
 
 use std::sync::OnceLock;
 
@@ -23,7 +23,7 @@ pub(in crate::bsdf) struct Hidden {
     whole: GridRow<Vec2>,
 }
 
-/// That part for one direction, by Schlick's parameters.
+/// Part of a lobe hidden by the layer above for one direction, by Schlick's parameters.
 #[derive(Clone, Copy)]
 pub(in crate::bsdf) struct HiddenPart {
     hidden: Albedo,
@@ -31,7 +31,7 @@ pub(in crate::bsdf) struct HiddenPart {
 }
 
 impl HiddenPart {
-    /// Of facets of reflectance `f0` at normal incidence.
+    /// Hidden part of facets with reflectance `f0` at normal incidence.
     #[inline]
     pub(in crate::bsdf) fn at(self, f0: f32) -> f32 {
         self.hidden.at(f0) / self.whole.at(f0).max(f32::MIN_POSITIVE)
@@ -39,7 +39,7 @@ impl HiddenPart {
 }
 
 impl Hidden {
-    /// By a coat of roughness `coat`.
+    /// Part hidden by a coat of roughness `coat`.
     #[inline]
     pub(in crate::bsdf) fn by_coat(coat: Ggx, base: Ggx) -> Self {
         static TABLE: OnceLock<Vec<Grid<Vec2>>> = OnceLock::new();
@@ -53,7 +53,7 @@ impl Hidden {
         Self::of(table, coat.mean_alpha(), base)
     }
 
-    /// By sheen of roughness α `sheen`.
+    /// Part hidden by sheen of roughness α `sheen`.
     #[inline]
     pub(in crate::bsdf) fn by_sheen(sheen: f32, base: Ggx) -> Self {
         static TABLE: OnceLock<Vec<Grid<Vec2>>> = OnceLock::new();

@@ -15,7 +15,7 @@ pub(super) fn from_cosine(mu: f32) -> Vec3 {
     Vec3::new((1.0 - mu * mu).max(0.0).sqrt(), 0.0, mu)
 }
 
-/// ∫ k·g(wi, cosine to the facet)·cos θᵢ dωᵢ, k the reflection kernel, by a lattice rule over the square that
+/// Integral ∫ k·g(wi, cosine to the facet)·cos θᵢ dωᵢ, k the reflection kernel, by a lattice rule over the square that
 /// [`Ggx::sample_reflection`] maps to directions: the integrand is then G₂/G₁ times g, and 0 where facets reflect below
 /// the horizon.
 pub(super) fn integrate<T>(distribution: Ggx, wo: Vec3, g: impl Fn(Vec3, f32) -> T) -> T

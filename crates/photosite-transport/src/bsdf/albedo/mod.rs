@@ -1,4 +1,4 @@
-//! How much lobes reflect in all, tabulated: what is left for whatever lies under them.
+//! Tabulated albedos of lobes, which tell how much light is left for the layers below.
 //!
 //! The directional albedo E(w) = ∫ f·cos θᵢ dωᵢ of a GGX reflection lobe with Schlick's Fresnel factor
 //! R = F₀ + (F₉₀ − F₀)(1 − cos θ)⁵ is linear in F₀ and F₉₀, E = F₀·A(w, α) + F₉₀·B(w, α)
@@ -20,6 +20,8 @@ pub(super) use film::{FILM_NODES, FilmRow, FilmWeights};
 pub(super) use glass::GlassRow;
 pub(super) use grid::node;
 pub(super) use hidden::{COAT_F0, Hidden, HiddenPart};
+pub use reflection::ALBEDO_NODES;
+pub(crate) use reflection::albedo_words;
 pub(super) use reflection::{Albedo, Row};
 pub(super) use sheen::{SheenAlbedo, SheenRow};
 pub(super) use thin_film_glass::FilmGlassRow;

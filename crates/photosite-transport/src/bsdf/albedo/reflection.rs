@@ -31,9 +31,9 @@ impl Albedo {
 /// The albedo of a GGX lobe of one roughness.
 #[derive(Clone, Copy)]
 pub(in crate::bsdf) enum Row {
-    /// The same roughness along x and y.
+    /// Isotropic roughness: the same α along x and y.
     Isotropic(GridRow<Vec2>),
-    /// Between four tabulated pairs of roughnesses, with their weights.
+    /// Anisotropic roughness, between four tabulated pairs of roughnesses with their weights.
     Anisotropic([(&'static Azimuthal, f32); 4]),
 }
 
@@ -55,7 +55,7 @@ impl Row {
         ])
     }
 
-    /// E for light from `w`, above the surface.
+    /// Directional albedo E for light from `w`, above the surface.
     #[inline]
     pub(in crate::bsdf) fn directional(&self, w: Vec3) -> Albedo {
         match self {
@@ -66,7 +66,7 @@ impl Row {
         }
     }
 
-    /// Ē, for light from everywhere.
+    /// Mean albedo Ē over the hemisphere.
     #[inline]
     pub(in crate::bsdf) fn mean(&self) -> Albedo {
         match self {
@@ -78,6 +78,16 @@ impl Row {
 
 /// Nodes of the isotropic table along each axis.
 pub(super) const NODES: usize = 32;
+
+/// Nodes of the table of albedos of isotropic facets, along √α and along √μ.
+pub const ALBEDO_NODES: usize = NODES;
+
+/// The albedos of isotropic facets as plain data: for each roughness those of all cosines and their mean, A and B in a
+/// word.
+pub(crate) fn albedo_words() -> Vec<[u32; 4]> {
+    let word = |albedo: Vec2| [albedo.x.to_bits(), albedo.y.to_bits(), 0, 0];
+    isotropic().rows().flat_map(|(row, mean)| row.iter().copied().chain([mean])).map(word).collect()
+}
 
 pub(super) fn isotropic() -> &'static Grid<Vec2> {
     static TABLE: OnceLock<Grid<Vec2>> = OnceLock::new();

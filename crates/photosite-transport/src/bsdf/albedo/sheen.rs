@@ -12,7 +12,7 @@ use crate::bsdf::sheen::{self, SMALLEST_ALPHA};
 #[derive(Clone, Copy)]
 pub(in crate::bsdf) struct SheenRow(GridRow<Vec2>);
 
-/// That albedo for one direction or on average.
+/// Albedo of sheen, published and in use, for one direction or on average.
 #[derive(Clone, Copy)]
 pub(in crate::bsdf) struct SheenAlbedo(Vec2);
 
@@ -34,7 +34,7 @@ impl SheenRow {
 }
 
 impl SheenAlbedo {
-    /// What the published lobe is divided by, at least.
+    /// Divisor of the published lobe, at least 1.
     #[inline]
     pub(in crate::bsdf) fn excess(self) -> f32 {
         self.0.x.max(1.0)
@@ -54,7 +54,7 @@ pub(super) fn position(alpha: f32) -> f32 {
     ((alpha.sqrt() - smallest) / (1.0 - smallest)).max(0.0).powi(2)
 }
 
-/// Both albedos, of the published lobe and of the one in use, at [`position`] and cosine.
+/// Table of both albedos, of the published lobe and of the one in use, at [`position`] and cosine.
 pub(super) fn sheen_grid() -> &'static Grid<Vec2> {
     static TABLE: OnceLock<Grid<Vec2>> = OnceLock::new();
     TABLE.get_or_init(|| {
@@ -73,7 +73,8 @@ mod tests {
 
     use super::*;
 
-    /// ∫ f/max(1, E(wo), E(wi))·cos θᵢ dωᵢ with the E of the table, by the midpoint rule in √z and azimuth.
+    /// Albedo of the lobe in use, ∫ f/max(1, E(wo), E(wi))·cos θᵢ dωᵢ with the E of the table, by the midpoint rule in
+    /// √z and azimuth.
     fn in_use(alpha: f32, row: SheenRow, mu: f32) -> f32 {
         const STEPS: usize = 192;
         let at = |i: usize| (i as f32 + 0.5) / STEPS as f32;

@@ -1,4 +1,4 @@
-//! What a film changes of what one bounce at a rough interface of two clear media reflects and refracts together.
+//! Change of albedo that a thin film makes to one bounce at a rough interface of two clear media.
 //!
 //! Of the power that meets a facet, R(c)·r + (1 − R(c))·t leaves after one bounce, with r and t what leaves if the
 //! facet reflects or refracts all, and c the cosine to it outside. A film that changes R by ΔR, interpolated between
@@ -31,17 +31,17 @@ fn weights(eta: f32, distribution: Ggx, mu: f32) -> FilmWeights {
     })
 }
 
-/// The same for light from either side, at one index and roughness.
+/// Film weights for light from either side, at one index and roughness.
 #[derive(Clone, Copy)]
 pub(in crate::bsdf) struct FilmGlassRow {
-    /// From the rarer side and from the denser one, each between two tabulated indices.
+    /// Rows for light from the rarer side and from the denser one, each between two tabulated indices.
     rows: [[GridRow<FilmWeights>; 2]; 2],
     fraction: f32,
     far_is_rarer: bool,
 }
 
 impl FilmGlassRow {
-    /// For the index `eta` of the far side over the near one.
+    /// Returns the weights for the index `eta` of the far side over the near one.
     #[inline]
     pub(in crate::bsdf) fn of(eta: f32, distribution: Ggx) -> Self {
         let (i, fraction) = locate(position(eta), INDICES);
@@ -50,13 +50,13 @@ impl FilmGlassRow {
         Self { rows, fraction, far_is_rarer: eta < 1.0 }
     }
 
-    /// From the near side and from the far one, each at the cosine `mu` to the surface.
+    /// Weights for light from the near side and from the far one, each at the cosine `mu` to the surface.
     #[inline]
     pub(in crate::bsdf) fn directional(&self, mu: f32) -> [FilmWeights; 2] {
         self.sides(|row| row.directional(mu))
     }
 
-    /// For light from everywhere.
+    /// Mean weights over the hemisphere, for light from the near side and from the far one.
     #[inline]
     pub(in crate::bsdf) fn mean(&self) -> [FilmWeights; 2] {
         self.sides(GridRow::mean)
@@ -69,7 +69,7 @@ impl FilmGlassRow {
     }
 }
 
-/// By side and index.
+/// Tables by side and index.
 fn table() -> &'static [Vec<Grid<FilmWeights>>; 2] {
     static TABLE: OnceLock<[Vec<Grid<FilmWeights>>; 2]> = OnceLock::new();
     TABLE.get_or_init(|| {

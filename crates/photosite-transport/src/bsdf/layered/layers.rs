@@ -9,36 +9,36 @@ use photosite_core::spectrum::SampledSpectrum;
 /// The layers at one point of a surface. The default is glTF's: white, not metallic, polished, of index 1.5.
 #[derive(Clone, Copy, Debug)]
 pub struct Layered {
-    /// 0–1: F₀ of the metal, ρ of the coloured base, tint of transmission.
+    /// Base colour, 0–1: F₀ of the metal, ρ of the coloured base, tint of transmission.
     pub base_colour: SampledSpectrum,
-    /// 0 no metal, 1 metal.
+    /// Metalness: 0 for no metal, 1 for metal.
     pub metallic: f32,
     /// Roughness of the facets.
     pub distribution: Ggx,
     /// Weight of the facets' reflection where there is no metal, 0–1 (`specular`).
     pub specular: f32,
-    /// Their reflectance at normal incidence, 0–1.
+    /// Reflectance of the facets at normal incidence, 0–1.
     pub f0: SampledSpectrum,
     /// The part of the light let in that goes straight on or is refracted, 0–1.
     pub transmission: f32,
-    /// What is behind the surface, if it bounds a volume that light gets into by transmission.
+    /// Medium behind the surface, if it bounds a volume that transmitted light enters.
     pub volume: Option<Volume>,
     /// The part of the other light let in that comes out behind, 0–1.
     pub diffuse_transmission: f32,
-    /// Its colour, 0–1.
+    /// Colour of diffuse transmission, 0–1.
     pub diffuse_transmission_colour: SampledSpectrum,
     /// A thin film on the facets.
     pub film: Option<ThinFilm>,
-    /// Fibres.
+    /// Layer of fibres.
     pub sheen: Option<Sheen>,
-    /// Varnish over all.
+    /// Clear coat over all other layers.
     pub coat: Option<Coat>,
 }
 
 /// A clear medium on the side that +Z points away from.
 #[derive(Clone, Copy, Debug)]
 pub struct Volume {
-    /// n_inside/n_outside. Equal in all lanes unless dispersive.
+    /// Relative refractive index n_inside/n_outside. Equal in all lanes unless dispersive.
     pub eta: SampledSpectrum,
     /// Whether the index depends on wavelength.
     pub dispersive: bool,
@@ -47,20 +47,20 @@ pub struct Volume {
 /// Fibres that stand on a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Sheen {
-    /// 0–1.
+    /// Colour of the fibres, 0–1.
     pub colour: SampledSpectrum,
-    /// roughness².
+    /// Roughness α = roughness² of the fibres.
     pub alpha: f32,
 }
 
 /// A clear coat of index 1.5.
 #[derive(Clone, Copy, Debug)]
 pub struct Coat {
-    /// 0–1.
+    /// Weight of the coat, 0–1.
     pub weight: f32,
-    /// Its roughness, isotropic.
+    /// Isotropic roughness of the coat.
     pub distribution: Ggx,
-    /// Its unit normal in the local frame.
+    /// Unit normal of the coat in the local frame.
     pub normal: Vec3,
 }
 
@@ -97,7 +97,7 @@ impl Layered {
         self.volume.filter(|_| self.transmission > 0.0)
     }
 
-    /// Whether both sides are alike.
+    /// Whether both sides scatter alike.
     #[inline]
     pub fn is_two_sided(&self) -> bool {
         self.refracting().is_none()

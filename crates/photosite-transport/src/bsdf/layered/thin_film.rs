@@ -18,9 +18,9 @@ use photosite_core::spectrum::SampledSpectrum;
 /// A clear film.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThinFilm {
-    /// How much of the surface has it, 0–1.
+    /// Part of the surface that the film covers, 0–1.
     pub weight: f32,
-    /// Its refractive index, at least 1.
+    /// Refractive index of the film, at least 1.
     pub index: f32,
     /// 2·n·d/λ: by how many waves light that crosses it twice along the normal falls behind.
     pub waves: SampledSpectrum,

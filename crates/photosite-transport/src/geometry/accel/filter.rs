@@ -1,13 +1,13 @@
-//! Which of the primitives that a ray meets are there.
+//! Filters that decide which of the primitives that a ray meets are there.
 
 use crate::geometry::{Primitive, Ray};
 
 /// Decides whether a primitive that a ray meets is there at that point: alpha masks.
 pub trait HitFilter {
-    /// Whether every hit counts.
+    /// Whether the filter accepts every hit.
     const ACCEPTS_ALL: bool = false;
 
-    /// Whether the hit counts.
+    /// Whether the filter accepts the hit.
     fn accept(&self, primitive: Primitive, uv: [f32; 2], ray: &Ray) -> bool;
 }
 

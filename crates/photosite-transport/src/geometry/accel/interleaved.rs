@@ -141,7 +141,7 @@ impl<Q: Query> RayState<Q> for BvhState<Q> {
 
 /// State of a ray among instances, and in the hierarchy of one of them.
 pub(super) struct InstancesState<Q> {
-    /// In the world.
+    /// Ray in world space.
     ray: Ray,
     slab: SlabRay,
     t_max: f32,

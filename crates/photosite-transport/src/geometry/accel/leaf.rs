@@ -1,4 +1,4 @@
-//! What a leaf of a hierarchy holds, as the number that the hierarchy knows it by.
+//! Content of a leaf, encoded as the number that the hierarchy knows it by.
 
 /// The contents of a leaf.
 #[derive(Clone, Copy, Debug)]
@@ -9,7 +9,7 @@ pub(in crate::geometry) enum Leaf {
     Quadric(u32),
 }
 
-/// Set in the number of a leaf that holds a quadric. The highest bit is the hierarchy's own.
+/// Bit set in the number of a leaf that holds a quadric. The highest bit is the hierarchy's own.
 const QUADRIC: u32 = 1 << 30;
 
 impl Leaf {
@@ -28,7 +28,7 @@ impl Leaf {
         if number & QUADRIC == 0 { Self::Triangles(number) } else { Self::Quadric(number & !QUADRIC) }
     }
 
-    /// The same leaf where so many blocks and quadrics come before its own.
+    /// Returns the leaf with `blocks` blocks and `quadrics` quadrics inserted before its own.
     pub(super) fn moved(self, blocks: usize, quadrics: usize) -> Self {
         match self {
             Self::Triangles(block) => Self::Triangles(block + blocks as u32),

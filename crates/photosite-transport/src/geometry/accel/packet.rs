@@ -1,4 +1,4 @@
-//! Packets: rays that run close together, such as those of a pixel or those to a small lamp, go through the hierarchy
+//! Packets: rays that run close together, such as those of a pixel or those to a small light, go through the hierarchy
 //! as one. A beam around them finds the boxes that some of them may enter, and each of these boxes is tested against
 //! all of them, a ray in each lane. Rays of a camera take half the time that they take alone, or interleaved in a mesh
 //! of 1.3 million triangles; whole renders are 1.03 to 1.06 times as fast.
@@ -79,7 +79,7 @@ struct Packet<S: Simd, Q> {
     sheared: [ShearedRay; MAX_LANES],
     /// The query of each ray, and whether it has ended.
     queries: [Option<(Q, bool)>; MAX_LANES],
-    /// Where each ray ends; negative where its query has ended.
+    /// Parameter t at which each ray ends; negative where its query has ended.
     t_max: [f32; MAX_LANES],
     /// Children to visit, the next one last.
     stack: Vec<Visit>,
@@ -91,9 +91,9 @@ struct Visit {
     child: Child,
     /// A bit for each of the rays.
     rays: u32,
-    /// Where each ray enters it.
+    /// Parameter t at which each ray enters the box.
     near: [f32; MAX_LANES],
-    /// Where the first active ray enters it: children of a node are visited in this order.
+    /// Parameter t at which the first active ray enters the box: children of a node are visited in this order.
     order: f32,
 }
 
@@ -234,7 +234,7 @@ mod tests {
         (0..count).map(next).collect()
     }
 
-    /// What packets find of all lanes, and what each ray does alone.
+    /// Compares the hits of packets with those of each ray alone.
     fn compare<F: HitFilter>(accel: &Accel, rays: &[Ray], filter: &F, what: &str) -> usize {
         let alone: Vec<_> = rays.iter().map(|ray| accel.closest(ray, filter)).collect();
         let is_occluded: Vec<_> = rays.iter().map(|ray| accel.occluded(ray, filter)).collect();

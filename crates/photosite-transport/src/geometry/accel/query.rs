@@ -7,7 +7,7 @@ use crate::geometry::{Hit, Primitive, Quadric, Ray};
 use photosite_core::math::Vector;
 use photosite_simd::Simd;
 
-/// What is known about one ray while it is traced: its hits so far.
+/// State of one ray while it is traced: its hits so far.
 pub(in crate::geometry) trait Query {
     /// Whether leaves may be visited in any order, since the ray is never shortened.
     const ANY_ORDER: bool;
@@ -24,7 +24,7 @@ pub(in crate::geometry) trait Query {
 
 /// A query that can be made for any ray.
 pub(in crate::geometry) trait RayQuery<'a, F: HitFilter>: Query {
-    /// The same query for a ray in each of several lanes.
+    /// Query for a ray in each of several lanes.
     type InLanes<S: Simd>: LaneQuery<S, Answer = Self::Answer>;
 
     /// Begins with no hit.
@@ -95,7 +95,7 @@ impl<F: HitFilter> Query for Closest<'_, F> {
     }
 }
 
-/// Whether there is any hit.
+/// Query whether there is any hit.
 pub(super) struct Occluded<'a, F> {
     ray: &'a Ray,
     filter: &'a F,
@@ -132,7 +132,8 @@ impl<F: HitFilter> Query for Occluded<'_, F> {
     #[inline(never)]
     fn on_quadric(&mut self, id: u32, quadric: &Quadric, _: u32, t_max: &mut f32) -> bool {
         let (primitive, is_nearer) = (Primitive::Quadric(id), |t| t < *t_max);
-        intersect_quadric(quadric, self.ray, is_nearer, |uv| self.filter.accept(primitive, uv, self.ray)).is_some()
+        let is_there = |uv| self.filter.accept(primitive, uv, self.ray);
+        primitive.target() != self.ray.to && intersect_quadric(quadric, self.ray, is_nearer, is_there).is_some()
     }
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! One ray on its way from the root to the triangles: through the instances, into their hierarchies, down to the
+//! Traversal by one ray from the root to the triangles: through the instances, into their hierarchies, down to the
 //! blocks.
 
 use super::leaf::Leaf;
@@ -152,7 +152,7 @@ impl<const SHAPES: usize> PrimitiveBvh<SHAPES> {
         }
     }
 
-    /// The same in one hierarchy; `part` is the position of the ray's time between two shapes.
+    /// Traverses one hierarchy; `part` is the position of the ray's time between two shapes.
     #[inline(always)]
     fn traverse<S: Simd, Q: Query>(
         &self,

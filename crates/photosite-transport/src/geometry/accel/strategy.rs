@@ -10,18 +10,18 @@ use crate::geometry::linear_scan::LinearScan;
 use crate::geometry::{Hit, Ray};
 use photosite_simd::{Simd, WithSimd, dispatch, dispatch_wide};
 
-/// How rays are traced.
+/// Ways to trace rays.
 pub(super) enum Strategy<'a> {
-    /// Every primitive against a ray in each lane, without a hierarchy: scenes of few primitives.
+    /// Test of every primitive against a ray in each lane, without a hierarchy: scenes of few primitives.
     LinearScan(&'a LinearScan),
     /// A ray in each lane down one hierarchy together: neighbouring rays.
     Packet(&'a PrimitiveBvh<1>),
-    /// Several rays in turns, a step each, so that one goes on while the memory brings what another needs: hierarchies
-    /// larger than the caches.
+    /// Interleaved traversal by several rays in turns, a step each, so that one goes on while the memory brings what
+    /// another needs: hierarchies larger than the caches.
     Interleaved(&'a PrimitiveBvh<1>),
-    /// The same through instances.
+    /// Interleaved traversal through instances.
     InterleavedInstances,
-    /// One ray after the other.
+    /// Traversal of one ray after the other.
     OneByOne,
 }
 

@@ -54,7 +54,7 @@ pub(in crate::geometry) struct RayPacket<'a, S: Simd> {
     pub(super) t_max: S::Wide,
     /// Indices in the scan of the triangles that the rays leave; of no triangle where they begin anywhere else.
     pub(super) from: S::Wide,
-    /// Indices of the triangles that they end at.
+    /// Indices of the primitives that they end at.
     pub(super) to: S::Wide,
 }
 
@@ -73,7 +73,7 @@ impl<'a, S: Simd> RayPacket<'a, S> {
             columns[5][lane] = direction.z;
             columns[6][lane] = *t_max;
             columns[7][lane] = scan.index_of(from.within(0)) as f32;
-            columns[8][lane] = scan.index_of(*to) as f32;
+            columns[8][lane] = scan.index_of_target(*to) as f32;
         }
         let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
         let direction = [simd.load_wide(&columns[3]), simd.load_wide(&columns[4]), simd.load_wide(&columns[5])];
@@ -134,7 +134,7 @@ impl<'a, S: Simd> RayPacket<'a, S> {
 /// The vertices of a scan as a packet of rays sees them.
 pub(super) struct ShearedVertices<S: Simd> {
     pub(super) vertices: [[S::Wide; 3]; LINEAR_SCAN_MAX],
-    /// Hits with a larger t·|sum| are farther than twice their rounding error.
+    /// Bound on t·|sum| above which hits are farther than twice their rounding error.
     pub(super) sure: S::Wide,
 }
 

@@ -4,16 +4,16 @@ use glam::Vec3;
 
 use crate::geometry::bounds::Bounds;
 use crate::geometry::near_hit::is_slender;
-use crate::geometry::{Geometry, PrimitiveRange, Quadric};
+use crate::geometry::{Geometry, Primitive, PrimitiveRange, Quadric};
 use crate::tuning::LINEAR_SCAN_MAX;
 
-/// All primitives of a small scene.
+/// Table of all primitives of a small scene.
 #[derive(Clone, Debug)]
 pub(in crate::geometry) struct LinearScan {
-    /// Each once.
+    /// Vertices, each once.
     pub(super) vertices: Vec<Vec3>,
     pub(super) triangles: Vec<PackedTriangle>,
-    /// With their indices in the geometry.
+    /// Quadrics with their indices in the geometry.
     pub(super) quadrics: Vec<(u32, Quadric)>,
     pub(super) bounds: Bounds,
 }
@@ -24,12 +24,12 @@ pub(super) struct PackedTriangle {
     pub(super) vertices: [u8; 3],
     /// Index in the geometry.
     pub(super) id: u32,
-    /// Whether it [`is_slender`].
+    /// Whether the triangle [`is_slender`].
     pub(super) is_slender: bool,
 }
 
 impl LinearScan {
-    /// Of a range of primitives, all within `bounds`; `None` where they are too many.
+    /// Lays out a range of primitives, all within `bounds`; `None` where they are too many.
     pub(in crate::geometry) fn new(geometry: &Geometry, range: &PrimitiveRange, bounds: Bounds) -> Option<Self> {
         if range.len() > LINEAR_SCAN_MAX {
             return None;
@@ -57,5 +57,15 @@ impl LinearScan {
     #[inline(always)]
     pub(super) fn index_of(&self, id: u32) -> u32 {
         id.wrapping_sub(self.triangles.first().map_or(0, |first| first.id))
+    }
+
+    /// Index in the scan of what a ray ends at ([`Primitive::target`]); beyond all where it is none of these.
+    #[inline]
+    pub(super) fn index_of_target(&self, target: u32) -> u32 {
+        let number = |(first, _): &(u32, Quadric)| Primitive::Quadric(*first).target().wrapping_sub(target);
+        match self.quadrics.first().map(number).filter(|&number| number < self.quadrics.len() as u32) {
+            Some(number) => self.triangles.len() as u32 + number,
+            None => Some(self.index_of(target)).filter(|&i| i < self.triangles.len() as u32).unwrap_or(u32::MAX),
+        }
     }
 }

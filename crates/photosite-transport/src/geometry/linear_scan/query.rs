@@ -1,4 +1,4 @@
-//! What is asked about rays that are scanned side by side.
+//! Queries about rays that are scanned side by side.
 
 use super::packet::{Mask, RayPacket};
 use super::primitives::LinearScan;
@@ -16,7 +16,7 @@ pub(in crate::geometry) trait LaneQuery<S: Simd> {
 
     /// Begins with no hits.
     fn new(simd: S, packet: &RayPacket<'_, S>) -> Self;
-    /// Where the rays end.
+    /// Parameters t at which the rays end.
     fn t_max(&self) -> S::Wide;
     /// Takes the hits of a primitive, with the weights of a triangle's second and third corner and what to divide them
     /// by. Returns whether all rays have their answer.
@@ -79,10 +79,10 @@ impl<S: Simd> LaneQuery<S> for ClosestLanes<S> {
     }
 }
 
-/// Whether there are any hits.
+/// Query whether there is any hit, a ray in each lane.
 pub(in crate::geometry) struct OccludedLanes<S: Simd> {
     t_max: S::Wide,
-    /// Indices of the triangles that the rays end at.
+    /// Indices of the primitives that the rays end at.
     to: S::Wide,
     /// Lanes that have a hit.
     occluded: u32,

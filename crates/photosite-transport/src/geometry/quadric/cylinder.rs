@@ -17,13 +17,13 @@ use photosite_core::math::{Real, Vector};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
     /// The middle of its axis, m.
-    middle: Vec3,
+    pub(crate) middle: Vec3,
     /// Unit vectors at right angles, the third along the axis.
-    axes: [Vec3; 3],
-    /// m.
-    radius: f32,
+    pub(crate) axes: [Vec3; 3],
+    /// Radius, m.
+    pub(crate) radius: f32,
     /// Half of the length, m.
-    half_length: f32,
+    pub(crate) half_length: f32,
 }
 
 impl Cylinder {
@@ -75,15 +75,21 @@ impl Cylinder {
     pub(super) fn uv(&self, point: Vec3) -> [f32; 2] {
         let from_middle = point - self.middle;
         let [x, y, z] = self.axes.map(|axis| from_middle.dot(axis));
+        [Self::parameter(Vec2::new(x, y)), z / self.half_length]
+    }
+
+    /// The first parameter in a direction across the axis, of any length.
+    #[inline]
+    pub(crate) fn parameter(Vec2 { x, y }: Vec2) -> f32 {
         let x = x / (x.abs() + y.abs());
-        [(1.0 - x).copysign(y), z / self.half_length]
+        (1.0 - x).copysign(y)
     }
 
     /// The point with these parameters. Beyond the roundings of the point, its error pays for those of f² − r² in
     /// [`intersect`](Self::intersect), of which a ray that leaves the point needs the sign: f comes from differences as
     /// large as half of the length and the radius together.
     #[inline]
-    pub(super) fn point(&self, [u, v]: [f32; 2]) -> QuadricPoint {
+    pub(crate) fn point(&self, [u, v]: [f32; 2]) -> QuadricPoint {
         let [x, y, axis] = self.axes;
         let [cos, sin] = direction(u);
         let normal = (x * cos + y * sin).normalize();
@@ -96,17 +102,11 @@ impl Cylinder {
         }
     }
 
-    /// u runs once around the axis, to the right as seen from outside with the axis up; v runs down from 0 at the end
-    /// that the axis points to, to 1.
+    /// Texture coordinates: u runs once around the axis, to the right as seen from outside with the axis up; v runs
+    /// down from 0 at the end that the axis points to, to 1.
     pub(super) fn texture_coordinates([u, v]: [f32; 2]) -> Vec2 {
         let [cos, sin] = direction(u);
         Vec2::new(0.5 + sin.atan2(cos) / TAU, 0.5 - 0.5 * v)
-    }
-
-    /// m.
-    #[cfg(test)]
-    pub(super) fn radius(&self) -> f32 {
-        self.radius
     }
 }
 

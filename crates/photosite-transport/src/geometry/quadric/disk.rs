@@ -8,20 +8,21 @@ use glam::{DAffine3, Vec2, Vec3};
 
 use super::shape::{QuadricPoint, box_around};
 use crate::geometry::bounds::Bounds;
+use crate::geometry::word::{QUADRIC_WORDS, Word, word};
 use photosite_core::math::float::gamma;
 use photosite_core::math::{Real, Vector};
 
 /// A disk in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disk {
-    /// m.
+    /// Centre, m.
     centre: Vec3,
-    /// From the centre to the rim at a right angle to each other, m.
+    /// Vectors from the centre to the rim, at a right angle to each other, m.
     radii: [Vec3; 2],
-    /// m.
-    radius: f32,
+    /// Radius, m.
+    pub(crate) radius: f32,
     /// Unit normal of the front.
-    normal: Vec3,
+    pub(crate) normal: Vec3,
 }
 
 impl Disk {
@@ -36,6 +37,12 @@ impl Disk {
         };
         // Along an axis, x·cos φ + y·sin φ reaches as far as the root of the sum of both squares.
         (disk, box_around(to_world.translation, (x * x + y * y).map(f64::sqrt)))
+    }
+
+    /// The disk as plain data, the last word of which is given.
+    pub(super) fn words(&self, last: Word) -> [Word; QUADRIC_WORDS] {
+        let Self { centre, radii: [x, y], radius, normal } = *self;
+        [word(centre, radius.to_bits()), word(x, 0), word(y, 0), word(normal, 0), last]
     }
 
     /// The t at which a line comes through it, and NaN; twice NaN where it does not: t = (c − o)·n / (d·n), and the
@@ -66,7 +73,7 @@ impl Disk {
     /// which a ray that leaves the point needs the sign: those of n, of the difference and of the product, each in
     /// proportion to the radius.
     #[inline]
-    pub(super) fn point(&self, [u, v]: [f32; 2]) -> QuadricPoint {
+    pub(crate) fn point(&self, [u, v]: [f32; 2]) -> QuadricPoint {
         let [x, y] = self.radii;
         QuadricPoint {
             position: self.centre + (x * u + y * v),
@@ -76,8 +83,8 @@ impl Disk {
         }
     }
 
-    /// u runs once around the centre, counter-clockwise seen from the front; v runs from 0 in the centre to 1 at the
-    /// rim.
+    /// Texture coordinates: u runs once around the centre, counter-clockwise seen from the front; v runs from 0 in the
+    /// centre to 1 at the rim.
     pub(super) fn texture_coordinates([u, v]: [f32; 2]) -> Vec2 {
         Vec2::new(0.5 + v.atan2(u) / TAU, Vec2::new(u, v).length())
     }

@@ -1,4 +1,4 @@
-//! What every shape of a quadric has: points and a box.
+//! Common interface of the shapes of quadrics: points and a box.
 
 use glam::{DVec3, Vec3};
 
@@ -6,15 +6,15 @@ use crate::geometry::bounds::Bounds;
 use photosite_core::math::float::gamma;
 
 /// A point of a quadric.
-pub(in crate::geometry) struct QuadricPoint {
-    /// m.
-    pub(in crate::geometry) position: Vec3,
+pub(crate) struct QuadricPoint {
+    /// Position, m.
+    pub(crate) position: Vec3,
     /// Bound on the rounding error of the position, per axis, m.
-    pub(in crate::geometry) error: Vec3,
+    pub(crate) error: Vec3,
     /// Unit normal of the front.
-    pub(in crate::geometry) normal: Vec3,
+    pub(crate) normal: Vec3,
     /// The direction of growing u of the [texture coordinates](super::Quadric::texture_coordinates); of any length.
-    pub(in crate::geometry) tangent: Vec3,
+    pub(crate) tangent: Vec3,
 }
 
 /// The box that reaches so far from a centre along each axis, in single precision and widened by its rounding.

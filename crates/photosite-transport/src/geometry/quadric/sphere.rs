@@ -15,9 +15,9 @@ use photosite_core::math::{Real, Vector};
 /// A sphere in world space; its front is its outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
-    /// m.
+    /// Centre, m.
     pub centre: Vec3,
-    /// m, above 0.
+    /// Radius, m, above 0.
     pub radius: f32,
 }
 
@@ -46,7 +46,12 @@ impl Sphere {
     /// The parameters of a point near its surface.
     #[inline]
     pub(super) fn uv(&self, point: Vec3) -> [f32; 2] {
-        let from_centre = point - self.centre;
+        Self::parameters(point - self.centre)
+    }
+
+    /// The parameters of the point in a direction from the centre.
+    #[inline]
+    pub(crate) fn parameters(from_centre: Vec3) -> [f32; 2] {
         let [x, y, z] = (from_centre / from_centre.abs().element_sum()).to_array();
         let fold = |a: f32, b: f32| (1.0 - b.abs()).copysign(a);
         if z < 0.0 { [fold(x, y), fold(y, x)] } else { [x, y] }
@@ -63,7 +68,7 @@ impl Sphere {
     /// The point with these parameters. Beyond the roundings of the point, its error pays for those of f² − r² in
     /// [`intersect`](Self::intersect), of which a ray that leaves the point needs the sign: 7u·r², over 2r.
     #[inline]
-    pub(super) fn point(&self, uv: [f32; 2]) -> QuadricPoint {
+    pub(crate) fn point(&self, uv: [f32; 2]) -> QuadricPoint {
         let normal = Self::normal(uv);
         QuadricPoint {
             position: self.centre + normal * self.radius,
@@ -73,8 +78,8 @@ impl Sphere {
         }
     }
 
-    /// u runs once around +Y, to the right as seen from outside with +Y up and ½ in the direction +Z; v runs down from
-    /// 0 at +Y to 1.
+    /// Texture coordinates: u runs once around +Y, to the right as seen from outside with +Y up and ½ in the direction
+    /// +Z; v runs down from 0 at +Y to 1.
     pub(super) fn texture_coordinates(uv: [f32; 2]) -> Vec2 {
         let Vec3 { x, y, z } = Self::normal(uv);
         Vec2::new(0.5 + x.atan2(z) / TAU, y.clamp(-1.0, 1.0).acos() * FRAC_1_PI)

@@ -12,12 +12,12 @@ use crate::sampler::{SamplePosition, Sampler};
 use crate::scene::{Scene, Shading};
 use photosite_core::spectrum::{SampledSpectrum, SpectrumId, SpectrumTable, Wavelengths};
 
-/// What light paths need to go on.
+/// Data that light paths need to go on.
 pub(super) struct LightTracing<'a> {
     pub(super) job: &'a RenderJob<'a>,
     pub(super) limits: PathLimits,
     pub(super) spectra: SpectrumTable,
-    /// Of the lens.
+    /// Transmittance of the lens.
     pub(super) transmittance: SpectrumId,
     /// Paths for each sample of all pixels.
     pub(super) paths: u32,
@@ -32,9 +32,9 @@ pub(super) struct LightPath {
     pub(super) position: SamplePosition,
     pub(super) wavelengths: Wavelengths,
     pub(super) emission: LightRay,
-    /// β, W·nm⁻¹ at each wavelength.
+    /// Power β, W·nm⁻¹ at each wavelength.
     pub(super) power: SampledSpectrum,
-    /// q of [`super::mis_ratio`] so far, without the factor of the surface that the camera sees.
+    /// MIS ratio q of [`super::mis_ratio`] so far, without the factor of the surface that the camera sees.
     pub(super) mis_ratio: f32,
     /// Segments so far.
     pub(super) depth: u32,
@@ -47,11 +47,11 @@ pub(super) struct LightPath {
 /// A point of the lens, and what light that comes there counts.
 pub(super) struct LensPoint {
     pub(super) origin: Vec3,
-    /// Of the camera's ray that leaves there, sr.
+    /// Weight of the camera's ray that leaves the point, sr.
     pub(super) weight: f32,
-    /// Area of the picture over that of what it shows on a plane across the ray.
+    /// Area of the image over that of what it shows on a plane across the ray.
     pub(super) px2_per_m2: f32,
-    /// What each wavelength counts besides.
+    /// Weights of the wavelengths besides.
     pub(super) weights: SampledSpectrum,
 }
 
@@ -76,14 +76,15 @@ impl LightPath {
         }
     }
 
-    /// The shadow ray from a vertex to the lens, and the irradiance that comes there if nothing occludes it.
+    /// The shadow ray from a vertex to the lens, the irradiance that comes there if nothing occludes it, and its MIS
+    /// ratio q.
     pub(super) fn sent(
         &self,
         tracing: &LightTracing<'_>,
         (point, wi): (&SurfacePoint, Vec3),
         lens: &LensPoint,
         wavelengths: &Wavelengths,
-    ) -> Option<(Ray, SampledSpectrum)> {
+    ) -> Option<(Ray, SampledSpectrum, f32)> {
         let scene = tracing.job.scene;
         let to_lens = lens.origin - point.position;
         let distance = to_lens.length();
@@ -99,7 +100,8 @@ impl LightPath {
         let (cos_to_light, cos_shading) = cosines(point, &shading, wi);
         let path_vertex =
             PathVertex { cos_to_camera, cos_to_light, pdf_to_camera: 0.0, pdf_to_light: scattering.pdf.0 };
-        let weight = light_weight(self.mis_ratio * path_vertex.first_term(distance));
+        let ratio = self.mis_ratio * path_vertex.first_term(distance);
+        let weight = light_weight(ratio);
         let of_lens = lens.weight * (lens.px2_per_m2 * cos_to_camera) / tracing.paths as f32;
         let mut irradiance = self.power * scattering.f * (cos_shading.abs() / cos_to_light * of_lens * weight);
         if let Some(medium) = scene.absorption_behind(point, wo) {
@@ -107,7 +109,7 @@ impl LightPath {
         }
         irradiance *= tracing.spectra.sample(tracing.transmittance, wavelengths) * lens.weights;
         let is_light = irradiance.is_finite() && !irradiance.is_black();
-        is_light.then(|| (shadow_ray(point, wo, Some((lens.origin, Vec3::ZERO))), irradiance))
+        is_light.then(|| (shadow_ray(point, wo, Some((lens.origin, Vec3::ZERO))), irradiance, ratio))
     }
 
     /// The ray along which the path goes on from a surface that it has come to from `distance`; `None` where it ends
@@ -185,6 +187,6 @@ impl LightPath {
         let LightRay { light, normal, direction, .. } = self.emission;
         let ctx = light_sample_context(point, shading);
         let cos = direction.dot(normal);
-        scene.lights().triangle_pdf(light, &ctx, scene.geometry(), point.time, distance, cos).0
+        scene.lights().area_light_pdf(light, &ctx, scene.geometry(), point.time, distance, cos).0
     }
 }

@@ -1,10 +1,10 @@
-//! What paths from lights bring to pixels, until it is added to a film.
+//! Light that paths from lights bring to pixels, until it is added to a film.
 
 use std::ops::Range;
 
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
 
-/// What light paths bring to one sample of one pixel.
+/// Light that paths from lights bring to one sample of one pixel.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct Splat {
     /// Number of the pixel in its film.
@@ -14,9 +14,11 @@ pub(in super::super) struct Splat {
     /// W·m⁻²·nm⁻¹ at each wavelength.
     pub(super) irradiance: SampledSpectrum,
     pub(super) wavelengths: Wavelengths,
+    /// MIS ratio q that it has been weighted by.
+    pub(super) mis_ratio: f32,
 }
 
-/// What light paths bring to a film, pixel by pixel and sample by sample.
+/// Light that paths from lights bring to a film, pixel by pixel and sample by sample.
 #[derive(Debug, Default)]
 pub(in super::super) struct Splats {
     /// Pixel by pixel and sample by sample.
@@ -29,6 +31,11 @@ impl Splat {
         (self.irradiance, &self.wavelengths)
     }
 
+    /// MIS ratio q that it has been weighted by.
+    pub(in super::super) fn mis_ratio(&self) -> f64 {
+        f64::from(self.mis_ratio)
+    }
+
     /// The number of the pixel in its film, and that of the sample.
     pub(in super::super) fn key(&self) -> (u32, u32) {
         (self.pixel, self.sample)
@@ -36,6 +43,11 @@ impl Splat {
 }
 
 impl Splats {
+    /// All splats, pixel by pixel and sample by sample.
+    pub(in super::super) fn all(&self) -> &[Splat] {
+        &self.splats
+    }
+
     /// The splats of one sample of a pixel.
     #[inline]
     pub(in super::super) fn of(&self, pixel: usize, sample: u32) -> &[Splat] {
@@ -43,7 +55,7 @@ impl Splats {
         let own = &self.splats[self.splats.partition_point(|splat| splat.key() < key)..];
         &own[..own.iter().take_while(|splat| splat.key() == key).count()]
     }
-    /// Those of some pixels.
+    /// Splats of some pixels.
     pub(in super::super) fn of_pixels(&self, pixels: Range<usize>) -> &[Splat] {
         let before = |pixel: usize| self.splats.partition_point(|splat| (splat.pixel as usize) < pixel);
         &self.splats[before(pixels.start)..before(pixels.end)]

@@ -27,10 +27,10 @@ use photosite_core::math::{Frame, Pdf, Vector, frame, warp};
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
 use photosite_simd::{LaneMask, Lanes, Real, Simd, Vectors, WithSimd, dispatch};
 
-/// Lanes.
+/// Number of lanes.
 const WIDTH: usize = 8;
 
-/// Up to [`WIDTH`] paths that have come to diffuse surfaces.
+/// Batch of up to [`WIDTH`] paths that have come to diffuse surfaces.
 pub(in super::super) struct DiffuseBatch {
     // Each is made where it stays: copying what was just written in parts would wait for that to reach the memory.
     arrivals: [Arrival; WIDTH],
@@ -156,7 +156,7 @@ impl DiffuseBatch {
         tracing: &mut Tracing<'_>,
         mut go_on: impl FnMut(u32, Ray),
     ) {
-        /// Smaller batches are faster one by one.
+        /// Number of paths below which paths are faster one by one.
         const MIN_PATHS: usize = 3;
 
         // Interpolate points and normals of all lanes
@@ -280,7 +280,7 @@ impl DiffuseBatch {
             return;
         }
         let (origin, direction) = (direct.shadow_origin.get(lane), direct.shadow_direction.get(lane));
-        let (time, from, to) = (arrival.ray.time, arrival.hit.facet(), emitter.triangle);
+        let (time, from, to) = (arrival.ray.time, arrival.hit.facet(), emitter.primitive.target());
         queues.shadow_rays.push(Ray { origin, direction, t_max: 1.0, time, from, to });
         let light = path.throughput * (contribution * direct.weight[lane]);
         queues.contributions.push(Contribution { path: arrival.index, light, is_delta: false, medium: None });
@@ -351,7 +351,7 @@ impl Hits {
 }
 
 impl SurfacePoints {
-    /// Who samples for light in a lane.
+    /// Context of light sampling at the surface in a lane.
     #[inline]
     fn light_sample_context(&self, lane: usize) -> LightSampleContext {
         LightSampleContext { point: self.position.get(lane), facing: Facing::Front(self.normal.get(lane)) }

@@ -1,24 +1,19 @@
-//! One band of rows, filled by one thread: camera rays are generated batch by batch, traced as wavefronts, and what
-//! arrives is added to the film.
+//! Worker on one band of rows, filled by one thread: camera rays are generated batch by batch, traced as wavefronts,
+//! and what arrives is added to the film.
 
 use std::ops::Range;
 
 use super::tracer::{DrawnSample, Tracer};
 use crate::film::FilmBand;
-use crate::integrator::light_paths::{LightTracer, Splat, Splats};
-use crate::integrator::mis_ratio::MisRatio;
+use crate::integrator::light_paths::{Splat, Splats};
 use crate::integrator::path::Sharing;
-use crate::integrator::wavefront::Wavefront;
+use crate::integrator::path_tracer::Paths;
 use crate::optics::{CameraRay, CameraSample};
 use crate::sampler::{SamplePosition, Sampler};
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
 
 /// Number of paths after which a thread reports them, and asks whether to go on.
 pub(super) const PATHS_PER_REPORT: u64 = 1 << 13;
-
-/// Number of paths in a wavefront, branches included: few enough for the caches. With 32 of them a Cornell box took 4 %
-/// longer, with 8 of them 12 %.
-pub(super) const WAVEFRONT_PATHS: u32 = 256;
 
 /// Camera rays of samples of one pixel, before they are generated.
 #[derive(Default)]
@@ -40,23 +35,23 @@ impl CameraRayBatch {
     }
 }
 
-/// Where the light of a path from the camera goes.
+/// Target of the light of a path from the camera.
 struct PixelTarget<'a> {
     /// Index of the pixel in the band.
     pixel: usize,
     /// Transmittance of the lens times the weight of the camera ray.
     transmitted: SampledSpectrum,
-    /// What paths from lights bring to the same sample.
+    /// Light that paths from lights bring to the same sample.
     splats: &'a [Splat],
 }
 
 /// Adds samples to a band.
-pub(super) struct BandWorker<'a, 'f> {
+pub(super) struct BandWorker<'a, 'f, P> {
     tracer: &'a Tracer<'a>,
     band: FilmBand<'f>,
     /// Index of the first pixel of the band in the film.
     first_pixel: usize,
-    /// Width of the film, and the row of the picture that its first row is.
+    /// Width of the film, and the row of the image that its first row is.
     width: usize,
     first_row: usize,
     /// Number of samples that a pixel of the film shall have.
@@ -65,8 +60,8 @@ pub(super) struct BandWorker<'a, 'f> {
     sampler: Sampler,
     /// Paths of a wavefront without their branches.
     max_paths: u32,
-    wavefront: Wavefront,
-    /// One target for each path of the wavefront.
+    wavefront: P,
+    /// Targets, one for each path of the wavefront.
     targets: Vec<PixelTarget<'a>>,
     batch: CameraRayBatch,
     /// Pixels of the current block with the samples that they lack.
@@ -79,8 +74,9 @@ pub(super) struct BandWorker<'a, 'f> {
     paths: u64,
 }
 
-impl<'a, 'f> BandWorker<'a, 'f> {
-    /// A worker for the band whose first pixel is `first_pixel` of a film of that width and first row.
+impl<'a, 'f, P: Paths> BandWorker<'a, 'f, P> {
+    /// A worker for the band whose first pixel is `first_pixel` of a film of that width and first row. `wavefront` has no
+    /// paths yet, and gets `max_paths` of them at most.
     pub(super) fn new(
         tracer: &'a Tracer<'a>,
         band: FilmBand<'f>,
@@ -88,9 +84,8 @@ impl<'a, 'f> BandWorker<'a, 'f> {
         [width, first_row]: [usize; 2],
         wanted: &'a (dyn Fn(usize) -> u32 + Sync),
         splats: &'a Splats,
+        (wavefront, max_paths): (P, u32),
     ) -> Self {
-        let mis_ratio = tracer.light_tracer.as_ref().map_or(MisRatio::NONE, LightTracer::mis_ratio);
-        let max_paths = (WAVEFRONT_PATHS / tracer.limits.splitting.max(1)).max(1);
         Self {
             tracer,
             band,
@@ -101,7 +96,7 @@ impl<'a, 'f> BandWorker<'a, 'f> {
             splats,
             sampler: Sampler::new(tracer.job.settings.sampler, tracer.seed),
             max_paths,
-            wavefront: Wavefront::new(tracer.limits, mis_ratio),
+            wavefront,
             targets: Vec::with_capacity(max_paths as usize),
             batch: CameraRayBatch::default(),
             missing: Vec::new(),
@@ -111,7 +106,7 @@ impl<'a, 'f> BandWorker<'a, 'f> {
         }
     }
 
-    /// Adds all missing samples of the band, block by block of so many columns.
+    /// Adds all missing samples of the band, block by block of `block_columns` columns.
     pub(super) fn fill(mut self, block_columns: usize) {
         for first_column in (0..self.width).step_by(block_columns) {
             // Pixels that share their paths get all of this pass or nothing.
@@ -122,10 +117,11 @@ impl<'a, 'f> BandWorker<'a, 'f> {
             self.tracer.report_paths(&mut self.paths, PATHS_PER_REPORT);
         }
         self.flush();
+        self.tracer.rays.add(self.wavefront.rays());
         self.tracer.report_paths(&mut self.paths, 1);
     }
 
-    /// Column and row in the picture of a pixel of the band.
+    /// Column and row in the image of a pixel of the band.
     fn position(&self, pixel: usize) -> [usize; 2] {
         [pixel % self.width, self.first_row + (self.first_pixel + pixel) / self.width]
     }
@@ -220,7 +216,12 @@ impl<'a, 'f> BandWorker<'a, 'f> {
     /// Traces the paths of the wavefront, and adds what arrives along each to its pixel.
     fn flush(&mut self) {
         let Self { tracer, wavefront, targets, sampler, band, .. } = self;
-        wavefront.trace(tracer.job.scene, sampler);
+        if wavefront.trace(tracer.job.scene, sampler).is_break() {
+            tracer.stop();
+            targets.clear();
+            wavefront.clear();
+            return;
+        }
         let mut paths = 0..;
         for samples in targets.chunk_by(|a, b| a.pixel == b.pixel) {
             let arrived = samples.iter().zip(&mut paths).map(|(PixelTarget { transmitted, splats, .. }, path)| {

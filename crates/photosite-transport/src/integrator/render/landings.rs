@@ -11,18 +11,18 @@ use std::ops::{ControlFlow, Range};
 
 use rayon::prelude::*;
 
-use super::band_worker::{PATHS_PER_REPORT, WAVEFRONT_PATHS, hull};
+use super::band_worker::{PATHS_PER_REPORT, hull};
 use super::tracer::{DrawnSample, Tracer};
 use crate::film::{Film, FilmBand, LandingRow, OneWavelength};
 use crate::integrator::light_paths::{LightTracer, Splats};
-use crate::integrator::mis_ratio::MisRatio;
 use crate::integrator::path::Sharing;
-use crate::integrator::wavefront::Wavefront;
+use crate::integrator::path_tracer::{DevicePaths, Paths};
 use crate::optics::{CameraRay, CameraSample, Landing, LandingRay, LensRays};
 use crate::sampler::{SamplePosition, Sampler};
 use photosite_core::spectrum::{LANES, SampledSpectrum, Wavelengths};
 
-/// How many rows from where its path started light may land; what would land farther away goes with its own hero alone.
+/// Largest number of rows between the start of a path and the pixel in which its light lands; light that would land
+/// farther away goes with its own hero alone.
 const REACH: usize = 48;
 /// Paths of which the light is kept at once, 80 bytes each, unless one sample of a row and all within reach has more; and
 /// paths that are traced between two looks at whether to go on.
@@ -34,13 +34,13 @@ fn samples_together(width: usize) -> usize {
     (MAX_STORED_PATHS / (width * (2 * REACH + 1))).clamp(1, 16)
 }
 
-/// Rows that are completed at once, with so many samples.
+/// Number of rows that are completed at once, with `samples` samples of each pixel.
 fn rows_together(width: usize, samples: usize) -> usize {
     (PATHS_OF_ROWS / (width * samples)).max(1)
 }
 
-/// Most memory, bytes, that the light takes which is kept between its path and the rows that it lands in, of a picture of so
-/// many columns and rows and so many samples a pixel.
+/// Largest amount of memory, bytes, for light that waits for the rows in which it lands, in an image of `width` ×
+/// `height` pixels with `samples_per_pixel` samples each.
 pub fn bytes_of_landings([width, height]: [usize; 2], samples_per_pixel: u32) -> u64 {
     let samples = samples_together(width).min(samples_per_pixel.max(1) as usize);
     let rows = height.min(rows_together(width, samples) + 2 * REACH);
@@ -54,12 +54,12 @@ struct Landed {
     light: OneWavelength,
 }
 
-/// What the paths of a row bring, by the row that it lands in: from `REACH` rows above it on.
+/// Light that the paths of a row bring, by the row in which it lands: from `REACH` rows above it on.
 struct RowOfPaths {
     by_target: Vec<Vec<Landed>>,
 }
 
-/// What a pass is to do.
+/// Task of a pass.
 struct Pass<'a> {
     tracer: &'a Tracer<'a>,
     width: usize,
@@ -68,18 +68,36 @@ struct Pass<'a> {
     /// Samples that a pixel of the film shall have, and those of pixels beyond it.
     wanted: &'a (dyn Fn(usize) -> u32 + Sync),
     beyond: u32,
-    /// What all pixels shall have at least.
+    /// Number of samples that all pixels shall have at least.
     least: u32,
 }
 
 impl Pass<'_> {
-    /// Whether a pixel of the picture shall have a sample.
+    /// Whether a pixel of the image shall have a sample.
     #[inline]
     fn wants(&self, pixel: [usize; 2], sample: u32) -> bool {
         sample < self.least || sample < self.wanted(pixel)
     }
 
-    /// Samples that a pixel of the picture shall have.
+    /// Traces the paths of some samples of rows of the image, of those that are asked for.
+    fn trace_rows<P: Paths>(
+        &self,
+        rows: Range<usize>,
+        samples: &Range<u32>,
+        is_asked: impl Fn(usize) -> bool + Sync,
+        make: impl Fn() -> (P, u32) + Sync,
+    ) -> Vec<RowOfPaths> {
+        let trace = |worker: &mut LandingWorker<'_, P>, row: usize| {
+            if is_asked(row) && self.tracer.go_on().is_continue() {
+                worker.trace(row, samples.clone())
+            } else {
+                RowOfPaths::new()
+            }
+        };
+        rows.into_par_iter().with_max_len(1).map_init(|| LandingWorker::new(self, make()), trace).collect()
+    }
+
+    /// Samples that a pixel of the image shall have.
     fn wanted(&self, [column, row]: [usize; 2]) -> u32 {
         let is_of_film = self.rows.contains(&row);
         if is_of_film { (self.wanted)((row - self.rows.start) * self.width + column) } else { self.beyond }
@@ -87,9 +105,9 @@ impl Pass<'_> {
 }
 
 impl Tracer<'_> {
-    /// [`pass`](Self::pass) with light that lands where its wavelength leads it.
+    /// Makes a [`pass`](Self::pass) with light that lands where its wavelength leads it.
     pub(super) fn land(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync), beyond: u32) -> ControlFlow<()> {
-        let (width, rows) = (film.width(), film.picture_rows());
+        let (width, rows) = (film.width(), film.image_rows());
         let least = (0..film.counts().len()).map(wanted).fold(beyond, u32::min);
         let pass = Pass { tracer: self, width, rows, wanted, beyond, least };
         let all = hull((0..).zip(film.counts()).map(|(pixel, &done)| done..wanted(pixel)));
@@ -103,7 +121,7 @@ impl Tracer<'_> {
         ControlFlow::Continue(())
     }
 
-    /// What paths from lights bring to some samples of pixels that lack them.
+    /// Light that paths from lights bring to some samples of pixels that lack them.
     fn splats(&self, film: &Film, pass: &Pass<'_>, samples: Range<u32>) -> Splats {
         let Some(light_tracer) = &self.light_tracer else { return Splats::default() };
         let first = self.job.settings.samples().start;
@@ -111,7 +129,7 @@ impl Tracer<'_> {
         let wants = |pixel: usize, sample: u32| {
             (counts[pixel]..(pass.wanted)(pixel).min(samples.end)).contains(&(sample - first))
         };
-        light_tracer.trace(first + samples.start..first + samples.end, film.picture_rows(), wants)
+        light_tracer.trace(first + samples.start..first + samples.end, film.image_rows(), wants)
     }
 
     /// Adds some samples to all pixels that lack them.
@@ -133,22 +151,19 @@ impl Tracer<'_> {
         let splats = self.splats(film, pass, samples.clone());
         let step = rows_together(width, samples.len());
         let mut paths: VecDeque<RowOfPaths> = VecDeque::new();
-        // Rows of the picture whose paths are kept.
+        // Rows of the image whose paths are kept.
         let mut kept = rows.start.saturating_sub(REACH)..rows.start.saturating_sub(REACH);
         for first in rows.clone().step_by(step) {
             let targets = first..rows.end.min(first + step);
             // Trace the paths that may land there
             let sources = kept.end..height.min(targets.end + REACH);
-            let trace = |worker: &mut LandingWorker<'_>, row: usize| {
-                if is_asked(row) && self.go_on().is_continue() {
-                    worker.trace(row, samples.clone())
-                } else {
-                    RowOfPaths::new()
+            paths.extend(match self.job.device {
+                None => pass.trace_rows(sources.clone(), &samples, is_asked, || self.wavefront()),
+                Some(device) => {
+                    let make = || (DevicePaths::new(device), device.batch_size() as u32);
+                    pass.trace_rows(sources.clone(), &samples, is_asked, make)
                 }
-            };
-            let new: Vec<RowOfPaths> =
-                sources.clone().into_par_iter().with_max_len(1).map_init(|| LandingWorker::new(pass), trace).collect();
-            paths.extend(new);
+            });
             kept.end = kept.end.max(sources.end);
             self.go_on()?;
 
@@ -214,13 +229,13 @@ fn one_wavelength(wavelengths: &Wavelengths, lane: usize, weighted: f32) -> OneW
 }
 
 impl RowOfPaths {
-    /// Without light.
+    /// Makes rows without light.
     fn new() -> Self {
         Self { by_target: Vec::new() }
     }
 }
 
-/// Where the light of a path goes.
+/// Target of the light of a path.
 struct PathTarget {
     sample: u32,
     /// Transmittance of the lens.
@@ -230,28 +245,30 @@ struct PathTarget {
 }
 
 /// Traces the paths of rows.
-struct LandingWorker<'a> {
+struct LandingWorker<'a, P> {
     pass: &'a Pass<'a>,
     sampler: Sampler,
-    wavefront: Wavefront,
+    wavefront: P,
+    /// Paths of a wavefront without their branches.
+    max_paths: u32,
     rays: LensRays,
     samples: Vec<CameraSample>,
     wavelengths: Vec<Wavelengths>,
-    /// Of each sample its number, its pixel and the position of the sampler.
+    /// Starts of the samples: number, pixel and the position of the sampler.
     starts: Vec<(u32, [u32; 2], SamplePosition)>,
-    /// One for each path of the wavefront.
+    /// Targets, one for each path of the wavefront.
     targets: Vec<PathTarget>,
     paths: u64,
 }
 
-impl<'a> LandingWorker<'a> {
-    fn new(pass: &'a Pass<'a>) -> Self {
-        let Tracer { job, seed, limits, .. } = *pass.tracer;
-        let mis_ratio = pass.tracer.light_tracer.as_ref().map_or(MisRatio::NONE, LightTracer::mis_ratio);
+impl<'a, P: Paths> LandingWorker<'a, P> {
+    fn new(pass: &'a Pass<'a>, (wavefront, max_paths): (P, u32)) -> Self {
+        let Tracer { job, seed, .. } = *pass.tracer;
         Self {
             pass,
             sampler: Sampler::new(job.settings.sampler, seed),
-            wavefront: Wavefront::new(limits, mis_ratio),
+            wavefront,
+            max_paths,
             rays: LensRays::default(),
             samples: Vec::new(),
             wavelengths: Vec::new(),
@@ -261,14 +278,14 @@ impl<'a> LandingWorker<'a> {
         }
     }
 
-    /// Traces the paths of some samples of a row of the picture.
+    /// Traces the paths of some samples of a row of the image.
     fn trace(&mut self, row: usize, samples: Range<u32>) -> RowOfPaths {
         let Pass { tracer, width, .. } = *self.pass;
         let mut found = RowOfPaths { by_target: (0..=2 * REACH).map(|_| Vec::new()).collect() };
         // Most of the light lands where its path started.
         found.by_target[REACH].reserve(LANES * width * samples.len());
         let first_sample = tracer.job.settings.samples().start;
-        let most = (WAVEFRONT_PATHS / tracer.limits.splitting.max(1)).max(1) as usize;
+        let most = self.max_paths as usize;
         for column in 0..width {
             let pixel = [column, row];
             let wavelengths = tracer.wavelengths.at(column, row);
@@ -294,7 +311,7 @@ impl<'a> LandingWorker<'a> {
 
     /// Traces the paths of the samples at hand, and sorts their light by where it lands.
     fn flush(&mut self, row: usize, found: &mut RowOfPaths) {
-        let Self { pass, sampler, wavefront, rays, samples, wavelengths, starts, targets, paths } = self;
+        let Self { pass, sampler, wavefront, rays, samples, wavelengths, starts, targets, paths, max_paths: _ } = self;
         let tracer = pass.tracer;
         // Lead the rays through the lens
         let starts_path = |i: usize, cell: [u32; 2]| pass.wants(cell.map(|n| n as usize), starts[i].0);
@@ -311,7 +328,10 @@ impl<'a> LandingWorker<'a> {
         starts.clear();
 
         // Trace their paths
-        wavefront.trace(tracer.job.scene, sampler);
+        if wavefront.trace(tracer.job.scene, sampler).is_break() {
+            tracer.stop();
+            targets.clear();
+        }
 
         // Add their light
         for (path, target) in targets.drain(..).enumerate() {

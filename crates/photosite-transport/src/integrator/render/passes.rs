@@ -1,4 +1,4 @@
-//! Passes over the whole picture, until every pixel has its samples.
+//! Passes over the whole image, until every pixel has its samples.
 
 use std::ops::ControlFlow;
 
@@ -8,6 +8,7 @@ use super::band_worker::{BandWorker, hull};
 use super::tracer::Tracer;
 use crate::film::{Film, FilmBand};
 use crate::integrator::light_paths::Splats;
+use crate::integrator::path_tracer::{DevicePaths, Paths};
 
 /// Number of paths of a pass so short that smaller ones are pointless.
 const SMALL_PASS_PATHS: u64 = 1 << 20;
@@ -16,8 +17,11 @@ const SMALL_PASS_PATHS: u64 = 1 << 20;
 /// limit of time is kept well.
 pub(super) const MAX_PASS_SAMPLES: u32 = 16;
 
+/// Number of paths below which it is not worth a device's while.
+const FEWEST_DEVICE_PATHS: u64 = 1 << 15;
+
 impl Tracer<'_> {
-    /// Brings every pixel to so many samples, in passes that double, and tells of each.
+    /// Brings every pixel to `samples` samples, in passes that double, and tells of each.
     pub(super) fn fill(
         &self,
         film: &mut Film,
@@ -37,7 +41,7 @@ impl Tracer<'_> {
     }
 
     /// Brings each pixel of a film that has fewer to as many samples as `wanted` says of it, unless that is broken off.
-    /// Pixels of the picture beyond the film get `beyond`, elsewhere.
+    /// Pixels of the image beyond the film get `beyond`, elsewhere.
     pub(super) fn pass(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync), beyond: u32) -> ControlFlow<()> {
         if self.lands_wavelengths() {
             return self.land(film, wanted, beyond);
@@ -54,7 +58,7 @@ impl Tracer<'_> {
             let wanted = |pixel: usize| wanted(pixel).min(end);
             let counts = film.counts();
             let wants = |pixel: usize, sample: u32| (counts[pixel]..wanted(pixel)).contains(&(sample - first));
-            let splats = light_tracer.trace(first + start..first + end, film.picture_rows(), wants);
+            let splats = light_tracer.trace(first + start..first + end, film.image_rows(), wants);
             self.add_samples(film, &wanted, &splats);
             self.go_on()?;
         }
@@ -64,13 +68,43 @@ impl Tracer<'_> {
     /// Adds the missing samples to all pixels of a film, with what paths from lights bring to them.
     pub(super) fn add_samples(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync), splats: &Splats) {
         let [block_columns, block_rows] = self.block_size();
-        let (width, first_row) = (film.width(), film.picture_rows().start);
+        match self.job.device {
+            None => self.fill_bands(film, block_rows, block_columns, wanted, splats, || self.wavefront()),
+            Some(device) => {
+                let rows = self.rows_of_batch(film, wanted, device.batch_size());
+                let paths = || (DevicePaths::new(device), device.batch_size() as u32);
+                self.fill_bands(film, rows, block_columns, wanted, splats, paths);
+            }
+        }
+    }
+
+    /// Fills bands of `rows` rows side by side, with paths that `make` makes for each.
+    fn fill_bands<P: Paths>(
+        &self,
+        film: &mut Film,
+        rows: usize,
+        block_columns: usize,
+        wanted: &(dyn Fn(usize) -> u32 + Sync),
+        splats: &Splats,
+        make: impl Fn() -> (P, u32) + Sync,
+    ) {
+        let (width, first_row) = (film.width(), film.image_rows().start);
         let fill = |(index, band): (usize, FilmBand<'_>)| {
-            let first_pixel = index * block_rows * width;
-            BandWorker::new(self, band, first_pixel, [width, first_row], wanted, splats).fill(block_columns);
+            let first_pixel = index * rows * width;
+            BandWorker::new(self, band, first_pixel, [width, first_row], wanted, splats, make()).fill(block_columns);
         };
         // One by one: of many that a thread had begun to share out, others could not take any while it was busy with
         // the first.
-        film.bands(block_rows).into_par_iter().with_max_len(1).enumerate().for_each(fill);
+        film.bands(rows).into_par_iter().with_max_len(1).enumerate().for_each(fill);
+    }
+
+    /// Number of rows that lack as many samples as are traced together, or fewer where threads would be left without any:
+    /// no path depends on those beside it.
+    fn rows_of_batch(&self, film: &Film, wanted: &(dyn Fn(usize) -> u32 + Sync), batch_size: usize) -> usize {
+        let lacking = |(pixel, &done): (usize, &u32)| u64::from(wanted(pixel).saturating_sub(done));
+        let paths = film.counts().iter().enumerate().map(lacking).sum::<u64>().max(1);
+        let of_thread = paths.div_ceil(rayon::current_num_threads() as u64).max(FEWEST_DEVICE_PATHS);
+        let together = (batch_size as u64).min(of_thread);
+        (film.height() as u64 * together / paths).clamp(1, film.height().max(1) as u64) as usize
     }
 }

@@ -1,4 +1,4 @@
-//! The way back: which pixel sees a point of the scene, for paths that come from lights.
+//! Connection of a point of the scene to the pixel that sees it, for paths that come from lights.
 
 use glam::{DQuat, DVec2, DVec3, Vec3};
 
@@ -7,24 +7,24 @@ use super::ray::{Aim, CameraRay};
 use crate::geometry::Ray;
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
 
-/// Where a point in the world is seen through a point of the aperture.
+/// Connection of a point in the world to the sensor, through a point of the aperture.
 #[derive(Clone, Copy, Debug)]
 pub struct Connection {
     /// Continuous pixel coordinates, on the sensor or beside it.
     pub pixel: DVec2,
-    /// From the lens by the point; see [`Camera::generate`].
+    /// Ray from the lens by the point; see [`Camera::generate`].
     pub ray: CameraRay,
-    /// What each wavelength counts.
+    /// Weight of each wavelength.
     pub weights: SampledSpectrum,
-    /// Area of the picture over that of what it shows on a plane across the ray at the point, px²·m⁻².
+    /// Area of the image over that of what it shows on a plane across the ray at the point, px²·m⁻².
     pub px2_per_m2: f32,
 }
 
 impl Camera {
-    /// The pixel position whose ray goes by a point in world space, of the same samples as [`Self::generate_spectral`]
-    /// takes: its inverse, found by Newton's method, since neither distortion nor an entrance pupil that turns has one
-    /// in closed form. `None` where the lens does not see the point. Of a camera that stands still, with another lens than
-    /// a prescription, whose rays it does not find.
+    /// Finds the pixel position whose ray goes by a point in world space, of the same samples as
+    /// [`Self::generate_spectral`] takes: its inverse, found by Newton's method, since neither distortion nor an
+    /// entrance pupil that turns has one in closed form. `None` where the lens does not see the point. Of a camera that
+    /// stands still, with another lens than a prescription, whose rays it does not find.
     pub fn connect(
         &self,
         point: Vec3,
@@ -32,8 +32,7 @@ impl Camera {
         spread_sample: [f32; 2],
         wavelengths: &mut Wavelengths,
     ) -> Option<Connection> {
-        /// Finite differences are this wide, px: as exact as an f64 makes them of functions that are smooth over
-        /// pixels.
+        /// Width of finite differences, px: as exact as an f64 makes them of functions that are smooth over pixels.
         const STEP_PX: f64 = 0.01;
         const NEAR_PX: f64 = 1e-4;
         const MOST_STEPS: u32 = 8;

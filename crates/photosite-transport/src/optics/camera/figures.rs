@@ -24,26 +24,27 @@ pub struct LensFigures {
     /// u·(H − f)/(H − u) with the hyperfocal distance H; the second is infinite from u = H on. `None` where nothing is
     /// as sharp, and where everything is, behind a pinhole.
     pub depth_of_field_m: Option<[f64; 2]>,
-    /// The distance focused on which depth of field reaches to infinity, H = f²/(N·c) + f of a lone lens; `None` of what
-    /// cannot be focused at infinity.
+    /// Hyperfocal distance, m: with the lens focused on it, depth of field reaches to infinity, H = f²/(N·c) + f of a
+    /// lone lens; `None` of what cannot be focused at infinity.
     pub hyperfocal_m: Option<f64>,
-    /// Diameter of the entrance pupil D.
+    /// Diameter D of the entrance pupil, m.
     pub entrance_pupil_m: f64,
     /// Angle of view from left to right, from top to bottom and from corner to corner, rad; `None` where one of the two
     /// sees nothing.
     pub angle_of_view_rad: [Option<f64>; 3],
-    /// Width and height of what is seen at the focus distance; `None` where that is infinite or there is none, and of
-    /// lenses whose picture is not flat.
+    /// Width and height of the field that is seen at the focus distance, m; `None` where that is infinite or there is
+    /// none, and of lenses whose image is not flat.
     pub field_at_focus_m: Option<[f64; 2]>,
-    /// Size of the picture over that of what is at the focus distance; `None` likewise.
+    /// Magnification: size of the image over that of an object at the focus distance; `None` where that distance is
+    /// infinite or there is none, and for lenses whose image is not flat.
     pub magnification: Option<f64>,
     /// Diameter of the first dark ring of Airy's pattern, 2.44·λ·v/D at 550 nm, m.
     pub diffraction_spot_m: f64,
 }
 
 impl Camera {
-    /// The figures of its lens for an acceptable circle of confusion, m: left out, the diagonal of the sensor over 1440.
-    /// `None` without a lens.
+    /// Figures of the camera's lens for an acceptable circle of confusion, m: left out, the diagonal of the sensor over
+    /// 1440. `None` without a lens.
     pub fn figures(&self, circle_of_confusion_m: Option<f64>) -> Option<LensFigures> {
         let entrance_pupil_m = self.entrance_pupil_m()?;
         let size_m = DVec2::from_array([0, 1].map(|i| f64::from(self.resolution[i]) * self.pitch_m[i]));
@@ -83,7 +84,8 @@ impl Camera {
         (near > 0.0).then(|| [1.0 / near, if far > 0.0 { 1.0 / far } else { f64::INFINITY }])
     }
 
-    /// Focused on it, v = v∞·(1 + c/D) with the distance v∞ of the sensor at which the lens is focused at infinity.
+    /// Hyperfocal distance, m. With the lens focused on it, v = v∞·(1 + c/D) with the distance v∞ of the sensor at
+    /// which the lens is focused at infinity.
     fn hyperfocal(&self, c: f64) -> Option<f64> {
         let v_infinity = self.image_distance_at_infinity_m?;
         let opening = self.entrance_pupil_m()? * self.chief_slope;

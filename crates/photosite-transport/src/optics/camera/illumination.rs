@@ -1,4 +1,4 @@
-//! How much less light comes to the corners of the picture than to its middle.
+//! Illumination of the image: its loss of light towards the corners.
 
 use glam::DVec2;
 
@@ -7,14 +7,14 @@ use super::ray::towards;
 use crate::optics::Seen;
 use crate::optics::prescribed::PrescribedLens;
 
-/// A picture that is larger than the image circle of its lens.
+/// Image that is larger than the image circle of its lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeyondImageCircle {
-    /// Which part of the pixels that could see light gets none, 0 to 1.
+    /// Part of the pixels that could see light but get none, 0 to 1.
     pub dark_part: f64,
-    /// How far from the axis light comes on the sensor, m.
+    /// Largest distance from the axis at which light comes to the sensor, m.
     pub lit_m: f64,
-    /// How far from the axis the corners of the picture are, m.
+    /// Distance of the corners of the image from the axis, m.
     pub corner_m: f64,
 }
 
@@ -26,15 +26,15 @@ impl Camera {
         self.cells.sees_light(pixel) && self.prescribed.as_deref().is_none_or(reaches)
     }
 
-    /// Whether light comes to a pixel position, whatever it is that may keep it away: the image circle of the sensor, the
+    /// Whether light comes to a pixel position, with all that may keep it away: the image circle of the sensor, the
     /// reach and the rims of the lens, or stops.
     pub fn is_lit(&self, pixel: DVec2) -> bool {
         let passes_stops = || self.relative_illumination(pixel).is_some_and(|part| part > 0.0);
         self.sees_light(pixel) && (self.stops.is_empty() || passes_stops())
     }
 
-    /// What of the picture lies beyond the image circle of a prescription. `None` where nothing does, and of other lenses,
-    /// which have none.
+    /// Part of the image that lies beyond the image circle of a prescription. `None` where nothing does, and for other
+    /// lenses, which have none.
     pub fn beyond_image_circle(&self) -> Option<BeyondImageCircle> {
         let lit_mm = self.prescribed.as_ref()?.lit_mm();
         let corner_mm = self.sensor_mm(DVec2::ZERO).length();
@@ -59,7 +59,7 @@ impl Camera {
             let middle = lens.illumination_sr(0.0);
             return Some(lens.illumination_sr(self.sensor_mm(pixel).length()) / middle);
         }
-        if !self.makes_picture() {
+        if !self.makes_image() {
             return Some(1.0);
         }
         // The integrand is smooth: 16 × 16 cells leave an error below 1e-4 even at f/1. The edge of a stop crosses some

@@ -12,7 +12,7 @@
 //!
 //! with the area |R(x)| of the region that directions are drawn from at x, the transmittance T_j of the glass, and v_kj = 1
 //! where wavelength k passes from a point of which a path may start and which is near enough to x_j, else 0. Inside the
-//! picture that is |R|, as if the lens did not disperse.
+//! image that is |R|, as if the lens did not disperse.
 //!
 //! Where something moves, the ray belongs to the time t at which its path starts. Rows of a rolling shutter see light at
 //! times of their own, each as long as any other: v_kj is 0, too, where the row of x_k is not exposed at t.
@@ -29,31 +29,31 @@ use crate::optics::prescribed::{PrescribedLens, Start};
 use photosite_core::spectrum::{LANES, SampledSpectrum, Wavelengths};
 use photosite_lens::lanes::LaneRay;
 
-/// Where the light of a wavelength belongs.
+/// Pixel in which the light of a wavelength lands, and its weight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Landing {
-    /// Column and row.
+    /// Column and row of the pixel.
     pub cell: [u32; 2],
-    /// What its light counts there, without the lens's transmittance; 0 where it does not land in the picture.
+    /// Weight of the light in that pixel, without the lens's transmittance; 0 where it does not land in the image.
     pub weight: f32,
 }
 
 /// A ray into the scene that serves four wavelengths.
 #[derive(Clone, Copy, Debug)]
 pub struct LandingRay {
-    /// With what it counts where its path goes on with the hero alone, which lands in the pixel that it came from.
+    /// Ray and weight for a path that goes on with the hero alone, which lands in the pixel that it came from.
     pub of_hero: CameraRay,
-    /// Of each wavelength where its path carries all: E = weight · L, sr.
+    /// Landings of the wavelengths, for a path that carries all of them: E = weight · L, sr.
     pub landings: [Landing; LANES],
 }
 
-/// Memory for rays through a lens.
+/// Buffers for rays through a lens.
 #[derive(Debug, Default)]
 pub struct LensRays {
     /// The hero of each sample, and the area of the region that its direction was drawn from.
     out: Vec<LaneRay>,
     areas: Vec<f32>,
-    /// [`Start::image`] of each.
+    /// Sensor points [`Start::image`] of the rays.
     images: Vec<DVec2>,
     /// The other wavelengths of each sample, or all of each way in.
     pub(super) back: Vec<LaneRay>,
@@ -65,7 +65,7 @@ pub(super) const BLOCKED: LaneRay =
 
 impl Camera {
     /// Whether [`land_each`](Self::land_each) serves this camera: it has the lens of a prescription, and its pixels are
-    /// rectangles of a picture.
+    /// rectangles of an image.
     pub fn lands_wavelengths(&self) -> bool {
         self.prescribed.is_some() && !self.scans && !self.cells.is_staggered()
     }
@@ -112,7 +112,7 @@ impl Camera {
 
     /// Makes the rays of several samples, and gives `take` the index of each with its ray, or `None` where the hero is
     /// blocked. `starts` says of the index of a sample, a column and a row whether a path of that sample's number starts in
-    /// that pixel of the picture; `reach` is how many rows apart light may land from where its path came from.
+    /// that pixel of the image; `reach` is how many rows apart light may land from where its path came from.
     pub fn land_each(
         &self,
         samples: &[CameraSample],
@@ -199,12 +199,12 @@ impl Camera {
         }
     }
 
-    /// The cell of the picture in which a place lies, if it sees light.
+    /// The cell of the image in which a place lies, if it sees light.
     #[inline]
     pub(super) fn lit_cell(&self, pixel: DVec2) -> Option<[u32; 2]> {
         let [columns, rows] = self.resolution.map(f64::from);
         let cell = self.cells.cell_at(pixel);
-        let is_in_picture = cell.x >= 0.0 && cell.y >= 0.0 && cell.x < columns && cell.y < rows;
-        (is_in_picture && self.cells.sees_light(pixel)).then_some([cell.x as u32, cell.y as u32])
+        let is_in_image = cell.x >= 0.0 && cell.y >= 0.0 && cell.x < columns && cell.y < rows;
+        (is_in_image && self.cells.sees_light(pixel)).then_some([cell.x as u32, cell.y as u32])
     }
 }

@@ -12,32 +12,32 @@ use crate::optics::{Focus, LensDescription, LensKind, Projection};
 use photosite_core::Invalid;
 use photosite_lens::lanes::LaneRay;
 
-/// What a lens from a prescription is as it stands: zoomed, focused and stopped down. To first order at the d line but for
-/// what is traced; lengths are m.
+/// Figures of a lens from a prescription as it stands: zoomed, focused and stopped down. They are of first order at the
+/// d line unless they are traced; lengths are in m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrescriptionFigures {
-    /// Effective focal length. Where groups move for the focus, it differs from that at infinity.
+    /// Effective focal length, m. Where groups move for the focus, it differs from that at infinity.
     pub focal_length_m: f64,
-    /// 1/(2·sin u′) of the light that comes to the middle of the picture, traced at 555 nm.
+    /// Working f-number 1/(2·sin u′) of the light that comes to the middle of the image, traced at 555 nm.
     pub working_f_number: f64,
-    /// Diameter of the entrance pupil.
+    /// Diameter of the entrance pupil, m.
     pub entrance_pupil_m: f64,
-    /// From the entrance pupil, the camera's origin, to the sensor.
+    /// Distance from the entrance pupil, the camera's origin, to the sensor, m.
     pub entrance_pupil_to_sensor_m: f64,
-    /// Diameter of the exit pupil.
+    /// Diameter of the exit pupil, m.
     pub exit_pupil_m: f64,
-    /// From the exit pupil to the sensor.
+    /// Distance from the exit pupil to the sensor, m.
     pub exit_pupil_to_sensor_m: f64,
-    /// From the first vertex to the sensor.
+    /// Distance from the first vertex to the sensor, m.
     pub length_m: f64,
-    /// Distance from the axis up to which the chief rays of the picture pass every aperture; `None` where all do.
+    /// Distance from the axis up to which the chief rays of the image pass every aperture; `None` where all do.
     pub clear_radius_m: Option<f64>,
-    /// Whether points are spread as waves are, and not as the rays of the glass land.
+    /// Whether the point spread is that of waves, and not of the rays through the glass.
     pub spreads_waves: bool,
 }
 
 impl Camera {
-    /// The figures of a lens from a prescription; `None` of other lenses.
+    /// Figures of a lens from a prescription; `None` for other lenses.
     pub fn prescription_figures(&self) -> Option<PrescriptionFigures> {
         let lens = self.prescribed.as_deref()?;
         let first_order = lens.first_order();
@@ -55,9 +55,10 @@ impl Camera {
         })
     }
 
-    /// The line along which a pixel position looks, in camera space of glTF: a point of it and its direction, a unit vector. Lines
-    /// of a prescription do not meet in one point: each goes through the entrance pupil of its own field. Of a lens that sees
-    /// less than a half-space, the point lies in the plane of the camera's origin. `None` where the position sees nothing.
+    /// Line of sight along which a pixel position looks, in camera space of glTF: a point of it and its direction, a
+    /// unit vector. Lines of a prescription do not meet in one point: each goes through the entrance pupil of its own
+    /// field. Of a lens that sees less than a half-space, the point lies in the plane of the camera's origin. `None`
+    /// where the position sees nothing.
     pub fn line_of_sight(&self, pixel: DVec2) -> Option<(DVec3, DVec3)> {
         match &self.prescribed {
             Some(lens) => lens.seen(self.sensor_mm(pixel)).map(|(origin, seen)| (origin, seen.direction)),
@@ -65,16 +66,16 @@ impl Camera {
         }
     }
 
-    /// Whether the pictures of points of both are in one place of memory.
+    /// Whether both cameras share their point spreads in memory.
     #[cfg(test)]
-    pub(in crate::optics) fn shares_pictures_of_points(&self, other: &Self) -> bool {
+    pub(in crate::optics) fn shares_images_of_points(&self, other: &Self) -> bool {
         let lenses = self.prescribed.as_ref().zip(other.prescribed.as_ref());
-        lenses.is_some_and(|(one, other)| one.shares_pictures_of_points(other))
+        lenses.is_some_and(|(one, other)| one.shares_images_of_points(other))
     }
 
-    /// Of a lens from a prescription that spreads points as waves are: how far from the middle of a point's picture its rays
-    /// land, and how far the picture reaches, m, where it does not reach as far, so that light is folded back into it.
-    /// `None` of others.
+    /// Distance from the middle of a point's image at which its rays land, and the distance that the image reaches, m,
+    /// for a lens from a prescription that spreads points as waves are, where the image does not reach as far, so that
+    /// light is folded back into it. `None` for others.
     pub fn folded_blur_m(&self) -> Option<[f64; 2]> {
         self.prescribed.as_ref()?.beyond_reach_mm().map(|both| both.map(|mm| mm * 1e-3))
     }
@@ -86,7 +87,7 @@ impl Camera {
         self.prescribed.as_deref().is_some_and(is_beyond)
     }
 
-    /// Where the reach of a prescription ends in a direction about the axis. Its chief rays cross the axis in different
+    /// Rim of the reach of a prescription in a direction about the axis. Its chief rays cross the axis in different
     /// points, so that the angle of the reach alone does not lead there.
     pub(in crate::optics) fn rim_of_prescription(&self, about: DVec2) -> Option<DVec2> {
         self.prescribed.as_deref().map(|lens| self.pixel_of(about * lens.highest_mm()))
@@ -119,7 +120,7 @@ impl Camera {
         })
     }
 
-    /// Where a pixel position is on the sensor, mm from the axis.
+    /// Position of a pixel position on the sensor, mm from the axis.
     #[inline]
     pub(super) fn sensor_mm(&self, pixel: DVec2) -> DVec2 {
         self.on_sensor_m(pixel) * 1e3

@@ -1,4 +1,4 @@
-//! Camera rays: through which point of the aperture a place sees the scene, and what that counts.
+//! Camera rays: the point of the aperture through which a place sees the scene, and the weight of its radiance.
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 
@@ -9,34 +9,34 @@ use crate::optics::{Falloff, Intrinsics, LensKind, PointSpread, Seen};
 use photosite_core::math::warp;
 use photosite_core::spectrum::{SampledSpectrum, Wavelengths};
 
-/// What a ray of the camera is made from.
+/// Sample from which a camera ray is made.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraSample {
     /// Continuous pixel coordinates.
     pub pixel: DVec2,
-    /// Numbers in [0, 1) for the point of the aperture.
+    /// Random numbers in [0, 1) for the point of the aperture.
     pub aperture: [f32; 2],
-    /// The same for the time within the exposure of the pixel's row.
+    /// Random number in [0, 1) for the time within the exposure of the pixel's row.
     pub time: f32,
-    /// The same for the point spread.
+    /// Random numbers in [0, 1) for the point spread.
     pub spread: [f32; 2],
 }
 
-/// A ray into the scene and what its radiance counts.
+/// Ray into the scene with the weight of its radiance.
 #[derive(Clone, Copy, Debug)]
 pub struct CameraRay {
-    /// In world space, direction of unit length.
+    /// Ray in world space, with a direction of unit length.
     pub ray: Ray,
-    /// E = weight · L for one sample of the aperture, sr, without the lens's transmittance.
+    /// Weight, sr: E = weight · L for one sample of the aperture, without the lens's transmittance.
     pub weight: f32,
 }
 
 /// A ray of a place through a point of the aperture, in camera space.
 pub(super) struct Aim {
     pub(super) seen: Seen,
-    /// On the entrance pupil.
+    /// Origin on the entrance pupil.
     pub(super) origin: DVec3,
-    /// From there to what is in focus, of any length.
+    /// Vector from the origin to the point in focus, of any length.
     pub(super) towards: DVec3,
 }
 
@@ -50,14 +50,14 @@ impl Aim {
 }
 
 impl Camera {
-    /// The ray of a pixel position (continuous coordinates) and an aperture sample. `None` where the position sees
-    /// nothing: its irradiance is zero.
+    /// Generates the ray of a pixel position (continuous coordinates) and an aperture sample. `None` where the position
+    /// sees nothing: its irradiance is zero.
     ///
     /// By the étendue that a lens keeps, E(x, λ) = τ(λ) ∫_A L·cosθ dA·dΩ/dA_s
     /// ([Born99](photosite_core::references#born99) §4.8), where the piece dA_s of the sensor sees the solid angle dΩ.
     /// For a rectilinear lens dΩ/dA_s = cos³θ/v², which makes E = τ ∫_A L·cos⁴θ/v² dA with θ between the axis and x →
     /// a; one uniform sample of A weighs A·cos⁴θ/v². Distortion multiplies that by the area in the ideal over that in
-    /// the distorted picture: a barrel is brighter at its edge. A lens that can see more than a half-space has an
+    /// the distorted image: a barrel is brighter at its edge. A lens that can see more than a half-space has an
     /// entrance pupil that faces each direction, so that the cosine is 1, and behind it the cone of light that it has
     /// on the axis.
     ///
@@ -77,7 +77,7 @@ impl Camera {
             let start = || lens.start(self.sensor_mm(pixel), aperture_sample, REFERENCE_NM as f32);
             return self.prescribed_ray(lens, &sample, sees_light.then(start).flatten()?);
         }
-        if !self.makes_picture() {
+        if !self.makes_image() {
             return self.bare_ray(pixel, aperture_sample, 0.0);
         }
         self.ray(pixel, self.place(pixel), aperture_sample, 0.0, self.focus_distance_m)
@@ -91,7 +91,7 @@ impl Camera {
         }
     }
 
-    /// Whether light of each wavelength takes a way of its own, so that a path carries its hero alone.
+    /// Whether each wavelength takes a way of its own through the lens, so that a path carries its hero alone.
     pub(super) fn parts_wavelengths(&self) -> bool {
         self.lateral_colour.is_some() || self.chromatic.is_some() || self.prescribed.is_some()
     }
@@ -115,8 +115,8 @@ impl Camera {
         matches!(self.point_spread, Some(PointSpread::Airy | PointSpread::Measured(_)))
     }
 
-    /// The same ray through a lens with a point spread and lateral colour, at a time within the exposure of the pixel's
-    /// row, and what each wavelength counts. Lateral colour leaves only the hero, whose direction it is.
+    /// Generates the ray through a lens with a point spread and lateral colour, at a time within the exposure of the
+    /// pixel's row, with the weight of each wavelength. Lateral colour leaves only the hero, whose direction it is.
     #[inline]
     pub fn generate_spectral(
         &self,
@@ -124,7 +124,7 @@ impl Camera {
         wavelengths: &mut Wavelengths,
     ) -> Option<(CameraRay, SampledSpectrum)> {
         let &CameraSample { pixel, aperture, time, spread } = sample;
-        if !self.makes_picture() {
+        if !self.makes_image() {
             return Some((self.bare_ray(pixel, aperture, time)?, SampledSpectrum::ONE));
         }
         if self.parts_wavelengths() {
@@ -176,8 +176,8 @@ impl Camera {
             place *= f64::from(chromatic.magnification.eval(wavelengths.lambda_nm(0)));
         }
         if let Some(spread) = &self.point_spread {
-            let in_picture = pixel / DVec2::from_array(self.resolution.map(f64::from)) * 2.0 - 1.0;
-            let (offset, of_wavelengths) = spread.sample(spread_sample, wavelengths, self.working_f_number, in_picture);
+            let in_image = pixel / DVec2::from_array(self.resolution.map(f64::from)) * 2.0 - 1.0;
+            let (offset, of_wavelengths) = spread.sample(spread_sample, wavelengths, self.working_f_number, in_image);
             let Intrinsics { fx, fy, .. } = self.intrinsics;
             place += offset / DVec2::new(self.pitch_m[0] * fx, self.pitch_m[1] * fy);
             weights = of_wavelengths;
@@ -209,7 +209,7 @@ impl Camera {
     }
 
     /// The ray from a place of a sensor without a lens. The sensor stands as behind a lens, upside down: what is to the
-    /// right of the picture lies to the left.
+    /// right of the image lies to the left.
     #[inline]
     fn bare_ray(&self, pixel: DVec2, direction_sample: [f32; 2], u_time: f32) -> Option<CameraRay> {
         if !self.cells.sees_light(pixel) {
@@ -233,7 +233,7 @@ impl Camera {
         }
     }
 
-    /// Where the ray of a place goes through a point of the aperture, whatever stops are in its way.
+    /// Aims the ray of a place through a point of the aperture, whatever stops are in its way.
     #[inline]
     pub(super) fn aim(&self, place: DVec2, opening: DVec2, focus_distance_m: f64) -> Option<Aim> {
         let seen = self.seen_at(place)?;
@@ -241,7 +241,7 @@ impl Camera {
         Some(Aim { seen, origin, towards: towards(seen.chief, origin, focus_distance_m) })
     }
 
-    /// [`CameraRay::weight`].
+    /// Weight of a ray, as [`CameraRay::weight`] has it.
     #[inline(always)]
     pub(super) fn weight(&self, aim: &Aim, opening: DVec2) -> f32 {
         (self.sample_sr * self.falloff_at(&aim.seen, opening)) as f32
@@ -251,7 +251,7 @@ impl Camera {
     #[inline]
     pub(super) fn passes(&self, chief: DVec3, opening: DVec2, towards: DVec3) -> bool {
         let v = self.image_distance_m;
-        // The picture lies upside down behind the lens.
+        // The image lies upside down behind the lens.
         let sensor = DVec2::new(chief.x, chief.y) * -v;
         self.stops.iter().all(|stop| stop.passes(opening, towards, sensor, v))
     }
@@ -274,7 +274,7 @@ impl Camera {
             Falloff::Cos4 => {
                 let v = self.image_distance_m;
                 let cos = -seen.direction.z;
-                let (across, of_picture) = if self.projection.is_flat() {
+                let (across, of_image) = if self.projection.is_flat() {
                     // The sensor point is where the undistorted chief ray, carried on behind the lens, meets z = v.
                     let sensor = seen.chief.truncate() * self.perspective_distance_m;
                     (opening + sensor, seen.solid_angle / (cos * cos * cos))
@@ -282,13 +282,13 @@ impl Camera {
                     (opening, seen.solid_angle)
                 };
                 let cos2 = v * v / (v * v + across.length_squared());
-                cos2 * cos2 * of_picture
+                cos2 * cos2 * of_image
             }
         }
     }
 }
 
-/// From a point of the pupil to what is in focus, in units of the focus distance.
+/// Vector from a point of the pupil to the point in focus, in units of the focus distance.
 #[inline(always)]
 pub(super) fn towards(chief: DVec3, origin: DVec3, focus_distance_m: f64) -> DVec3 {
     if focus_distance_m.is_finite() { chief - origin / focus_distance_m } else { chief }

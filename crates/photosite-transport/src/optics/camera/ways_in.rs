@@ -1,5 +1,5 @@
-//! The way back through a prescription: where light that a point of the scene sends into the lens lands, for paths that come
-//! from lights.
+//! Way back through a prescription: the pixels in which light lands that a point of the scene sends into the lens, for
+//! paths that come from lights.
 //!
 //! No equation need be solved, as for [other lenses](super::connection): a ray to a point that is drawn in the entrance pupil
 //! goes on through the glass as light does, at each wavelength to a place of its own. With the power β that a path carries to
@@ -17,32 +17,34 @@ use super::landings::{BLOCKED, Landing, LensRays};
 use crate::optics::prescribed::WayIn;
 use photosite_core::spectrum::{LANES, Wavelengths};
 
-/// A point that is to be led to the lens.
+/// Point of the scene that is to be connected to the lens.
 #[derive(Clone, Copy, Debug)]
 pub struct TowardsLens {
-    /// In world space.
+    /// Point in world space.
     pub point: Vec3,
-    /// Numbers in [0, 1) for the point of the entrance pupil.
+    /// Random numbers in [0, 1) for the point of the entrance pupil.
     pub sample: [f32; 2],
-    /// Numbers in [0, 1) for the point spread.
+    /// Random numbers in [0, 1) for the point spread.
     pub spread: [f32; 2],
-    /// Its wavelengths.
+    /// Wavelengths of the light.
     pub wavelengths: Wavelengths,
 }
 
 /// Light of a point on its way into the lens.
 #[derive(Clone, Copy, Debug)]
 pub struct Arrival {
-    /// Where it meets the first surface, in world space.
+    /// Point at which the light meets the first surface, in world space.
     pub front: Vec3,
-    /// Of each wavelength: E = weight · I with the spectral radiant intensity I of the point towards the lens, m⁻².
+    /// Landings of the wavelengths: E = weight · I with the spectral radiant intensity I of the point towards the lens,
+    /// m⁻².
     pub landings: [Landing; LANES],
 }
 
 impl Camera {
-    /// Where light of points arrives in the picture through the glass of a prescription: gives `take` the index of each
-    /// point and what is found, where any wavelength lands. Nothing of a hero's other wavelengths where it is alone, of
-    /// points nearer than [`least_distance_m`](Self::least_distance_m), and of other lenses. Of a camera that stands still.
+    /// Leads light of points through the glass of a prescription to the image: gives `take` the index of each point
+    /// with its arrival, where any wavelength lands. It finds nothing of a hero's other wavelengths where it is alone,
+    /// of points nearer than [`least_distance_m`](Self::least_distance_m), and of other lenses. Of a camera that stands
+    /// still.
     pub fn arrive_each(&self, points: &[TowardsLens], rays: &mut LensRays, mut take: impl FnMut(usize, &Arrival)) {
         let Some(lens) = &self.prescribed else { return };
         let to_camera = self.to_world.inverse();
@@ -81,7 +83,8 @@ impl Camera {
         }
     }
 
-    /// The distance in m below which paths from lights do not find the lens: a prescription's pupil is tabulated up to there.
+    /// Distance in m below which paths from lights do not find the lens: a prescription's pupil is tabulated up to
+    /// there.
     pub fn least_distance_m(&self) -> f32 {
         self.prescribed.as_ref().map_or(0.0, |lens| lens.least_distance_m() as f32)
     }

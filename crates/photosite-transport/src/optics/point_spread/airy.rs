@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 /// Step of the table of enclosed light.
 const STEP: f64 = 0.05;
-/// Where the table ends; 1 % of the light lies farther out.
+/// End of the table, beyond which 1 % of the light lies.
 const END: usize = 1280;
 
 /// Enclosed light at multiples of the step.

@@ -1,19 +1,19 @@
-//! Measured pictures of a point.
+//! Point spreads that were measured.
 
 use glam::DVec2;
 
 use photosite_core::Invalid;
 use photosite_core::math::distribution::PiecewiseConstant2D;
 
-/// A picture of a point, even within each of its cells. Its origin lies where the lens puts the point.
+/// Kernel: a measured image of a point, even within each of its cells. Its origin lies where the lens puts the point.
 #[derive(Clone, Debug)]
 pub struct Kernel {
     distribution: PiecewiseConstant2D,
-    /// How many columns.
+    /// Number of columns.
     width: usize,
     /// Width and height, m.
     size_m: DVec2,
-    /// In parts of its size, from the first column and the first row on.
+    /// Origin in parts of the size, from the first column and the first row on.
     origin: DVec2,
     values: Vec<f32>,
 }
@@ -25,15 +25,16 @@ impl PartialEq for Kernel {
 }
 
 impl Kernel {
-    /// From rows of values of cells `pitch_m` apart; only their ratios count. Its origin is the middle of its rows and
-    /// columns: the centre of a cell where their number is odd, and where it is even the edge between two.
+    /// Makes a kernel from rows of values of cells `pitch_m` apart; only the ratios of the values count. Its origin is
+    /// the middle of its rows and columns: the centre of a cell where their number is odd, and where it is even the
+    /// edge between two.
     pub fn new(rows: &[Vec<f32>], pitch_m: f64) -> Result<Self, Invalid> {
         let width = rows.first().map_or(0, Vec::len);
         let values: Vec<f32> = rows.iter().flatten().copied().collect();
         let sum: f64 = values.iter().copied().map(f64::from).sum();
         let usable = |v: &f32| v.is_finite() && *v >= 0.0;
         if width == 0 || rows.iter().any(|row| row.len() != width) || !values.iter().all(usable) || sum <= 0.0 {
-            let message = "is not a picture of a point";
+            let message = "is not an image of a point";
             return Err(Invalid::new("", message).help("write rows of equally many numbers, 0 or more, not all 0"));
         }
         Ok(Self {
@@ -45,14 +46,15 @@ impl Kernel {
         })
     }
 
-    /// The same with its origin where its light is in the mean, so that it shifts no picture.
+    /// Returns the kernel with its origin at the centroid of its light, so that it shifts no image.
     #[must_use]
     pub fn about_centroid(self) -> Self {
         let origin = self.origin + self.centroid_m() / self.size_m;
         Self { origin, ..self }
     }
 
-    /// Where its light is in the mean, from its origin to the right and down, m: by as much it shifts the picture.
+    /// Centroid of the kernel's light, m to the right of and below its origin: the shift that the kernel gives to the
+    /// image.
     pub fn centroid_m(&self) -> DVec2 {
         let size = DVec2::new(self.width as f64, (self.values.len() / self.width) as f64);
         let centre = |i: usize| DVec2::new((i % self.width) as f64 + 0.5, (i / self.width) as f64 + 0.5);
@@ -69,12 +71,12 @@ impl Kernel {
     }
 }
 
-/// Kernels at places of the picture, of which the nearest counts.
+/// Kernels at places of the image, of which the nearest counts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KernelField(Vec<(DVec2, Kernel)>);
 
 impl KernelField {
-    /// At least one; places go from −1 at the left and the top edge to 1 at the opposite ones.
+    /// Takes at least one kernel; places go from −1 at the left and the top edge to 1 at the opposite ones.
     pub fn new(kernels: Vec<(DVec2, Kernel)>) -> Result<Self, Invalid> {
         if kernels.is_empty() {
             return Err(Invalid::new("kernels", "there is none").help("write { file = \"psf.csv\", at = [0, 0] }"));

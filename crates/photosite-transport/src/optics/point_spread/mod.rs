@@ -1,11 +1,11 @@
-//! The picture of a point, at ray level: where around a point of the sensor its light comes from. E of a pixel is the
+//! Point spread, at ray level: the offsets around a point of the sensor from which its light comes. E of a pixel is the
 //! mean over these offsets of what the lens would give without them, so that nothing is resampled.
 //!
 //! | kind | density over the offset r on the sensor | module |
 //! |---|---|---|
 //! | Gaussian | exp(−r²/2σ²)/(2πσ²), the same at all wavelengths | here |
 //! | Airy | (π/λN)²/(4π)·(2J₁(x)/x)² with x = πr/(λN) | `airy.rs` |
-//! | measured | a picture of it, of the nearest of several places | `kernel.rs` |
+//! | measured | an image of it, of the nearest of several places | `kernel.rs` |
 //! | wave | that of the wave fronts of a prescription, by place and wavelength | `photosite_lens::wave` |
 //!
 //! All have a sum of 1: light is moved, not lost. A density that depends on wavelength is drawn for the hero and
@@ -27,7 +27,7 @@ pub use kernel::{Kernel, KernelField};
 
 use photosite_core::spectrum::{LANES, SampledSpectrum, Wavelengths};
 
-/// The picture of a point.
+/// Point spread of a lens: the image of a point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PointSpread {
     /// A Gaussian.
@@ -37,7 +37,7 @@ pub enum PointSpread {
     },
     /// Diffraction at a round aperture ([Born99](photosite_core::references#born99) §8.5.2).
     Airy,
-    /// As measured.
+    /// Measured kernels, the nearest of several places.
     Measured(Arc<KernelField>),
     /// Aberrations and diffraction of a prescription, in the plane of focus. It alone has it, and draws from it itself.
     Wave,
@@ -45,7 +45,7 @@ pub enum PointSpread {
 
 impl PointSpread {
     /// An offset on the sensor, m, from two numbers in [0, 1), and the weights of the path's wavelengths. `f_number` is
-    /// the distance lens → sensor over the diameter of the opening; `place` is the position in the picture, from −1 at
+    /// the distance lens → sensor over the diameter of the opening; `place` is the position in the image, from −1 at
     /// the left and the top edge to 1 at the opposite ones.
     #[inline]
     pub(super) fn sample(

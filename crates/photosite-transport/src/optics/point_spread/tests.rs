@@ -21,7 +21,7 @@ fn mtf(spread: &PointSpread, wavelengths: &Wavelengths, f_number: f64, frequenci
     sums
 }
 
-/// That of diffraction at a round aperture (M. Born, E. Wolf, §9.5.2) at a part of the cut-off frequency 1/(λN).
+/// MTF of diffraction at a round aperture (M. Born, E. Wolf, §9.5.2) at a part of the cut-off frequency 1/(λN).
 fn diffraction(part: f64) -> f64 {
     if part >= 1.0 { 0.0 } else { 2.0 / PI * (part.acos() - part * (1.0 - part * part).sqrt()) }
 }

@@ -7,7 +7,7 @@ use photosite_core::spectrum::{Dispersion, Spectrum};
 /// says of a material that says nothing, but for `metallic`, which is 0 here.
 #[derive(Clone, Debug)]
 pub struct LayeredDescription {
-    /// What the file that it comes from calls the model, for messages.
+    /// Name of the model in the file that it comes from, for messages.
     pub kind: &'static str,
     /// Reflectance of the coloured base, F₀ of the metal, tint of transmission.
     pub base_colour: TexturedColour,
@@ -21,13 +21,13 @@ pub struct LayeredDescription {
     pub normal_reflectance: Option<f32>,
     /// Weight of the facets' reflection where there is no metal (`specular`).
     pub specular: TexturedFactor,
-    /// Factor of their reflectance at normal incidence; may exceed 1.
+    /// Factor of the facets' reflectance at normal incidence; may exceed 1.
     pub specular_colour: TexturedColour,
-    /// How much of what gets in goes on (`transmission`).
+    /// Part of the light let in that goes straight on or is refracted, 0–1 (`transmission`).
     pub transmission: TexturedFactor,
     /// The medium of the closed volume that the surface bounds (`volume`): absorption, m⁻¹. None: a thin sheet.
     pub absorption_per_m: Option<Spectrum>,
-    /// How much of the rest comes out behind, and with which colour (`diffuse_transmission`).
+    /// Part of the other light let in that comes out behind, 0–1, and its colour (`diffuse_transmission`).
     pub diffuse_transmission: Option<(TexturedFactor, TexturedColour)>,
     /// Grooves (`anisotropy`).
     pub anisotropy: Option<AnisotropyDescription>,
@@ -35,7 +35,7 @@ pub struct LayeredDescription {
     pub film: Option<FilmDescription>,
     /// Colour and roughness of fibres (`sheen`).
     pub sheen: Option<(TexturedColour, TexturedFactor)>,
-    /// Varnish (`clearcoat`).
+    /// Clear coat, a varnish (`clearcoat`).
     pub coat: Option<CoatDescription>,
 }
 
@@ -64,9 +64,9 @@ impl Default for LayeredDescription {
 /// Grooves: α along them is mix(roughness², 1, strength²), across them roughness² (`anisotropy`).
 #[derive(Clone, Debug)]
 pub struct AnisotropyDescription {
-    /// 0–1.
+    /// Strength, 0–1.
     pub strength: f32,
-    /// Of the rougher direction from the tangent towards the bitangent, rad.
+    /// Angle of the rougher direction from the tangent towards the bitangent, rad.
     pub rotation_rad: f32,
     /// Linear texture: R, G the direction, B times the strength.
     pub texture: Option<TextureDescription>,
@@ -75,28 +75,28 @@ pub struct AnisotropyDescription {
 /// A thin film (`iridescence`).
 #[derive(Clone, Debug)]
 pub struct FilmDescription {
-    /// 0–1.
+    /// Part of the surface that the film covers, 0–1.
     pub weight: TexturedFactor,
     /// Refractive index, at least 1.
     pub index: f32,
     /// Thickness where the texture is 0 and where it is 1 or there is none, nm.
     pub thickness_nm: [f32; 2],
-    /// Its green says where between them.
+    /// Texture whose green channel places the thickness between the two of `thickness_nm`.
     pub thickness_texture: Option<TextureDescription>,
 }
 
-/// Varnish of index 1.5 (`clearcoat`).
+/// Clear coat of index 1.5, a varnish (`clearcoat`).
 #[derive(Clone, Debug)]
 pub struct CoatDescription {
-    /// 0–1.
+    /// Weight of the coat, 0–1.
     pub weight: TexturedFactor,
     /// Perceptual roughness 0–1.
     pub roughness: TexturedFactor,
-    /// Its own bumps, and the factor of their x and y; without any it is smooth, whatever the base has.
+    /// Normal map of the coat, and the scale of its x and y; without one the coat is smooth, whatever the base has.
     pub normal_map: Option<(TextureDescription, f32)>,
 }
 
-/// All textures of the layers, by shared or by mutable reference.
+/// Collects all textures of the layers, by shared or by mutable reference.
 macro_rules! layered_textures {
     ($name:ident, $textured:ident, $pair:ident $(, $mutable:tt)?) => {
         pub(super) fn $name(& $($mutable)? self) -> Vec<Option<& $($mutable)? TextureDescription>> {

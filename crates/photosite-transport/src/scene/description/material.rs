@@ -1,13 +1,13 @@
 //! Materials as files describe them.
 
-use super::light::EmissionDescription;
+use super::lights::EmissionDescription;
 use super::model::{ChangedTextures, MaterialModel, Textures};
 use super::texture::TextureDescription;
 
-/// How a surface scatters light.
+/// Material: the scattering and emission of a surface.
 #[derive(Clone, Debug)]
 pub struct MaterialDescription {
-    /// The name that capture files override it by.
+    /// Name by which capture files override the material.
     pub name: String,
     /// Scattering model.
     pub model: MaterialModel,
@@ -15,11 +15,11 @@ pub struct MaterialDescription {
     pub normal_map: Option<(TextureDescription, f32)>,
     /// Emission, if any.
     pub emission: Option<EmissionDescription>,
-    /// What of the surface is there at all.
+    /// Alpha mode: the parts of the surface that are there.
     pub alpha: AlphaMode,
     /// Alpha of the material as a whole, 0–1, times the alpha channel of the base-colour texture.
     pub alpha_factor: f32,
-    /// Texture whose alpha channel counts.
+    /// Texture whose alpha channel multiplies the alpha of the material.
     pub alpha_texture: Option<TextureDescription>,
     /// Whether the back scatters like the front. A single-sided opaque material is black and lightless from behind.
     pub double_sided: bool,
@@ -40,7 +40,7 @@ impl MaterialDescription {
         }
     }
 
-    /// All textures that the material uses.
+    /// Textures that the material uses.
     pub fn textures(&self) -> Vec<TextureDescription> {
         let mut all = Textures::default();
         self.model.visit(&mut all);
@@ -62,13 +62,13 @@ impl MaterialDescription {
 /// glTF alpha modes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AlphaMode {
-    /// Alpha is ignored.
+    /// Opaque surface: alpha is ignored.
     Opaque,
-    /// There where alpha ≥ cutoff.
+    /// Surface that is there where alpha ≥ cutoff.
     Mask {
         /// The threshold.
         cutoff: f32,
     },
-    /// There with probability alpha.
+    /// Surface that is there with probability alpha.
     Blend,
 }

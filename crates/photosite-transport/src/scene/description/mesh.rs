@@ -25,21 +25,21 @@ pub struct MeshDescription {
     pub colours: Vec<Vec4>,
     /// Corner indices, counter-clockwise seen from the front. In range, no triangle of zero area.
     pub triangles: Vec<[u32; 3]>,
-    /// The shapes that follow in the time of the picture, at evenly spaced times, where the mesh deforms.
+    /// The shapes that follow in the time of the image, at evenly spaced times, where the mesh deforms.
     pub later_shapes: Vec<ShapeDescription>,
-    /// The unit shape that it is in place of triangles; see [`of_quadric`](Self::of_quadric).
+    /// Unit shape that replaces triangles; see [`of_quadric`](Self::of_quadric).
     pub quadric: Option<QuadricKind>,
 }
 
 impl MeshDescription {
-    /// A quadric of unit size, for one instance that moves, turns and scales it. `positions` are corners of a box
+    /// Makes a quadric of unit size, for one instance that moves, turns and scales it. `positions` are corners of a box
     /// around it.
     pub fn of_quadric(kind: QuadricKind, name: String, material: usize) -> Self {
         Self { name, material, positions: kind.corners(), quadric: Some(kind), ..Self::default() }
     }
 }
 
-/// Where the corners of a mesh have gone.
+/// Shape of a mesh that deforms, at one time.
 #[derive(Clone, Debug, Default)]
 pub struct ShapeDescription {
     /// Corners, metres. Finite, as many as in the first shape.
@@ -48,19 +48,20 @@ pub struct ShapeDescription {
     pub normals: Vec<Vec3>,
 }
 
-/// Meshes somewhere in the world.
+/// Instance of meshes somewhere in the world.
 #[derive(Clone, Debug)]
 pub struct InstanceDescription {
     /// Name of the node, for messages.
     pub name: String,
-    /// Indices of its meshes: one, or several that stand together.
+    /// Indices of the instance's meshes: one, or several that stand together.
     pub meshes: Range<usize>,
-    /// Mesh space → world. Finite and invertible.
+    /// Transform mesh space → world. Finite and invertible.
     pub to_world: DAffine3,
-    /// The same at the evenly spaced times that follow in the time of the picture, where it moves.
+    /// Transforms mesh space → world at the evenly spaced times that follow in the time of the image, where the
+    /// instance moves.
     pub later: Vec<DAffine3>,
-    /// Whether its meshes have a hierarchy of their own even if no other instance shares them: then a scene in which it
-    /// stands elsewhere is [built](crate::scene::build_after) without building that again.
+    /// Whether the meshes have a hierarchy of their own even if no other instance shares them: then a scene in which
+    /// the instance stands elsewhere is [built](crate::scene::build_after) without building that hierarchy again.
     pub is_movable: bool,
 }
 
@@ -70,13 +71,13 @@ impl InstanceDescription {
         Self { name: name.into(), meshes: mesh..mesh + 1, to_world, later: Vec::new(), is_movable: false }
     }
 
-    /// Mesh space → world when this part of the picture's time, 0 to 1, has gone by.
+    /// Transform mesh space → world when a part of the image's time, 0 to 1, has gone by.
     pub fn at(&self, time: f64) -> DAffine3 {
         pose_at(&self.to_world, &self.later, time)
     }
 }
 
-/// The pose on a way through evenly spaced ones when this part of its time, 0 to 1, has gone by.
+/// Pose on a way through evenly spaced poses when a part of the way's time, 0 to 1, has gone by.
 pub fn pose_at(first: &DAffine3, later: &[DAffine3], time: f64) -> DAffine3 {
     if later.iter().all(|pose| pose == first) {
         return *first;

@@ -1,12 +1,12 @@
-//! What the files say, before anything is prepared for rendering: meshes, instances, materials, textures, lights and
-//! cameras in SI units and world axes (metres, right-handed, +Y up).
+//! Description of a scene as files state it, before anything is prepared for rendering: meshes, instances, materials,
+//! textures, lights and cameras in SI units and world axes (metres, right-handed, +Y up).
 //!
 //! The readers in `photosite-scene-io` fill these structures; [`scene::build`](crate::scene) turns them into tables.
 //! Indices refer to the `Vec`s of the same [`SceneDescription`] and are checked by the readers.
 
 mod camera;
 mod layered;
-mod light;
+mod lights;
 mod material;
 mod mesh;
 mod model;
@@ -27,7 +27,7 @@ pub use crate::bsdf::{Mix, Model};
 pub use crate::light::LightKind;
 pub use camera::{CameraDescription, look_at, looking, vector};
 pub use layered::{AnisotropyDescription, CoatDescription, FilmDescription, LayeredDescription};
-pub use light::{EmissionDescription, EnvironmentDescription, LightDescription, PictureLevel};
+pub use lights::{EmissionDescription, EnvironmentDescription, ImageLevel, LightDescription};
 pub use material::{AlphaMode, MaterialDescription};
 pub use mesh::{InstanceDescription, MeshDescription, ShapeDescription, pose_at};
 pub use model::{Described, MaterialModel, Roughness, Visit};
@@ -37,7 +37,7 @@ pub use texture::{Channel, Colour, TextureDescription, TexturedColour, TexturedF
 /// A whole scene as read from files.
 #[derive(Clone, Debug, Default)]
 pub struct SceneDescription {
-    /// Pictures that textures refer to.
+    /// Images that textures refer to.
     pub images: Vec<Arc<Bitmap>>,
     /// Materials that meshes refer to.
     pub materials: Vec<MaterialDescription>,
@@ -52,18 +52,18 @@ pub struct SceneDescription {
     pub surroundings: Vec<usize>,
     /// Lights without a surface.
     pub lights: Vec<LightDescription>,
-    /// What surrounds the scene, if anything shines from there.
+    /// Light from infinitely far that surrounds the scene, if there is any.
     pub environment: Option<EnvironmentDescription>,
     /// Cameras of the files, in order.
     pub cameras: Vec<CameraDescription>,
-    /// The files that those name which it was read from: buffers, pictures, material libraries, each once.
+    /// Files that the scene files refer to: buffers, images, material libraries, each once.
     pub files: Vec<PathBuf>,
-    /// Things worth telling the user that are no errors, each once.
+    /// Warnings for the user, each once.
     pub warnings: Vec<String>,
 }
 
 impl SceneDescription {
-    /// All corners of the subject, m: of all geometry but its surroundings.
+    /// Corners of the subject, m: of all geometry but the surroundings.
     pub fn subject_points(&self) -> impl Iterator<Item = DVec3> + '_ {
         let subject = self.instances.iter().enumerate().filter(|(index, _)| !self.surroundings.contains(index));
         subject.flat_map(|(_, instance)| {
@@ -79,8 +79,8 @@ impl SceneDescription {
         (low.x <= high.x).then_some((low, high))
     }
 
-    /// All objects, in the order of their instances: those of [`objects`](Self::objects), and of the other instances
-    /// each by itself. Ground truth numbers them from 1 on.
+    /// Objects in the order of their instances: those of [`objects`](Self::objects), and of the other instances each by
+    /// itself. Ground truth numbers them from 1 on.
     pub fn all_objects(&self) -> Vec<ObjectDescription> {
         let mut all = Vec::with_capacity(self.instances.len());
         let mut placed = self.objects.iter().peekable();
@@ -101,14 +101,14 @@ impl SceneDescription {
         all
     }
 
-    /// Whether it has the very meshes of another scene.
+    /// Whether the description shares all meshes with another, in memory.
     pub fn has_meshes_of(&self, other: &Self) -> bool {
         let pairs = || self.meshes.iter().zip(&other.meshes);
         self.meshes.len() == other.meshes.len() && pairs().all(|(own, other)| Arc::ptr_eq(own, other))
     }
 
-    /// What tells surfaces apart, hashed: names, instances of meshes and their triangles, whatever their place and
-    /// shape. Scenes that have it in common show the same surfaces, which may have moved.
+    /// Hash of the surfaces: names, instances of meshes and their triangles, whatever their place and shape. Scenes
+    /// with the same hash show the same surfaces, which may have moved.
     pub fn surfaces(&self) -> u64 {
         let text =
             |hash: u64, text: &str| text.bytes().fold(hash64(hash, text.len() as u64), |h, b| hash64(h, b.into()));

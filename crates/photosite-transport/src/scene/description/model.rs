@@ -5,7 +5,7 @@ use super::texture::{TextureDescription, TexturedColour};
 use crate::bsdf::{Conductor, Dielectric, Form, Ggx, Map, MapAll, Mix, Model, RelativeIndex, Sampled};
 use photosite_core::spectrum::{Dispersion, SampledSpectrum, Spectrum};
 
-/// Where the eye is most sensitive, nm.
+/// Wavelength to which the eye is most sensitive, nm.
 const BRIGHTEST_NM: f32 = 555.0;
 
 /// A scattering model as files describe it.
@@ -29,26 +29,26 @@ impl Form for Described {
 pub struct Roughness {
     /// Perceptual roughness 0–1; α = value² (glTF's convention). Smooth where it is 0.
     pub value: f32,
-    /// −1–1: α along the tangent grows, across it shrinks. 0 is isotropic.
+    /// Anisotropy, −1–1: α along the tangent grows, across it shrinks. 0 is isotropic.
     pub anisotropy: f32,
 }
 
 impl Roughness {
-    /// A polished surface.
+    /// Roughness of a polished surface.
     pub const SMOOTH: Self = Self::isotropic(0.0);
 
-    /// The same roughness in all directions.
+    /// Makes a roughness that is the same in all directions.
     pub const fn isotropic(value: f32) -> Self {
         Self { value, anisotropy: 0.0 }
     }
 
-    /// The microfacets.
+    /// Distribution of the microfacets.
     pub fn distribution(self) -> Ggx {
         Ggx::from_roughness(self.value, self.anisotropy)
     }
 }
 
-/// What is done with each parameter of a model and of the models that it is made of. The default is nothing.
+/// Visitor of each parameter of a model and of the models that it is made of. By default it does nothing.
 pub trait Visit {
     /// A reflectance.
     fn colour(&mut self, _colour: &TexturedColour) {}
@@ -61,8 +61,8 @@ pub trait Visit {
 }
 
 impl MaterialModel {
-    /// The part of light from everywhere that the microfacets of this model lose, since it bounces more than once
-    /// between them; of a metal and of glass, at the wavelength that eyes see best.
+    /// Part of the light from all directions that the model's microfacets lose, since it bounces more than once between
+    /// them; for a metal and for glass, at the wavelength that eyes see best.
     pub fn lost_light(&self) -> f32 {
         match self {
             Self::Conductor(metal) if !metal.energy_compensation => {
@@ -91,7 +91,7 @@ impl MaterialModel {
         }
     }
 
-    /// Shows a visitor all parameters.
+    /// Visits all parameters of the model.
     pub fn visit(&self, visitor: &mut impl Visit) {
         self.map(&mut Visited(visitor));
     }

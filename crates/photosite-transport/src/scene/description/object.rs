@@ -1,4 +1,4 @@
-//! Objects: what ground truth tells apart, and what stands in one pose.
+//! Objects: instances that stand in one pose, and that ground truth tells apart.
 
 use std::ops::Range;
 
@@ -9,29 +9,30 @@ use super::mesh::pose_at;
 /// Instances that make one object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ObjectDescription {
-    /// Its name.
+    /// Name of the object.
     pub name: String,
-    /// What kind of object it is, if that is known.
+    /// Category of the object, if it is known.
     pub category: Option<String>,
-    /// Object space → world.
+    /// Transform object space → world.
     pub to_world: DAffine3,
-    /// The same at the evenly spaced times that follow in the time of the picture, where it moves.
+    /// Transforms object space → world at the evenly spaced times that follow in the time of the image, where the
+    /// object moves.
     pub later: Vec<DAffine3>,
-    /// Points of it that are known by name, in object space.
+    /// Keypoints of the object by name, in object space.
     pub keypoints: Vec<(String, DVec3)>,
-    /// Indices of its instances; not empty.
+    /// Indices of the object's instances; not empty.
     pub instances: Range<usize>,
 }
 
 impl ObjectDescription {
-    /// Object space → world when this part of the picture's time, 0 to 1, has gone by.
+    /// Transform object space → world when a part of the image's time, 0 to 1, has gone by.
     pub fn at(&self, time: f64) -> DAffine3 {
         pose_at(&self.to_world, &self.later, time)
     }
 }
 
-/// A frame that is turned and moved against the world, and not scaled: that of an object without its scale → world. Of a
-/// frame that is skewed or mirrored, which has no rotation, the origin remains, with the axes of the world.
+/// Rigid frame → world of an object: its transform without the scale. Of a frame that is skewed or mirrored, which has
+/// no rotation, the origin remains, with the axes of the world.
 pub fn rigid(to_world: &DAffine3) -> DAffine3 {
     let DMat3 { x_axis, y_axis, z_axis } = to_world.matrix3;
     let axes = DMat3::from_cols(x_axis.normalize(), y_axis.normalize(), z_axis.normalize());

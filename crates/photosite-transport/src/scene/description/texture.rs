@@ -17,7 +17,7 @@ pub enum Colour {
 pub struct TextureDescription {
     /// Index of the image.
     pub image: usize,
-    /// Which UV set.
+    /// Index of the UV set.
     pub uv_set: usize,
     /// Filter and wrap modes.
     pub sampler: SamplerSettings,
@@ -28,35 +28,35 @@ pub struct TextureDescription {
 /// A colour, times an sRGB-encoded texture.
 #[derive(Clone, Debug)]
 pub struct TexturedColour {
-    /// 0–1.
+    /// Colour that multiplies the texture, 0–1.
     pub colour: Colour,
-    /// RGB counts.
+    /// Texture whose RGB multiplies the colour.
     pub texture: Option<TextureDescription>,
 }
 
 impl TexturedColour {
-    /// Without a texture.
+    /// Makes a colour without a texture.
     pub fn plain(colour: Colour) -> Self {
         Self { colour, texture: None }
     }
 
-    /// White.
+    /// Makes white, without a texture.
     pub fn white() -> Self {
         Self::plain(Colour::Rgb([1.0; 3]))
     }
 }
 
-/// A number, times a channel of a linear texture.
+/// Factor: a number, times a channel of a linear texture.
 #[derive(Clone, Debug, Default)]
 pub struct TexturedFactor {
-    /// The number.
+    /// Number that multiplies the texture.
     pub value: f32,
-    /// The texture, and which channel of it counts.
+    /// Texture and the channel of it that counts.
     pub texture: Option<(TextureDescription, Channel)>,
 }
 
 impl TexturedFactor {
-    /// Without a texture.
+    /// Makes a factor without a texture.
     pub fn plain(value: f32) -> Self {
         Self { value, texture: None }
     }

@@ -1,7 +1,7 @@
-"""Makes the files of this folder: a curved patch, and a picture, as they are and packed in every way.
+"""Makes the files of this folder: a curved patch, and an image, as they are and packed in every way.
 
 The tools are those that people use: gltf-transform (which has Draco's own encoder) and gltfpack for geometry, Basis
-Universal for pictures. What the pictures decode to is Basis Universal's own word, in PNG files beside them.
+Universal for images. What the images decode to is Basis Universal's own word, in PNG files beside them.
 
     npm install @gltf-transform/cli@4.5.1 gltfpack@1.3.0 meshoptimizer@1.3.0
     pip install alktx2==0.1.7

@@ -1,4 +1,4 @@
-//! What the layers take of light from one direction, and what they leave.
+//! Light from one direction that the layers take, and light that they leave.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -93,7 +93,7 @@ impl View<'_> {
         }
     }
 
-    /// What one bounce at a refracting interface leaves, on the side of `wo` and on the other.
+    /// Light that one bounce at a refracting interface leaves, on the side of `wo` and on the other.
     #[inline]
     fn left_by_glass(&self, under: &Under) -> [SampledSpectrum; 2] {
         let bare = under.glass.map(|bounced| SampledSpectrum::splat(1.0 - bounced));
@@ -157,7 +157,7 @@ impl View<'_> {
         ]
     }
 
-    /// f of what is left, between `wo` and a direction that sees `other`; `behind` says on which side.
+    /// Value f of the base lobe, between `wo` and a direction that sees `other`; `behind` says on which side.
     #[inline]
     pub(super) fn base(&self, other: &EnergySplit, behind: bool) -> SampledSpectrum {
         let (seen, spread) = (&self.seen, &self.spread[usize::from(behind)]);
@@ -168,7 +168,7 @@ impl View<'_> {
         f
     }
 
-    /// The same integrated over directions: the albedo of that lobe.
+    /// Albedo of the base lobe, integrated over directions.
     #[inline]
     pub(super) fn base_albedo(&self, behind: bool) -> SampledSpectrum {
         let (seen, mean, spread) = (&self.seen, &self.mean, &self.spread[usize::from(behind)]);
@@ -176,7 +176,7 @@ impl View<'_> {
         (spread.coloured * seen.left * mean.left + spread.white * seen.left_by_white * mean.left_by_white + glass) * PI
     }
 
-    /// What coat and sheen let through to the facets and back.
+    /// Part of the light that passes coat and sheen to the facets and back.
     #[inline]
     pub(super) fn cover(&self, other: &EnergySplit) -> SampledSpectrum {
         let sheen = SampledSpectrum(self.seen.sheen.0.max(other.sheen.0));

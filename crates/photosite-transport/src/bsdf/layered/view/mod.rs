@@ -14,7 +14,7 @@ use state::{EnergySplit, Lobes, ONE, Spread, Tables, ZERO};
 pub(super) use state::View;
 
 impl<'a> View<'a> {
-    /// None where nothing at all is scattered.
+    /// Prepares the layers for `wo`; `None` where no light is scattered.
     #[inline]
     pub(super) fn new(layers: &'a Layered, wo: Vec3, is_inside: bool) -> Option<Self> {
         let refracting = layers.refracting().map(|v| Volume { eta: if is_inside { ONE / v.eta } else { v.eta }, ..v });

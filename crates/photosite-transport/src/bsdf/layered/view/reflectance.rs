@@ -1,4 +1,4 @@
-//! How much the facets and interfaces of the layers reflect, for one direction and on average.
+//! Reflectance of the facets and interfaces of the layers, for one direction and on average.
 
 use glam::Vec4;
 
@@ -57,7 +57,7 @@ impl View<'_> {
         SampledSpectrum(Vec4::select(exact.0.cmpge(Vec4::ONE), Vec4::ONE, partial.0))
     }
 
-    /// The same for light that meets a facet at `cos` on the side of `wo`.
+    /// Reflectance of the clear base for light that meets a facet at `cos` on the side of `wo`.
     #[inline]
     pub(super) fn clear_reflectance(&self, volume: Volume, cos: f32) -> SampledSpectrum {
         let exact = |eta| fresnel::dielectric(cos, eta).reflectance;

@@ -47,8 +47,8 @@ impl View<'_> {
         lobes.normalised()
     }
 
-    /// How much of what is left is sampled evenly over the hemisphere rather than by the cosine: what facets leave
-    /// comes mostly from near the surface, where the cosine seldom looks.
+    /// Part of the remaining light that is sampled evenly over the hemisphere rather than by the cosine: light that
+    /// facets leave comes mostly from near the surface, where the cosine seldom looks.
     #[inline]
     pub(super) fn even_part(&self) -> f32 {
         let [_, coloured, _] = self.layers.parts();
@@ -67,7 +67,7 @@ impl View<'_> {
         if u_part < self.even_part() { warp::uniform_cone(u, 0.0) } else { warp::cosine_hemisphere(u).into() }
     }
 
-    /// Whether light passes in one direction only.
+    /// Whether light passes the layers in one direction only.
     #[inline]
     pub(super) fn passes_undisturbed(&self) -> bool {
         let distribution = self.layers.distribution;
@@ -230,7 +230,7 @@ impl View<'_> {
         })
     }
 
-    /// Straight on, or refracted by a polished surface.
+    /// Passes light straight on, or refracted by a polished surface.
     #[inline]
     pub(in crate::bsdf::layered) fn pass_undisturbed(&self) -> Option<BsdfSample> {
         let layers = self.layers;
@@ -261,7 +261,7 @@ impl View<'_> {
         })
     }
 
-    /// Through a facet.
+    /// Samples a direction through a facet.
     #[inline]
     pub(super) fn sample_through(&self, u: [f32; 2]) -> Option<Vec3> {
         let distribution = self.layers.distribution;

@@ -1,4 +1,4 @@
-//! What is known of layers that are seen from one direction.
+//! State of layers that are seen from one direction.
 
 use glam::{Vec3, Vec4};
 
@@ -20,26 +20,26 @@ pub(super) struct Lobes {
     pub(super) coat: f32,
     pub(super) sheen: f32,
     pub(super) facets: f32,
-    /// Straight on or refracted.
+    /// Probability of the lobe that goes straight on or is refracted.
     pub(super) through: f32,
-    /// What is left, on the side of `wo`.
+    /// Probability of the base lobe, of the light that is left, on the side of `wo`.
     pub(super) base: f32,
-    /// What is left, on the other.
+    /// Probability of the base lobe, of the light that is left, on the other side.
     pub(super) base_behind: f32,
 }
 
 /// A layer's albedo and what it hides of the facets, for one direction or on average.
 #[derive(Clone, Copy)]
 pub(super) struct Under {
-    /// Of the facets, by Schlick's parameters.
+    /// Albedo of the facets, by Schlick's parameters.
     pub(super) facets: Albedo,
-    /// Of the facets with a film, by its nodes.
+    /// Albedo of the facets with a film, by its nodes.
     pub(super) film: Option<FilmWeights>,
     /// c·E of the coat, and what it hides.
     pub(super) coat: (f32, Option<HiddenPart>),
-    /// E of sheen of colour 1, and what it hides.
+    /// Albedo E of sheen of colour 1, and the part of the facets that it hides.
     pub(super) sheen: Option<(SheenAlbedo, HiddenPart)>,
-    /// One bounce at a refracting interface: from the side of `wo`, and from the other.
+    /// Albedos of one bounce at a refracting interface: from the side of `wo`, and from the other.
     pub(super) glass: [f32; 2],
     /// The change of that by a film, by its nodes.
     pub(super) thin_film_glass: Option<[FilmWeights; 2]>,
@@ -55,24 +55,24 @@ pub(super) struct Tables {
     pub(super) thin_film_glass: Option<FilmGlassRow>,
 }
 
-/// What the layers take of light from one direction, and what they leave, or the mean of that over the hemisphere.
+/// Light from one direction that the layers take, and light that they leave, or the means of both over the hemisphere.
 #[derive(Clone, Copy)]
 pub(super) struct EnergySplit {
     /// c·E(w) of the coat.
     pub(super) coat: f32,
     /// s·E(w) of the sheen.
     pub(super) sheen: SampledSpectrum,
-    /// What the published sheen is divided by for this direction, at least 1.
+    /// Divisor of the published sheen for this direction, at least 1.
     pub(super) sheen_excess: f32,
-    /// E(w) of the facets over the coloured or clear base, under the layers.
+    /// Albedo E(w) of the facets over the coloured or clear base, under the layers.
     pub(super) dielectric: SampledSpectrum,
-    /// E(w) of white facets under the layers.
+    /// Albedo E(w) of white facets under the layers.
     pub(super) white: SampledSpectrum,
-    /// What is left under coat, sheen and the facets of the coloured base.
+    /// Light that is left under coat, sheen and the facets of the coloured base.
     pub(super) left: SampledSpectrum,
-    /// The same where the facets are white: what bounces more than once between them.
+    /// Light that is left under white facets: light that bounces more than once between them.
     pub(super) left_by_white: SampledSpectrum,
-    /// What one bounce at a refracting interface leaves, on the side of `wo` and on the other.
+    /// Light that one bounce at a refracting interface leaves, on the side of `wo` and on the other.
     pub(super) left_by_glass: [SampledSpectrum; 2],
 }
 
@@ -88,7 +88,7 @@ pub(super) struct Spread {
 /// Layers seen from one direction.
 pub(in crate::bsdf::layered) struct View<'a> {
     pub(super) layers: &'a Layered,
-    /// Above the surface.
+    /// Direction from which the layers are seen, above the surface.
     pub(super) wo: Vec3,
     /// Index of the other side over that of the side of `wo`, where light is refracted.
     pub(super) refracting: Option<Volume>,
@@ -98,7 +98,7 @@ pub(in crate::bsdf::layered) struct View<'a> {
     pub(super) film: Option<[[SampledSpectrum; FILM_NODES]; 2]>,
     pub(super) seen: EnergySplit,
     pub(super) mean: EnergySplit,
-    /// On the side of `wo` and on the other.
+    /// Spread on the side of `wo` and on the other.
     pub(super) spread: [Spread; 2],
     pub(super) lobes: Lobes,
 }

@@ -1,0 +1,117 @@
+//! `photosite fit`: the sensor file of a camera from its images.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::arguments::positive;
+use super::monitor::TerminalMonitor;
+use super::print::{print_json, println_text, refuse_existing, rounded, write_result};
+use photosite_capture::FileKind;
+use photosite_core::Result;
+use photosite_core::units::Celsius;
+use photosite_dataset::emva1288::{FitRequest, FittedCamera, fit_images};
+use photosite_measure::characterisation::camera_fit::{Assumption, CameraFit, KnownFacts, Parameter};
+
+const EXAMPLES: &str = "\
+Examples:
+  photosite fit emva1288.txt -o sensor.toml         an EMVA 1288 image set
+  photosite fit frames/ -o sensor.toml              a folder of flats and darks
+  photosite fit darks/ -o sensor.toml --system-gain 0.25
+  photosite emva1288 sensor.toml --like emva1288.txt";
+
+/// Fit a sensor file to the images of a camera: its twin.
+///
+/// The images are an EMVA 1288 set (a descriptor, or a folder that photosite emva1288 filled), a folder of flats and
+/// dark images, or of dark images alone; at least two images of each light. In a folder, a table frames.csv (columns
+/// file, kind, exposure_s, photons, gain, temperature_c), the metadata of raw files, and words such as dark, bias, flat,
+/// 20ms, iso800 and 25C in names of files and folders say what each image was taken of; flats of one exposure time and
+/// different brightness lie in folders of their own.
+///
+/// Each figure of the sensor file stands with its standard error. What the images do not tell, or cannot tell apart from
+/// 0, is left out by name; what a sensor file needs all the same is marked as assumed.
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+pub(super) struct FitArgs {
+    /// A descriptor of images (.txt), or a folder of images.
+    input: PathBuf,
+    /// The sensor file.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Channel to fit, for example G: of image sets of a colour sensor, or of a mosaic [default of a mosaic: G].
+    #[arg(long, value_name = "NAME")]
+    channel: Option<String>,
+    /// System gain K in DN per electron, for images that do not tell it.
+    #[arg(long, value_name = "DN", value_parser = positive)]
+    system_gain: Option<f64>,
+    /// Temperature of the sensor, where no image states it.
+    #[arg(long, value_name = "CELSIUS", allow_hyphen_values = true, value_parser = celsius)]
+    temperature_c: Option<f64>,
+    /// Distance of the pixels, which images do not tell.
+    #[arg(long, value_name = "UM", value_parser = positive)]
+    pixel_pitch_um: Option<f64>,
+    /// Wavelength of the light, for the statement about the quantum efficiency.
+    #[arg(long, value_name = "NM", value_parser = positive)]
+    wavelength_nm: Option<f64>,
+    /// Overwrite the sensor file if it exists.
+    #[arg(long)]
+    force: bool,
+    /// Print JSON instead of text: all parameters, curves and defective pixels.
+    #[arg(long)]
+    json: bool,
+    /// Print nothing but errors.
+    #[arg(short, long, conflicts_with = "json")]
+    quiet: bool,
+}
+
+pub(super) fn run(args: &FitArgs) -> Result<()> {
+    refuse_existing(&args.output, args.force)?;
+    FileKind::expect(&args.input, &[], "a folder of images or a descriptor of images (.txt)")?;
+    let request = FitRequest {
+        channel: args.channel.clone(),
+        known: KnownFacts {
+            system_gain: args.system_gain,
+            temperature: args.temperature_c.map(Celsius),
+            pixel_pitch_um: args.pixel_pitch_um.map(|um| [um, um]),
+            wavelength_nm: args.wavelength_nm,
+        },
+    };
+    let monitor = TerminalMonitor::new(args.quiet, args.json);
+    let fitted = fit_images(&args.input, &request, &monitor)?;
+    write_result(&args.output, args.force, |to| to.write_all(fitted.sensor_file.as_bytes()))?;
+    if args.json {
+        print_json(&fitted.report())
+    } else if args.quiet {
+        Ok(())
+    } else {
+        println_text(&text(&fitted))?;
+        println_text(&format!("\nthe sensor file is {}", args.output.display()))
+    }
+}
+
+/// Figures with their standard errors, as text.
+fn text(fitted: &FittedCamera) -> String {
+    let CameraFit { parameters, assumed, left_out, notes, defects, .. } = &fitted.fit;
+    let width = parameters.iter().map(|p| p.key.len()).max().unwrap_or(0);
+    let figure = |Parameter { key, unit, measured }: &Parameter| {
+        let (value, error) = (rounded(measured.value, 6), rounded(measured.standard_error, 2));
+        format!("{key:width$}  {value} ± {error} {unit}").trim_end().to_owned()
+    };
+    let assumption = |Assumption { key, value, is_stated, reason }: &Assumption| {
+        let word = if *is_stated { "" } else { "assumed: " };
+        format!("{word}{key} = {value}; {reason}")
+    };
+    let mut lines: Vec<String> = parameters.iter().map(figure).collect();
+    lines.extend(assumed.iter().map(assumption));
+    lines.extend(left_out.iter().map(|not| format!("left out: {}; {}", not.figure, not.reason)));
+    lines.extend(notes.iter().map(|note| format!("note: {note}")));
+    if !defects.is_empty() {
+        lines.push(format!("{} defective pixels; --json lists them", defects.len()));
+    }
+    lines.join("\n")
+}
+
+fn celsius(text: &str) -> Result<f64, String> {
+    let fits = |c: &f64| (-273.15..=1000.0).contains(c);
+    text.parse().ok().filter(fits).ok_or_else(|| "write a temperature in degrees Celsius".to_owned())
+}

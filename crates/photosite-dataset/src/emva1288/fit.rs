@@ -1,0 +1,165 @@
+//! The fit of a sensor to the images of a camera.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use photosite_core::Result;
+use photosite_files::image_sets::CameraSet;
+use photosite_measure::characterisation::NotMeasured;
+use photosite_measure::characterisation::camera_fit::{
+    Assumption, CameraFit, CameraFrames, Defect, KnownFacts, Measured, Mosaic, Parameter, fit_camera,
+};
+use photosite_pipeline::{Event, Monitor, go_on};
+
+/// Request of a fit.
+#[derive(Clone, Debug, Default)]
+pub struct FitRequest {
+    /// Channel to evaluate, where the images have several.
+    pub channel: Option<String>,
+    /// Facts that the images do not hold.
+    pub known: KnownFacts,
+}
+
+/// Sensor fitted to the images of a camera.
+pub struct FittedCamera {
+    /// Parameters and what is left out.
+    pub fit: CameraFit,
+    /// Text of the sensor file.
+    pub sensor_file: String,
+}
+
+/// Object that `photosite fit --json` prints.
+#[derive(Serialize)]
+pub struct FitReport<'a> {
+    photosite_version: &'static str,
+    /// Columns and rows that were evaluated.
+    size_px: [usize; 2],
+    parameters: &'a [Parameter],
+    assumed: &'a [Assumption],
+    left_out: &'a [NotMeasured],
+    notes: &'a [String],
+    defects: &'a [Defect],
+    photon_transfer: Vec<PointOfReport>,
+    dark: Vec<DarkOfReport>,
+}
+
+/// Point of the photon transfer curve, DN and DN².
+#[derive(Serialize)]
+struct PointOfReport {
+    photons: Option<f64>,
+    signal_dn: Measured,
+    noise_dn2: Measured,
+    /// Whether K and R are fitted to it.
+    is_fitted: bool,
+}
+
+/// Dark images of one exposure time, DN and DN².
+#[derive(Serialize)]
+struct DarkOfReport {
+    exposure_s: Option<f64>,
+    mean_dn: Measured,
+    noise_dn2: Measured,
+    row_noise_dn2: Measured,
+    column_noise_dn2: Measured,
+}
+
+impl FittedCamera {
+    /// Report for programs.
+    pub fn report(&self) -> FitReport<'_> {
+        let CameraFit { size, parameters, assumed, left_out, notes, defects, transfer, dark, .. } = &self.fit;
+        let points = transfer.points.iter().enumerate().map(|(i, point)| PointOfReport {
+            photons: point.photons,
+            signal_dn: point.signal,
+            noise_dn2: point.noise,
+            is_fitted: i < transfer.used,
+        });
+        let of_dark = dark.frames().iter().map(|frames| DarkOfReport {
+            exposure_s: frames.time.map(|time| time.0),
+            mean_dn: frames.statistics.mean,
+            noise_dn2: frames.statistics.temporal.pixel,
+            row_noise_dn2: frames.statistics.temporal.row,
+            column_noise_dn2: frames.statistics.temporal.column,
+        });
+        FitReport {
+            photosite_version: env!("CARGO_PKG_VERSION"),
+            size_px: *size,
+            parameters,
+            assumed,
+            left_out,
+            notes,
+            defects,
+            photon_transfer: points.collect(),
+            dark: of_dark.collect(),
+        }
+    }
+}
+
+/// Fits a sensor to the images of a descriptor, of a folder that `photosite emva1288` filled, or of any folder of dark
+/// images and flats.
+///
+/// # Errors
+///
+/// Images that cannot be read, that are not of one camera, or of which none are dark.
+pub fn fit_images(path: &Path, request: &FitRequest, monitor: &dyn Monitor) -> Result<FittedCamera> {
+    let set = CameraSet::find(path, request.channel.as_deref())?;
+    let images: usize = set.groups.iter().map(|group| group.images.len()).sum();
+    monitor.report(Event::SetBegins { images: images as u64 });
+    // Images are read again for patterns; progress counts each once.
+    let left = std::cell::Cell::new(images);
+    let read = |group: usize, image: usize| {
+        go_on(monitor)?;
+        if left.get() > 0 {
+            left.set(left.get() - 1);
+            monitor.report(Event::ImageEnds(None));
+        }
+        set.image(group, image)
+    };
+    let frames = CameraFrames { groups: &set.groups, size: set.size, bits: set.bits, read: &read };
+    let stated = set.pixel_pitch_m.map(|pitch| pitch.map(|m| m * 1e6));
+    let known = KnownFacts {
+        pixel_pitch_um: request.known.pixel_pitch_um.or(stated),
+        wavelength_nm: request.known.wavelength_nm.or(set.wavelength_nm),
+        ..request.known.clone()
+    };
+    let fitted = fit_camera(&frames, &known);
+    monitor.report(Event::SetEnds);
+    let mut fit = fitted?;
+    if set.bits_are_assumed {
+        let reason = "no file states them and no image is saturated".to_owned();
+        fit.left_out.push(NotMeasured { figure: "bits of the converter", reason });
+    }
+    if let Some(gain) = &set.gain {
+        fit.notes.push(format!("all figures are those of {gain}, which the sensor file calls 0 dB"));
+    }
+    let mosaic = Mosaic { cfa: set.cfa.to_string(), size: set.whole_size, responses: responses(&set, &fit)? };
+    let sensor_file = fit.sensor_file(&path.display().to_string(), &mosaic);
+    Ok(FittedCamera { fit, sensor_file })
+}
+
+/// Names of the channels with their responses to the light of the clearest flats over that of the channel that was
+/// evaluated; 1 where there are no flats.
+fn responses(set: &CameraSet, fit: &CameraFit) -> Result<Vec<(String, f64)>> {
+    let names = set.cfa.channels();
+    if !set.cfa.is_mosaic() {
+        return Ok(vec![(names[0].clone(), 1.0)]);
+    }
+    let clearest = fit.transfer.clearest().map(|point| point.group);
+    let dark = (0..set.groups.len()).find(|&group| {
+        set.groups[group].is_dark() && clearest.is_none_or(|bright| set.groups[bright].time == set.groups[group].time)
+    });
+    let dark = dark.or_else(|| set.groups.iter().position(|group| group.is_dark()));
+    let mean = |group: usize, place: [usize; 2]| -> Result<f64> {
+        let numbers = set.image_at(group, 0, place)?;
+        Ok(numbers.iter().map(|&n| f64::from(n)).sum::<f64>() / numbers.len() as f64)
+    };
+    let signal = |channel: usize| -> Result<f64> {
+        let (Some(bright), Some(dark)) = (clearest, dark) else { return Ok(1.0) };
+        let places = set.places(channel);
+        let signals: Vec<f64> =
+            places.iter().map(|&place| Ok(mean(bright, place)? - mean(dark, place)?)).collect::<Result<_>>()?;
+        Ok(signals.iter().sum::<f64>() / signals.len().max(1) as f64)
+    };
+    let own = signal(set.channel)?;
+    (0..names.len()).map(|channel| Ok((names[channel].clone(), signal(channel)? / own))).collect()
+}

@@ -1,0 +1,40 @@
+//! Light transport on graphics cards: the paths of [`integrator`](photosite_transport::integrator), traced by kernels in
+//! WGSL through wgpu, on Vulkan, Metal and DirectX.
+//!
+//! In: a scene as plain data ([`scene::packed`](photosite_transport::scene::packed)), starts of paths whose rays the
+//! camera has made on the processor. Out: what arrives along each. Lenses, films and noise stay where they are.
+//!
+//! | file | holds |
+//! |---|---|
+//! | `support` | what a card can do, and what of a scene it cannot, by name |
+//! | `adapters` | the cards of this machine |
+//! | `buffers`, `params` | its tables and numbers on a card |
+//! | `tracer` | a scene on a card, and batches of paths: generate, extend, shade, shadow, arrive |
+//! | `shaders` | the kernels in one text; numbers that Rust and WGSL share are made of Rust's constants |
+//! | `wgsl` | the kernels, a file for each concept, each with the Rust file that it follows in its head |
+//!
+//! The processor is the reference: random numbers are the same bit for bit, and images differ by rounding and its
+//! consequences alone. On one card and driver the same paths bring the same bytes, since each is summed by itself.
+//!
+//! Without the feature `gpu`, which needs wgpu, this crate only tells what cards can do.
+
+#![forbid(unsafe_code)]
+
+pub mod support;
+
+#[cfg(feature = "gpu")]
+mod adapters;
+#[cfg(feature = "gpu")]
+mod buffers;
+#[cfg(feature = "gpu")]
+mod params;
+#[cfg(feature = "gpu")]
+#[doc(hidden)]
+pub mod probe;
+#[cfg(feature = "gpu")]
+pub mod shaders;
+#[cfg(feature = "gpu")]
+mod tracer;
+
+#[cfg(feature = "gpu")]
+pub use adapters::{Adapter, Card, adapters, open};

@@ -1,0 +1,133 @@
+//! The kernels as one text: numbers that Rust and WGSL share, then a file for each concept.
+
+use std::fmt::Write;
+
+use photosite_core::spectrum::{LAMBDA_MIN_NM, TABLE_LEN};
+use photosite_transport::scene::packed::lights::colour;
+use photosite_transport::scene::packed::materials::{self, model};
+use photosite_transport::scene::packed::{self, hierarchy, lights};
+
+use crate::params::{FIELDS, SAMPLER_INDEPENDENT, SAMPLER_SOBOL};
+
+/// Threads of a workgroup.
+pub const WORKGROUP_SIZE: u32 = 64;
+/// Words of the state of a path.
+pub const STATE_WORDS: u32 = 13;
+/// Words of the start of a path.
+pub const START_WORDS: u32 = 4;
+
+/// Files in the order of what they need.
+const FILES: [&str; 23] = [
+    include_str!("wgsl/hash.wgsl"),
+    include_str!("wgsl/sampler.wgsl"),
+    include_str!("wgsl/math.wgsl"),
+    include_str!("wgsl/spectrum.wgsl"),
+    include_str!("wgsl/texture.wgsl"),
+    include_str!("wgsl/quadric.wgsl"),
+    include_str!("wgsl/triangle.wgsl"),
+    include_str!("wgsl/traversal.wgsl"),
+    include_str!("wgsl/surface.wgsl"),
+    include_str!("wgsl/bsdf/model.wgsl"),
+    include_str!("wgsl/bsdf/fresnel.wgsl"),
+    include_str!("wgsl/bsdf/microfacet.wgsl"),
+    include_str!("wgsl/bsdf/diffuse.wgsl"),
+    include_str!("wgsl/bsdf/conductor.wgsl"),
+    include_str!("wgsl/bsdf/dielectric.wgsl"),
+    include_str!("wgsl/bsdf/oren_nayar.wgsl"),
+    include_str!("wgsl/bsdf/phong.wgsl"),
+    include_str!("wgsl/bsdf/translucent.wgsl"),
+    include_str!("wgsl/bsdf/thin_dielectric.wgsl"),
+    include_str!("wgsl/bsdf/layered.wgsl"),
+    include_str!("wgsl/bsdf/dispatch.wgsl"),
+    include_str!("wgsl/shading.wgsl"),
+    LIGHTS,
+];
+
+/// Files on lights.
+const LIGHTS: &str = concat!(
+    include_str!("wgsl/light_tree.wgsl"),
+    include_str!("wgsl/environment.wgsl"),
+    include_str!("wgsl/emitter.wgsl"),
+    include_str!("wgsl/lights.wgsl"),
+);
+
+/// Numbers that both sides share, by their names in WGSL.
+const NUMBERS: &[(&str, u32)] = &[
+    ("WORKGROUP_SIZE", WORKGROUP_SIZE),
+    ("STATE_WORDS", STATE_WORDS),
+    ("SAMPLER_SOBOL", SAMPLER_SOBOL),
+    ("SAMPLER_INDEPENDENT", SAMPLER_INDEPENDENT),
+    ("SPECTRUM_ENTRIES", TABLE_LEN as u32),
+    ("NODE_WORDS", hierarchy::NODE_WORDS as u32),
+    ("TRIANGLE_WORDS", hierarchy::TRIANGLE_WORDS as u32),
+    ("QUADRIC_WORDS", hierarchy::QUADRIC_WORDS as u32),
+    ("INSTANCE_WORDS", hierarchy::INSTANCE_WORDS as u32),
+    ("LEAF", hierarchy::LEAF),
+    ("LEAF_TRIANGLES", hierarchy::TRIANGLES),
+    ("LEAF_QUADRIC", hierarchy::QUADRIC),
+    ("LEAF_INSTANCES", hierarchy::INSTANCES),
+    ("FIRST_BITS", hierarchy::FIRST_BITS),
+    // Of two instances in a leaf one waits beside the nodes above it.
+    ("STACK_SIZE", hierarchy::MAX_LEVELS as u32 + 2),
+    ("MESH_WORDS", packed::MESH_WORDS as u32),
+    ("MATERIAL_WORDS", materials::MATERIAL_WORDS as u32),
+    ("TEXTURE_WORDS", packed::TEXTURE_WORDS as u32),
+    ("TWO_SIDED", lights::TWO_SIDED),
+    ("LIGHT_WORDS", lights::LIGHT_WORDS as u32),
+    ("TREE_WORDS", lights::TREE_WORDS as u32),
+    ("MODEL_DIFFUSE", model::DIFFUSE),
+    ("MODEL_CONDUCTOR", model::CONDUCTOR),
+    ("MODEL_DIELECTRIC", model::DIELECTRIC),
+    ("MODEL_OREN_NAYAR", model::OREN_NAYAR),
+    ("MODEL_PHONG", model::PHONG),
+    ("MODEL_TRANSLUCENT", model::TRANSLUCENT),
+    ("MODEL_THIN_DIELECTRIC", model::THIN_DIELECTRIC),
+    ("MODEL_MIX", model::MIX),
+    ("MODEL_LAYERED", model::LAYERED),
+    ("ALBEDO_NODES", packed::ALBEDO_NODES as u32),
+    ("COLOUR_SPECTRUM", colour::SPECTRUM),
+    ("COLOUR_TEXTURE", colour::TEXTURE),
+    ("COLOUR_SPECTRUM_TEXTURE", colour::SPECTRUM_TEXTURE),
+    ("LIGHT_TRIANGLE", lights::kind::TRIANGLE),
+    ("LIGHT_QUADRIC", lights::kind::QUADRIC),
+    ("LIGHT_POINT", lights::kind::POINT),
+    ("LIGHT_SPOT", lights::kind::SPOT),
+    ("LIGHT_DIRECTIONAL", lights::kind::DIRECTIONAL),
+    ("LIGHT_ENVIRONMENT", lights::kind::ENVIRONMENT),
+    ("ENVIRONMENT_NOTHING", lights::environment::NOTHING),
+    ("ENVIRONMENT_CONSTANT", lights::environment::CONSTANT),
+    ("ENVIRONMENT_IMAGE", lights::environment::IMAGE),
+];
+
+/// The tables of a scene, whose places are those of the layout in `tracer`.
+const BINDINGS: &str = "\
+@group(0) @binding(0) var<uniform> params: Params;
+@group(0) @binding(1) var<storage, read> nodes: array<vec4<u32>>;
+@group(0) @binding(2) var<storage, read> triangles: array<vec4<u32>>;
+@group(0) @binding(3) var<storage, read> tables: array<vec4<u32>>;
+@group(0) @binding(4) var<storage, read> attributes: array<u32>;
+@group(0) @binding(5) var<storage, read> spectra: array<vec2<f32>>;
+@group(0) @binding(6) var<storage, read> texels: array<u32>;
+";
+
+/// Text of the functions, without the kernels of the wavefront.
+pub fn functions() -> String {
+    let mut text = String::new();
+    for (name, value) in NUMBERS {
+        let _ = writeln!(text, "const {name} = {value}u;");
+    }
+    let _ = writeln!(text, "const LAMBDA_MIN_NM = {LAMBDA_MIN_NM:?}f;");
+    text += "struct Params {\n";
+    for (name, kind) in FIELDS {
+        let _ = writeln!(text, "    {name}: {kind},");
+    }
+    text += "}\n";
+    text += BINDINGS;
+    FILES.iter().for_each(|file| text += file);
+    text
+}
+
+/// Text of all kernels of the wavefront.
+pub fn wavefront() -> String {
+    functions() + include_str!("wgsl/path.wgsl")
+}

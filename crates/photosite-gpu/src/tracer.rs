@@ -1,0 +1,358 @@
+//! A scene on a card, and batches of paths through it.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+
+use photosite_core::Invalid;
+use photosite_core::spectrum::SampledSpectrum;
+use photosite_transport::integrator::{Arrival, Device, PathLimits, PathStart, PathTracer};
+use photosite_transport::sampler::SamplerKind;
+use photosite_transport::scene::Scene;
+use photosite_transport::scene::packed::PackedScene;
+use wgpu::util::DeviceExt;
+
+use crate::adapters::Card;
+use crate::buffers::{Layouts, bind, scene_buffers};
+use crate::params;
+use crate::shaders::{START_WORDS, STATE_WORDS, WORKGROUP_SIZE, wavefront};
+
+/// Paths in a batch at most: enough to keep a large card busy, 240 MB of states.
+const LARGEST_BATCH: u64 = 1 << 20;
+/// Paths in a batch of software, which has no room for more at once.
+const SOFTWARE_BATCH: u64 = 1 << 16;
+/// Batches on a card at once: one is traced while another goes to and fro.
+const BATCHES: usize = 2;
+/// Segments that are traced between two looks at whether any path goes on.
+const SEGMENTS_TOGETHER: u32 = 16;
+/// Numbers in `control`, see `wgsl/path.wgsl`, and the places of three of them.
+const CONTROL: u64 = 8;
+const ACTIVE: usize = 1;
+const SURFACE_RAYS: usize = 6;
+const LIGHT_RAYS: usize = 7;
+/// Bits in the second place of light whose hero is alone.
+const HERO_ALONE: u32 = 0x7fc0_0000;
+
+/// A scene on a card, with the kernels that trace paths through it.
+pub(crate) struct Tracer {
+    device: wgpu::Device,
+    queue: wgpu::Queue,
+    fault: Arc<Mutex<Option<String>>>,
+    kernels: Kernels,
+    scene: wgpu::BindGroup,
+    max_depth: u32,
+    capacity: u32,
+    /// Batches that no thread uses, and the signal that there is one.
+    idle: Mutex<Vec<Batch>>,
+    is_idle: Condvar,
+    rays: [AtomicU64; 2],
+}
+
+/// Kernels of the wavefront.
+struct Kernels {
+    generate: wgpu::ComputePipeline,
+    extend: wgpu::ComputePipeline,
+    shade: wgpu::ComputePipeline,
+    shadow: wgpu::ComputePipeline,
+    count: wgpu::ComputePipeline,
+    arrive: wgpu::ComputePipeline,
+}
+
+/// Buffers of paths that are traced together.
+struct Batch {
+    starts: wgpu::Buffer,
+    control: wgpu::Buffer,
+    arrivals: wgpu::Buffer,
+    /// Results that come back: arrivals, then the numbers in `control`.
+    returned: wgpu::Buffer,
+    workgroups: wgpu::Buffer,
+    paths: wgpu::BindGroup,
+    counted: wgpu::BindGroup,
+    /// Bytes of starts before they are sent.
+    words: Vec<[u32; 4]>,
+}
+
+fn unlocked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Kernels {
+    fn new(device: &wgpu::Device, layouts: &Layouts) -> Self {
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("wavefront"),
+            source: wgpu::ShaderSource::Wgsl(wavefront().into()),
+        });
+        let kernel = |name: &str, groups: &[Option<&wgpu::BindGroupLayout>]| {
+            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: groups,
+                immediate_size: 0,
+            });
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(name),
+                layout: Some(&layout),
+                module: &module,
+                entry_point: Some(name),
+                compilation_options: Default::default(),
+                cache: None,
+            })
+        };
+        let Layouts { scene, paths, counted } = layouts;
+        let of_paths = [Some(scene), Some(paths)];
+        Self {
+            generate: kernel("generate", &of_paths),
+            extend: kernel("extend", &of_paths),
+            shade: kernel("shade", &of_paths),
+            shadow: kernel("shadow", &of_paths),
+            count: kernel("count", &[Some(scene), Some(paths), Some(counted)]),
+            arrive: kernel("arrive", &of_paths),
+        }
+    }
+}
+
+impl Batch {
+    fn new(device: &wgpu::Device, layouts: &Layouts, capacity: u64) -> Self {
+        use wgpu::BufferUsages as Usage;
+        let buffer = |bytes: u64, usage: Usage| {
+            device.create_buffer(&wgpu::BufferDescriptor { label: None, size: bytes, usage, mapped_at_creation: false })
+        };
+        let state = buffer(capacity * 16 * u64::from(STATE_WORDS), Usage::STORAGE);
+        let lists = buffer(capacity * 4 * 3, Usage::STORAGE);
+        let control = buffer(CONTROL * 4, Usage::STORAGE | Usage::COPY_DST | Usage::COPY_SRC);
+        let starts = buffer(capacity * 16 * u64::from(START_WORDS), Usage::STORAGE | Usage::COPY_DST);
+        let arrivals = buffer(capacity * 16, Usage::STORAGE | Usage::COPY_SRC);
+        let workgroups = buffer(6 * 4, Usage::STORAGE | Usage::INDIRECT | Usage::COPY_DST);
+        Self {
+            returned: buffer(capacity * 16 + CONTROL * 4, Usage::COPY_DST | Usage::MAP_READ),
+            paths: bind(device, &layouts.paths, &[&state, &lists, &control, &starts, &arrivals]),
+            counted: bind(device, &layouts.counted, &[&workgroups]),
+            starts,
+            control,
+            arrivals,
+            workgroups,
+            words: Vec::new(),
+        }
+    }
+}
+
+impl Tracer {
+    /// Loads a scene onto a card.
+    ///
+    /// # Errors
+    ///
+    /// Tables that the card has no room for; kernels that its driver refuses.
+    pub(crate) fn new(
+        card: &Card,
+        scene: &PackedScene,
+        limits: PathLimits,
+        sampler: SamplerKind,
+    ) -> Result<Self, Invalid> {
+        let (device, queue) = (card.device().clone(), card.queue().clone());
+        let of_device = device.limits();
+        let bytes = of_device.max_storage_buffer_binding_size.min(of_device.max_buffer_size);
+        let most = if card.adapter().is_software { SOFTWARE_BATCH } else { LARGEST_BATCH };
+        let capacity = most.min(bytes / (16 * u64::from(STATE_WORDS))) as u32;
+        let scopes =
+            [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation].map(|of| device.push_error_scope(of));
+
+        let layouts = Layouts::new(&device);
+        let numbers = params::values(scene, limits, sampler, capacity);
+        let numbers = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+            label: Some("params"),
+            contents: bytemuck::cast_slice(&numbers),
+            usage: wgpu::BufferUsages::UNIFORM,
+        });
+        let tables = scene_buffers(&device, scene, &of_device)?;
+        let buffers: Vec<&wgpu::Buffer> = std::iter::once(&numbers).chain(&tables).collect();
+        let scene = bind(&device, &layouts.scene, &buffers);
+        let kernels = Kernels::new(&device, &layouts);
+        let idle = (0..BATCHES).map(|_| Batch::new(&device, &layouts, u64::from(capacity))).collect();
+
+        // The last scope ends first
+        for scope in scopes.into_iter().rev() {
+            if let Some(error) = pollster::block_on(scope.pop()) {
+                let message = format!("it cannot be loaded onto {}: {error}", card.adapter());
+                return Err(Invalid::new("scene", message).help("render with --device cpu"));
+            }
+        }
+        Ok(Self {
+            device,
+            queue,
+            fault: card.fault(),
+            kernels,
+            scene,
+            max_depth: limits.max_depth,
+            capacity,
+            idle: Mutex::new(idle),
+            is_idle: Condvar::new(),
+            rays: [AtomicU64::new(0), AtomicU64::new(0)],
+        })
+    }
+
+    /// Takes a batch that no other thread uses, and waits for one if need be.
+    fn take(&self) -> Batch {
+        let mut idle = unlocked(&self.idle);
+        loop {
+            match idle.pop() {
+                Some(batch) => return batch,
+                None => idle = self.is_idle.wait(idle).unwrap_or_else(PoisonError::into_inner),
+            }
+        }
+    }
+
+    fn give_back(&self, batch: Batch) {
+        unlocked(&self.idle).push(batch);
+        self.is_idle.notify_one();
+    }
+
+    /// Traces a batch of paths.
+    fn trace_batch(&self, batch: &mut Batch, starts: &[PathStart], arrivals: &mut Vec<Arrival>) -> Result<(), String> {
+        // Send the starts, and the numbers of the first kernels
+        batch.words.clear();
+        batch.words.extend(starts.iter().flat_map(start_words));
+        self.queue.write_buffer(&batch.starts, 0, bytemuck::cast_slice(&batch.words));
+        let count = starts.len() as u32;
+        let control: [u32; CONTROL as usize] = [count, count, 0, 0, 0, 0, count, 0];
+        self.queue.write_buffer(&batch.control, 0, bytemuck::cast_slice(&control));
+        let groups = count.div_ceil(WORKGROUP_SIZE);
+        self.queue.write_buffer(&batch.workgroups, 0, bytemuck::cast_slice(&[groups, 1, 1, 0, 1, 1]));
+
+        // Trace segment by segment until no path goes on
+        let mut depth = 0;
+        loop {
+            let segments = SEGMENTS_TOGETHER.min(self.max_depth - depth);
+            let is_first = depth == 0;
+            depth += segments;
+            let control = self.trace_segments(batch, count, segments, is_first)?;
+            if control[ACTIVE] == 0 || depth >= self.max_depth {
+                self.rays[0].fetch_add(u64::from(control[SURFACE_RAYS]), Ordering::Relaxed);
+                self.rays[1].fetch_add(u64::from(control[LIGHT_RAYS]), Ordering::Relaxed);
+                break;
+            }
+            batch.returned.unmap();
+        }
+
+        // Take what has arrived
+        let bytes = u64::from(count) * 16;
+        let view = batch.returned.get_mapped_range(0..bytes).map_err(|error| error.to_string())?;
+        arrivals.extend(view.as_ref().chunks_exact(16).map(arrival));
+        drop(view);
+        batch.returned.unmap();
+        Ok(())
+    }
+
+    /// Traces some segments of all paths that go on. Returns the numbers of `control`, and leaves what
+    /// has arrived mapped.
+    fn trace_segments(
+        &self,
+        batch: &Batch,
+        count: u32,
+        segments: u32,
+        is_first: bool,
+    ) -> Result<[u32; CONTROL as usize], String> {
+        let groups = count.div_ceil(WORKGROUP_SIZE);
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        {
+            let mut pass = encoder.begin_compute_pass(&Default::default());
+            pass.set_bind_group(0, &self.scene, &[]);
+            pass.set_bind_group(1, &batch.paths, &[]);
+            if is_first {
+                pass.set_pipeline(&self.kernels.generate);
+                pass.dispatch_workgroups(groups, 1, 1);
+            }
+            for _ in 0..segments {
+                for kernel in [&self.kernels.extend, &self.kernels.shade] {
+                    pass.set_pipeline(kernel);
+                    pass.dispatch_workgroups_indirect(&batch.workgroups, 0);
+                }
+                pass.set_pipeline(&self.kernels.count);
+                pass.set_bind_group(2, &batch.counted, &[]);
+                pass.dispatch_workgroups(1, 1, 1);
+                pass.set_pipeline(&self.kernels.shadow);
+                pass.dispatch_workgroups_indirect(&batch.workgroups, 12);
+            }
+            pass.set_pipeline(&self.kernels.arrive);
+            pass.dispatch_workgroups(groups, 1, 1);
+        }
+        let bytes = u64::from(count) * 16;
+        encoder.copy_buffer_to_buffer(&batch.arrivals, 0, &batch.returned, 0, bytes);
+        encoder.copy_buffer_to_buffer(&batch.control, 0, &batch.returned, bytes, CONTROL * 4);
+        let submission = self.queue.submit([encoder.finish()]);
+
+        // Wait, and read how far it has come
+        let all = 0..bytes + CONTROL * 4;
+        batch.returned.map_async(wgpu::MapMode::Read, all, |_| {});
+        let waited = self.device.poll(wgpu::PollType::Wait { submission_index: Some(submission), timeout: None });
+        waited.map_err(|error| error.to_string())?;
+        if let Some(fault) = unlocked(&self.fault).clone() {
+            return Err(fault);
+        }
+        let view = batch.returned.get_mapped_range(bytes..bytes + CONTROL * 4).map_err(|error| error.to_string())?;
+        let mut control = [0; CONTROL as usize];
+        for (number, bytes) in control.iter_mut().zip(view.as_ref().chunks_exact(4)) {
+            *number = word(bytes);
+        }
+        drop(view);
+        Ok(control)
+    }
+}
+
+impl Device for Card {
+    fn name(&self) -> String {
+        self.adapter().to_string()
+    }
+
+    fn load(&self, scene: &Scene, limits: PathLimits, sampler: SamplerKind) -> Result<Box<dyn PathTracer>, Invalid> {
+        Ok(Box::new(Tracer::new(self, &scene.packed()?, limits, sampler)?))
+    }
+}
+
+impl PathTracer for Tracer {
+    fn trace(&self, starts: &[PathStart], arrivals: &mut Vec<Arrival>) -> Result<(), String> {
+        arrivals.clear();
+        if self.max_depth == 0 {
+            let dark = |start: &PathStart| Arrival {
+                light: SampledSpectrum::ZERO,
+                is_hero_alone: start.wavelengths.is_hero_alone(),
+            };
+            arrivals.extend(starts.iter().map(dark));
+            return Ok(());
+        }
+        for starts in starts.chunks(self.capacity as usize) {
+            let mut batch = self.take();
+            let traced = self.trace_batch(&mut batch, starts, arrivals);
+            self.give_back(batch);
+            traced?;
+        }
+        Ok(())
+    }
+
+    fn batch_size(&self) -> usize {
+        self.capacity as usize
+    }
+
+    fn rays(&self) -> [u64; 2] {
+        self.rays.each_ref().map(|rays| rays.load(Ordering::Relaxed))
+    }
+}
+
+/// Start of a path as the kernels read it: origin; direction, and whether the hero is alone; wavelengths; random numbers.
+fn start_words(start: &PathStart) -> [[u32; 4]; START_WORDS as usize] {
+    let PathStart { ray, wavelengths, position } = start;
+    let [x, y, z] = ray.origin.to_array().map(f32::to_bits);
+    let [dx, dy, dz] = ray.direction.to_array().map(f32::to_bits);
+    let is_alone = u32::from(wavelengths.is_hero_alone());
+    [[x, y, z, 0], [dx, dy, dz, is_alone], wavelengths.lambdas_nm().map(f32::to_bits), position.words()]
+}
+
+fn word(bytes: &[u8]) -> u32 {
+    u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
+}
+
+/// Light of a path as the kernels leave it.
+fn arrival(bytes: &[u8]) -> Arrival {
+    let bits = [0, 4, 8, 12].map(|at| word(&bytes[at..]));
+    let is_hero_alone = bits[1] == HERO_ALONE;
+    let lanes = bits.map(f32::from_bits);
+    let light = if is_hero_alone { [lanes[0], 0.0, 0.0, 0.0] } else { lanes };
+    Arrival { light: SampledSpectrum::from(light), is_hero_alone }
+}

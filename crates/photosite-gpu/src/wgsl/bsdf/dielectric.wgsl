@@ -1,0 +1,102 @@
+// Clear media; photosite-transport's bsdf/dielectric.rs, without energy compensation.
+
+const SMALLEST_BLUR = 2e-6f;
+
+fn is_delta_dielectric(bsdf: Bsdf) -> bool {
+    let widest = max(bsdf.roughness.x, bsdf.roughness.y);
+    return is_smooth(bsdf.roughness) || widest * abs(bsdf.first.x - 1.0) < SMALLEST_BLUR;
+}
+
+/// A value for the hero, and for the other wavelengths unless the direction depends on them.
+fn lanes_of(value: f32, is_dispersive: bool) -> vec4<f32> {
+    return select(vec4<f32>(value), vec4<f32>(value, 0.0, 0.0, 0.0), is_dispersive);
+}
+
+fn eval_dielectric(bsdf: Bsdf, wo_seen: vec3<f32>, wi_seen: vec3<f32>) -> BsdfEval {
+    if (is_delta_dielectric(bsdf) || is_grazing(wo_seen) || is_grazing(wi_seen)) {
+        return no_scattering();
+    }
+    let is_below = wo_seen.z < 0.0;
+    let eta = select(bsdf.first.x, 1.0 / bsdf.first.x, is_below);
+    let wo = select(wo_seen, mirrored(wo_seen), is_below);
+    let wi = select(wi_seen, mirrored(wi_seen), is_below);
+    if (wi.z > 0.0) {
+        let kernel = reflection(bsdf.roughness, wo, wi);
+        let reflectance = interface_of(kernel.cos_facet, eta).reflectance;
+        return BsdfEval(lanes_of(kernel.value * reflectance, bsdf.is_dispersive), kernel.pdf * reflectance);
+    }
+    let sum = wo + eta * wi;
+    let stretch = length(sum);
+    let m = sum / with_sign(stretch, sum.z);
+    let cos_o = dot(wo, m);
+    let cos_i = -dot(wi, m);
+    if (!(cos_o > 0.0 && cos_i > 0.0)) {
+        return no_scattering();
+    }
+    let transmittance = interface_between(min(cos_o, 1.0), min(cos_i, 1.0), eta).transmittance;
+    let both = refraction(bsdf.roughness, wo, wi, Refraction(eta, m, cos_o, cos_i, stretch, transmittance));
+    return BsdfEval(lanes_of(both.x, bsdf.is_dispersive), both.y);
+}
+
+/// A smooth interface, with wo above it.
+fn sample_smooth_dielectric(eta: vec4<f32>, is_dispersive: bool, wo: vec3<f32>, u_lobe: f32) -> BsdfSample {
+    let cos_o = min(wo.z, 1.0);
+    let at_hero = interface_of(cos_o, eta.x);
+    if (u_lobe < at_hero.reflectance) {
+        var of_lanes = vec4<f32>(at_hero.reflectance);
+        if (is_dispersive) {
+            of_lanes.y = interface_of(cos_o, eta.y).reflectance;
+            of_lanes.z = interface_of(cos_o, eta.z).reflectance;
+            of_lanes.w = interface_of(cos_o, eta.w).reflectance;
+        }
+        return mirror_sample(of_lanes, vec3<f32>(-wo.xy, wo.z), at_hero.reflectance);
+    }
+    if (at_hero.cos_transmitted <= GRAZING) {
+        return no_sample();
+    }
+    let f = at_hero.transmittance / (eta.x * eta.x * at_hero.cos_transmitted);
+    let wi = vec3<f32>(-wo.xy / eta.x, -at_hero.cos_transmitted);
+    return BsdfSample(lanes_of(f, is_dispersive), at_hero.transmittance, wi, eta.x, true, true, is_dispersive);
+}
+
+/// Facets, wo above them.
+fn sample_rough_dielectric(bsdf: Bsdf, eta: f32, wo: vec3<f32>, u_lobe: f32, u: vec2<f32>) -> BsdfSample {
+    let m = sample_visible(bsdf.roughness, wo, u);
+    let cos_o = clamp(dot(wo, m), 0.0, 1.0);
+    let at_facet = interface_of(cos_o, eta);
+    if (u_lobe < at_facet.reflectance) {
+        let wi = reflect_at(wo, m);
+        if (!(wi.z > GRAZING)) {
+            return no_sample();
+        }
+        let kernel = reflection_at(bsdf.roughness, wo, wi, m);
+        var sample = reflected_sample(lanes_of(kernel.value * at_facet.reflectance, bsdf.is_dispersive), wi, kernel.pdf * at_facet.reflectance);
+        sample.terminates_secondary = bsdf.is_dispersive;
+        return sample;
+    }
+    let cos_i = at_facet.cos_transmitted;
+    let wi = (cos_o / eta - cos_i) * m - wo / eta;
+    if (!(cos_o > 0.0 && cos_i > 0.0 && wi.z < -GRAZING)) {
+        return no_sample();
+    }
+    let facet = Refraction(eta, m, cos_o, cos_i, abs(cos_o - eta * cos_i), at_facet.transmittance);
+    let both = refraction(bsdf.roughness, wo, wi, facet);
+    return BsdfSample(lanes_of(both.x, bsdf.is_dispersive), both.y, wi, eta, false, true, bsdf.is_dispersive);
+}
+
+fn sample_dielectric(bsdf: Bsdf, wo_seen: vec3<f32>, u_lobe: f32, u: vec2<f32>) -> BsdfSample {
+    if (is_grazing(wo_seen)) {
+        return no_sample();
+    }
+    let is_below = wo_seen.z < 0.0;
+    let eta = select(bsdf.first, 1.0 / bsdf.first, is_below);
+    let wo = select(wo_seen, mirrored(wo_seen), is_below);
+    var sample: BsdfSample;
+    if (is_delta_dielectric(bsdf)) {
+        sample = sample_smooth_dielectric(eta, bsdf.is_dispersive, wo, u_lobe);
+    } else {
+        sample = sample_rough_dielectric(bsdf, eta.x, wo, u_lobe, u);
+    }
+    sample.wi = select(sample.wi, mirrored(sample.wi), is_below);
+    return sample;
+}

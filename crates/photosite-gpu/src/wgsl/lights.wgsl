@@ -1,0 +1,127 @@
+// Samples of lights; photosite-transport's light/lights.rs, light/area_light.rs, light/point_light.rs and its neighbours.
+
+struct LightSample {
+    light: u32,
+    radiance: vec4<f32>,
+    wi: vec3<f32>,
+    position: vec3<f32>,
+    /// Normal of the light; zero of a light without a surface.
+    normal: vec3<f32>,
+    /// Density of the direction times the probability of the light; 0 where no light arrives.
+    pdf: f32,
+    is_delta: bool,
+    is_distant: bool,
+    target_primitive: u32,
+}
+
+fn no_light() -> LightSample {
+    return LightSample(NONE, vec4<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), 0.0, false, false, NONE);
+}
+
+/// Radiance of an emission, whose words are those of a light or a material, at a place on a primitive of a mesh.
+fn emitted_at(words: vec4<u32>, factor: vec3<f32>, primitive: u32, mesh: u32, parameters: vec2<f32>, lambda_nm: vec4<f32>) -> vec4<f32> {
+    let radiance = spectrum(words.x, lambda_nm);
+    if ((words.y & 255u) == COLOUR_SPECTRUM) {
+        return radiance;
+    }
+    return radiance * tint_spectrum(factor * texture_at(words.z, primitive, mesh, parameters), lambda_nm);
+}
+
+/// Radiance that a surface point emits towards wo.
+fn emitted(point: SurfacePoint, wo: vec3<f32>, lambda_nm: vec4<f32>) -> vec4<f32> {
+    let at = params.materials + point.material * MATERIAL_WORDS + MATERIAL_WORDS - 3u;
+    let words = tables[at];
+    let is_two_sided = (words.y & TWO_SIDED) != 0u;
+    if (words.x == NONE || (!is_two_sided && dot(wo, point.geometric_normal) <= 0.0)) {
+        return vec4<f32>(0.0);
+    }
+    return emitted_at(words, bitcast<vec3<f32>>(tables[at + 1u].xyz), point.primitive, point.mesh, point.parameters, lambda_nm);
+}
+
+/// Direction to a light without a surface.
+fn sample_delta_light(kind: u32, at: u32, level: u32, ctx: LightContext, lambda_nm: vec4<f32>) -> LightSample {
+    let place = bitcast<vec4<f32>>(tables[at + 3u]);
+    let axis = bitcast<vec4<f32>>(tables[at + 4u]);
+    var sample = no_light();
+    sample.is_delta = true;
+    sample.pdf = 1.0;
+    sample.radiance = spectrum(level, lambda_nm);
+    if (kind == LIGHT_DIRECTIONAL) {
+        sample.wi = -axis.xyz;
+        sample.is_distant = true;
+        return sample;
+    }
+    let to_light = place.xyz - ctx.point;
+    let distance_squared = dot(to_light, to_light);
+    if (!(distance_squared > 0.0)) {
+        return no_light();
+    }
+    if (kind == LIGHT_SPOT) {
+        let cosine = dot(normalized_or(-to_light, vec3<f32>(0.0)), axis.xyz);
+        let ramp = clamp((cosine - axis.w) / max(place.w - axis.w, 1e-4), 0.0, 1.0);
+        sample.radiance *= ramp * ramp;
+        if (ramp == 0.0) {
+            return no_light();
+        }
+    }
+    sample.radiance /= distance_squared;
+    sample.wi = to_light / sqrt(distance_squared);
+    sample.position = place.xyz;
+    return sample;
+}
+
+/// A direction to the light that was chosen.
+fn sample_chosen(choice: Choice, v: f32, ctx: LightContext, lambda_nm: vec4<f32>) -> LightSample {
+    let at = params.lights + choice.light * LIGHT_WORDS;
+    let head = tables[at];
+    let emission = tables[at + 1u];
+    let u = vec2<f32>(choice.rest, v);
+    var sample = no_light();
+    switch head.x {
+        case LIGHT_TRIANGLE, LIGHT_QUADRIC: {
+            var seen: SeenPoint;
+            if (head.x == LIGHT_TRIANGLE) {
+                seen = sample_emissive_triangle(emissive_triangle(choice.light), ctx.point, u);
+            } else {
+                seen = sample_quadric(load_quadric(head.y), ctx.point, u);
+            }
+            let is_two_sided = (emission.y & TWO_SIDED) != 0u;
+            if (!(seen.cosine > 0.0 || (is_two_sided && seen.cosine < 0.0))) {
+                return sample;
+            }
+            let primitive = select(head.y, IS_QUADRIC | head.y, head.x == LIGHT_QUADRIC);
+            sample.radiance = emitted_at(emission, bitcast<vec3<f32>>(tables[at + 2u].xyz), primitive, emission.w, seen.parameters, lambda_nm);
+            sample.wi = seen.wi;
+            sample.position = seen.position;
+            sample.normal = seen.normal;
+            sample.pdf = seen.pdf;
+            sample.target_primitive = head.z;
+        }
+        case LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL: {
+            sample = sample_delta_light(head.x, at, emission.x, ctx, lambda_nm);
+        }
+        case LIGHT_ENVIRONMENT: {
+            let drawn = sample_environment(u);
+            sample.wi = drawn.xyz;
+            sample.pdf = drawn.w;
+            sample.is_distant = true;
+            if (drawn.w > 0.0) {
+                sample.radiance = environment_radiance(drawn.xyz, lambda_nm);
+            }
+        }
+        default: {}
+    }
+    sample.light = choice.light;
+    sample.pdf *= choice.probability;
+    return sample;
+}
+
+/// Density with which light sampling finds a point of an area light.
+fn area_light_pdf(light: u32, ctx: LightContext, distance: f32, cosine: f32) -> f32 {
+    let head = tables[params.lights + light * LIGHT_WORDS];
+    let density = emitter_pdf(head.x, head.y, light, ctx.point, distance, cosine);
+    if (density == 0.0) {
+        return 0.0;
+    }
+    return density * (probability_in_tree(ctx, light, head.w) * (1.0 - part_of_distant(ctx)));
+}

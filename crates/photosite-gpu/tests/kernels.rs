@@ -1,0 +1,25 @@
+//! Kernels as text: naga accepts them for every card, and both sides lay out what they share alike.
+#![cfg(feature = "gpu")]
+
+use photosite_gpu::shaders::wavefront;
+use wgpu::naga;
+
+#[test]
+fn naga_accepts_all_kernels() {
+    let text = wavefront();
+    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+    let all = naga::valid::ValidationFlags::all();
+    let mut validator = naga::valid::Validator::new(all, naga::valid::Capabilities::empty());
+    validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+    let mut names: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["arrive", "count", "extend", "generate", "shade", "shadow"]);
+
+    // Uniform blocks are whole numbers of 16 bytes, and every field has its place in the order of Rust's table.
+    let (_, params) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("Params")).expect("params");
+    let naga::TypeInner::Struct { members, span } = &params.inner else { panic!("{params:?}") };
+    assert_eq!((span % 16, *span as usize), (0, 4 * members.len()));
+    for (i, member) in members.iter().enumerate() {
+        assert_eq!(member.offset as usize, 4 * i, "{:?}", member.name);
+    }
+}

@@ -1,0 +1,46 @@
+//! Kernels against the Rust that they follow, on Mesa's software where it is there, else on the first card of the machine.
+//! Without either nothing is tested, and each test says so; with PHOTOSITE_GPU set that is a failure.
+#![cfg(feature = "gpu")]
+
+mod bsdfs;
+mod images;
+mod paths;
+mod rays;
+mod samplers;
+mod stage;
+
+use std::sync::OnceLock;
+
+use photosite_gpu::{Card, adapters, open};
+
+/// Card that is tested: PHOTOSITE_GPU has its number.
+pub(crate) fn card() -> Option<&'static Card> {
+    static CARD: OnceLock<Option<Card>> = OnceLock::new();
+    let card = CARD.get_or_init(|| {
+        let asked = std::env::var("PHOTOSITE_GPU").ok();
+        let software = adapters().iter().position(|adapter| adapter.is_software);
+        let number = asked.as_ref().map(|number| number.parse().expect("PHOTOSITE_GPU is a number")).or(software);
+        let card = open(number).expect("a device that opens");
+        assert!(asked.is_none() || card.is_some(), "PHOTOSITE_GPU is set, and there is no device");
+        card
+    });
+    match card {
+        Some(card) => println!("on {}", card.adapter()),
+        None => println!("skipped: this machine has neither a graphics card nor software that stands for one"),
+    }
+    card.as_ref()
+}
+
+/// Numbers in [0, 1) for tests.
+pub(crate) struct Numbers(pub(crate) u64);
+
+impl Numbers {
+    pub(crate) fn next(&mut self) -> f32 {
+        self.0 += 1;
+        photosite_core::math::hash::unit_f32(photosite_core::math::hash::hash64(7, self.0) as u32)
+    }
+
+    pub(crate) fn direction(&mut self) -> glam::Vec3 {
+        photosite_core::math::warp::uniform_sphere([self.next(), self.next()])
+    }
+}

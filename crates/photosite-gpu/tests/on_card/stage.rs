@@ -1,0 +1,309 @@
+//! Scenes with everything that cards render.
+
+use std::f32::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
+use photosite_core::spectrum::{Dispersion, Spectrum, library};
+use photosite_transport::geometry::QuadricKind;
+use photosite_transport::light::{DirectionalLight, PointLight, SpotLight};
+use photosite_transport::scene::description::{
+    Channel, Colour, Conductor, Dielectric, Diffuse, EmissionDescription, EnvironmentDescription, ImageLevel,
+    InstanceDescription, LayeredDescription, LightDescription, LightKind, MaterialDescription, MaterialModel,
+    MeshDescription, Mix, OrenNayar, Phong, Roughness, SceneDescription, TextureDescription, TexturedColour,
+    TexturedFactor, ThinDielectric, Translucent,
+};
+use photosite_transport::scene::{Scene, build};
+use photosite_transport::texture::{Bitmap, Filter, SamplerSettings, Texels, UvTransform, Wrap};
+
+/// A scene that grows.
+#[derive(Default)]
+pub(crate) struct Stage(pub(crate) SceneDescription);
+
+pub(crate) fn grey(value: f32) -> TexturedColour {
+    TexturedColour::plain(Colour::Rgb([value; 3]))
+}
+
+pub(crate) fn diffuse(rgb: [f32; 3]) -> MaterialModel {
+    MaterialModel::Diffuse(Diffuse { reflectance: TexturedColour::plain(Colour::Rgb(rgb)) })
+}
+
+pub(crate) fn metal(name: &str, roughness: f32) -> MaterialModel {
+    let metal = library::conductor(name).expect("a metal");
+    let distribution = Roughness::isotropic(roughness);
+    MaterialModel::Conductor(Conductor { eta: metal.eta, k: metal.k, distribution, energy_compensation: false })
+}
+
+pub(crate) fn glass(index: Dispersion, roughness: f32) -> MaterialModel {
+    let distribution = Roughness::isotropic(roughness);
+    MaterialModel::Dielectric(Dielectric { index, distribution, energy_compensation: false })
+}
+
+pub(crate) fn light(level: f64) -> EmissionDescription {
+    EmissionDescription { colour: Colour::Rgb([1.0, 0.8, 0.6]), level: Some(level), texture: None }
+}
+
+/// A square about a centre, its front towards x × y.
+pub(crate) fn square(centre: Vec3, x: Vec3, y: Vec3) -> MeshDescription {
+    MeshDescription {
+        positions: vec![centre - x - y, centre + x - y, centre + x + y, centre - x + y],
+        uvs: vec![[[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]].map(Vec2::from).to_vec()],
+        tangents: vec![x.normalize().extend(-1.0); 4],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..MeshDescription::default()
+    }
+}
+
+/// A bumpy sphere of radius 1 about the origin, with shading normals of the sphere where `is_smooth`.
+pub(crate) fn ball(bands: u32, bumps: f32, is_smooth: bool) -> MeshDescription {
+    let sectors = 2 * bands;
+    let at = |band: u32, sector: u32| {
+        let (theta, phi) = (PI * band as f32 / bands as f32, TAU * sector as f32 / sectors as f32);
+        Vec3::new(theta.sin() * phi.cos(), theta.cos(), -theta.sin() * phi.sin())
+    };
+    let grid = (0..=bands).flat_map(|band| (0..=sectors).map(move |sector| (band, sector)));
+    let directions: Vec<Vec3> = grid.map(|(band, sector)| at(band, sector % sectors)).collect();
+    let bumpy = |d: &Vec3| *d * (1.0 + bumps * (9.0 * d.x).sin() * (9.0 * d.y).sin() * (9.0 * d.z).sin());
+    let index = |band: u32, sector: u32| band * (sectors + 1) + sector;
+    let mut triangles = Vec::new();
+    for (band, sector) in (0..bands).flat_map(|band| (0..sectors).map(move |sector| (band, sector))) {
+        let [a, b] = [index(band, sector), index(band, sector + 1)];
+        let [c, d] = [index(band + 1, sector), index(band + 1, sector + 1)];
+        if band > 0 {
+            triangles.push([a, c, b]);
+        }
+        if band + 1 < bands {
+            triangles.push([b, c, d]);
+        }
+    }
+    let normals = if is_smooth { directions.clone() } else { Vec::new() };
+    MeshDescription { positions: directions.iter().map(bumpy).collect(), normals, triangles, ..Default::default() }
+}
+
+/// glTF's material of layers, as far as cards know it.
+pub(crate) fn layered(
+    base_colour: TexturedColour,
+    metallic: TexturedFactor,
+    roughness: TexturedFactor,
+) -> MaterialModel {
+    let specular_colour = TexturedColour::plain(Colour::Rgb([0.9, 1.4, 0.7]));
+    let specular = TexturedFactor::plain(0.8);
+    let layers =
+        LayeredDescription { base_colour, metallic, roughness, specular, specular_colour, ..Default::default() };
+    MaterialModel::Layered(Box::new(layers))
+}
+
+impl Stage {
+    /// Adds a mesh with a material of its own, once at each place.
+    pub(crate) fn add(mut self, name: &str, model: MaterialModel, mesh: MeshDescription, places: &[DAffine3]) -> Self {
+        let emission = None;
+        self.add_material(MaterialDescription { emission, ..MaterialDescription::new(name, model) }, mesh, places);
+        self
+    }
+
+    /// Adds a mesh that shines.
+    pub(crate) fn shine(
+        mut self,
+        name: &str,
+        emission: EmissionDescription,
+        is_double: bool,
+        mesh: MeshDescription,
+        place: DAffine3,
+    ) -> Self {
+        let material = MaterialDescription {
+            emission: Some(emission),
+            double_sided: is_double,
+            ..MaterialDescription::new(name, diffuse([0.3; 3]))
+        };
+        self.add_material(material, mesh, &[place]);
+        self
+    }
+
+    fn add_material(&mut self, material: MaterialDescription, mesh: MeshDescription, places: &[DAffine3]) {
+        let scene = &mut self.0;
+        let (name, index) = (material.name.clone(), scene.materials.len());
+        scene.materials.push(material);
+        let number = scene.meshes.len();
+        scene.meshes.push(MeshDescription { name: name.clone(), material: index, ..mesh }.into());
+        scene.instances.extend(places.iter().map(|place| InstanceDescription::of_mesh(name.clone(), number, *place)));
+    }
+
+    /// Adds a light without a surface.
+    pub(crate) fn lamp(mut self, kind: LightKind, to_world: DAffine3, level: f64) -> Self {
+        let name = format!("lamp {}", self.0.lights.len());
+        self.0.lights.push(LightDescription { name, to_world, later: vec![], kind, emission: light(level) });
+        self
+    }
+
+    pub(crate) fn environment(mut self, environment: EnvironmentDescription) -> Self {
+        self.0.environment = Some(environment);
+        self
+    }
+
+    pub(crate) fn build(self) -> Scene {
+        build(self.0, &Spectrum::constant(1.0))
+    }
+}
+
+pub(crate) fn quadric(kind: QuadricKind) -> MeshDescription {
+    MeshDescription::of_quadric(kind, String::new(), 0)
+}
+
+pub(crate) fn placed(place: [f64; 3], scale: f64) -> DAffine3 {
+    let turn = DQuat::from_rotation_y(0.4 + place[0]) * DQuat::from_rotation_x(0.3);
+    DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, DVec3::from(place))
+}
+
+fn bitmap(width: usize, height: usize, texels: Texels) -> Arc<Bitmap> {
+    Arc::new(Bitmap { name: "pattern".into(), width, height, texels })
+}
+
+/// A room with a floor of squares, under a sky of an image: triangles, instances, quadrics, textures, all kinds of
+/// materials and of lights.
+pub(crate) fn everything() -> Stage {
+    let mut scene = Stage::default();
+    let checker = (0..64u32).map(|i| if (i % 8 + i / 8) % 2 == 0 { [200, 120, 60, 255] } else { [40, 90, 190, 255] });
+    scene.0.images.push(bitmap(8, 8, Texels::Rgba8(checker.collect())));
+    let deep = (0..16u16).map(|i| [4000 * i, 65535 - 3000 * i, 30000, 65535]);
+    scene.0.images.push(bitmap(4, 4, Texels::Rgba16(deep.collect())));
+    let texture = |image: usize, wrap: Wrap, filter: Filter| TextureDescription {
+        image,
+        sampler: SamplerSettings { wrap: [wrap, Wrap::Repeat], filter },
+        transform: UvTransform { scale: Vec2::new(2.5, 1.5), rotation_rad: 0.3, ..UvTransform::default() },
+        uv_set: 0,
+    };
+    let textured = |rgb: [f32; 3], texture: TextureDescription| TexturedColour {
+        colour: Colour::Rgb(rgb),
+        texture: Some(texture),
+    };
+    let floor = textured([0.9, 0.8, 1.0], texture(0, Wrap::MirroredRepeat, Filter::Linear));
+    let measured = TexturedColour {
+        colour: Colour::Spectrum(Spectrum::from_fn(|l| 0.3 + l / 3000.0)),
+        texture: Some(texture(1, Wrap::ClampToEdge, Filter::Nearest)),
+    };
+    let mixed = Mix { models: [diffuse([0.8, 0.2, 0.2]), metal("Au", 0.4)], weight: 0.35 };
+    let channel = |channel: Channel| Some((texture(1, Wrap::Repeat, Filter::Linear), channel));
+    let worn = layered(
+        textured([0.9, 0.9, 0.8], texture(0, Wrap::Repeat, Filter::Linear)),
+        TexturedFactor { value: 0.9, texture: channel(Channel::B) },
+        TexturedFactor { value: 0.7, texture: channel(Channel::G) },
+    );
+    let glossy = layered(grey(0.6), TexturedFactor::plain(0.0), TexturedFactor::plain(0.0));
+    let coloured = ball(8, 0.1, true);
+    let colours = coloured.positions.iter().map(|p| (0.5 * *p + 0.5).extend(1.0)).collect();
+    let coloured = MeshDescription { colours, ..coloured };
+    let sky: Vec<[f32; 3]> =
+        (0..512).map(|i| [[0.6, 0.8, 1.0], [9.0, 8.0, 6.0]][usize::from(i % 32 == 5 && i / 32 == 4)]).collect();
+    let still = DAffine3::IDENTITY;
+    let tall = DAffine3::from_scale_rotation_translation(
+        DVec3::new(0.2, 0.2, 0.9),
+        DQuat::from_rotation_x(-1.2),
+        DVec3::new(-1.4, 0.1, 0.9),
+    );
+    let bumps = texture(1, Wrap::Repeat, Filter::Linear);
+    let mut stage = scene
+        .add(
+            "floor",
+            MaterialModel::Diffuse(Diffuse { reflectance: floor }),
+            square(Vec3::ZERO, 3.0 * Vec3::Z, 3.0 * Vec3::X),
+            &[still],
+        )
+        .add(
+            "wall",
+            MaterialModel::OrenNayar(OrenNayar { reflectance: measured, roughness: 0.6 }),
+            square(Vec3::new(0.0, 1.5, -2.5), 3.0 * Vec3::X, 1.5 * Vec3::Y),
+            &[still],
+        )
+        .add(
+            "balls",
+            metal("Cu", 0.35),
+            ball(12, 0.05, false),
+            &[placed([-1.0, 0.4, 0.0], 0.3), placed([1.2, 0.5, -0.6], 0.4), placed([0.1, 0.3, 1.0], 0.2)],
+        )
+        .add(
+            "smooth",
+            diffuse([0.2, 0.6, 0.3]),
+            ball(10, 0.0, true),
+            &[placed([0.3, 0.5, -1.3], 0.45), placed([-1.9, 0.4, -1.2], 0.35)],
+        )
+        .add(
+            "prism",
+            glass(library::glass("SF11").expect("a glass"), 0.0),
+            quadric(QuadricKind::Sphere),
+            &[placed([0.4, 0.5, 0.2], 0.45)],
+        )
+        .add(
+            "frosted",
+            glass(library::glass("BK7").unwrap_or(Dispersion::constant(1.5)), 0.3),
+            ball(16, 0.02, false),
+            &[placed([-0.4, 0.35, 1.1], 0.3)],
+        )
+        .add("mirror", metal("Ag", 0.0), quadric(QuadricKind::Disk), &[placed([1.9, 0.9, 0.6], 0.6)])
+        .add(
+            "sheet",
+            MaterialModel::Translucent(Translucent { reflectance: grey(0.4), transmittance: grey(0.35) }),
+            square(Vec3::new(-2.0, 0.8, 0.4), 0.5 * Vec3::Z, 0.6 * Vec3::Y),
+            &[still],
+        )
+        .add(
+            "phong",
+            MaterialModel::Phong(Phong { diffuse: grey(0.3), specular: grey(0.5), exponent: 30.0 }),
+            quadric(QuadricKind::Cylinder),
+            &[tall],
+        )
+        .add(
+            "mixed",
+            MaterialModel::Mix(Box::new(mixed)),
+            square(Vec3::new(2.5, 1.0, -0.5), 0.9 * Vec3::Z, -0.9 * Vec3::Y),
+            &[still],
+        )
+        .add("worn", worn, square(Vec3::new(0.6, 0.7, -2.0), 0.5 * Vec3::X, 0.6 * Vec3::Y), &[still])
+        .add("glossy", glossy, coloured, &[placed([-0.9, 0.35, -1.7], 0.35)])
+        .shine("panel", light(900.0), false, square(Vec3::new(-0.6, 2.6, 0.2), 0.4 * Vec3::X, 0.3 * Vec3::Z), still)
+        .shine(
+            "slide",
+            EmissionDescription { texture: Some(texture(0, Wrap::Repeat, Filter::Linear)), ..light(300.0) },
+            true,
+            square(Vec3::new(1.6, 2.0, -1.5), 0.3 * Vec3::X, 0.3 * Vec3::Y),
+            still,
+        )
+        .shine("bulb", light(4000.0), false, quadric(QuadricKind::Sphere), placed([-1.2, 1.6, -1.2], 0.08))
+        .shine("plate", light(800.0), true, quadric(QuadricKind::Disk), placed([0.9, 2.2, 0.9], 0.2))
+        .shine("tube", light(1500.0), false, quadric(QuadricKind::Cylinder), placed([-2.3, 1.9, -0.4], 0.07))
+        .lamp(LightKind::Point(PointLight), DAffine3::from_translation(DVec3::new(0.2, 2.0, 1.5)), 60.0)
+        .lamp(
+            LightKind::Spot(SpotLight::new(0.2, 0.5)),
+            DAffine3::from_rotation_translation(DQuat::from_rotation_x(-1.2), DVec3::new(0.0, 2.5, 0.8)),
+            200.0,
+        )
+        .lamp(LightKind::Directional(DirectionalLight), DAffine3::from_quat(DQuat::from_rotation_x(-0.9)), 120.0)
+        .environment(EnvironmentDescription::Image {
+            image: bitmap(32, 16, Texels::Rgb32F(sky)),
+            level: ImageLevel::NitPerUnit(40.0),
+            rotation_deg: 25.0,
+        });
+    let wall = stage.0.materials.iter_mut().find(|material| material.name == "wall").expect("a wall");
+    wall.normal_map = Some((bumps, 0.4));
+    stage
+}
+
+/// Panes before a wall that shines, in a room of constant light: no lamp without a surface.
+pub(crate) fn panes() -> Stage {
+    let pane = ThinDielectric {
+        index: library::glass("BK7").unwrap_or(Dispersion::constant(1.5)),
+        transmittance: Spectrum::constant(0.7),
+    };
+    Stage::default()
+        .add("floor", diffuse([0.7, 0.6, 0.5]), square(Vec3::ZERO, 2.0 * Vec3::Z, 2.0 * Vec3::X), &[DAffine3::IDENTITY])
+        .add(
+            "pane",
+            MaterialModel::ThinDielectric(pane),
+            square(Vec3::new(0.0, 0.8, 0.0), Vec3::X, 0.8 * Vec3::Y),
+            &[DAffine3::IDENTITY, placed([0.3, 0.2, -0.5], 0.8)],
+        )
+        .shine("wall", light(200.0), false, square(Vec3::new(0.0, 1.0, -1.8), Vec3::X, Vec3::Y), DAffine3::IDENTITY)
+        .environment(EnvironmentDescription::Constant {
+            colour: Colour::Rgb([0.7, 0.8, 0.9]),
+            luminance_nit: Some(30.0),
+        })
+}

@@ -1,9 +1,0 @@
-//! The chain of stages of one exposure, and the record of what each has changed.
-
-mod expose;
-mod noise_maps;
-
-pub use expose::{Exposed, expose, expose_after, expose_with_maps};
-pub use noise_maps::NoiseMaps;
-#[cfg(test)]
-mod tests;

@@ -1,0 +1,120 @@
+//! The sensor file of a fitted camera: TOML with the standard error beside each figure.
+
+use std::fmt::Write;
+
+use photosite_core::math::float::rounded;
+
+use super::fit::CameraFit;
+use super::parameters::{Assumption, Parameter};
+
+/// Tables of a sensor file, with the keys of each in the order of its reference.
+const TABLES: [&str; 5] = ["", "noise", "defects", "charge", "adc"];
+const EFFICIENCY: &str = "quantum_efficiency";
+
+/// Mosaic that the fitted pixels are part of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mosaic {
+    /// Colour filter array, as sensor files state it.
+    pub cfa: String,
+    /// Columns and rows of the sensor.
+    pub size: [usize; 2],
+    /// Channels with their responses to the light of the flats over that of the fitted pixels.
+    pub responses: Vec<(String, f64)>,
+}
+
+impl CameraFit {
+    /// Parameter of a key.
+    pub fn parameter(&self, key: &str) -> Option<&Parameter> {
+        self.parameters.iter().find(|parameter| parameter.key == key)
+    }
+
+    /// Text of the sensor file. `source` says where the images come from.
+    pub fn sensor_file(&self, source: &str, mosaic: &Mosaic) -> String {
+        let [width, height] = mosaic.size;
+        let source = escaped(source);
+        let mut text = format!("description = \"Twin of a camera, fitted to {source}\"\nsource = \"\"\"\n");
+        let _ = writeln!(text, "photosite fit of {source}. After each figure stands its standard error.");
+        for not in &self.left_out {
+            let _ = writeln!(text, "left out: {}; {}.", not.figure, escaped(&not.reason));
+        }
+        for note in &self.notes {
+            let _ = writeln!(text, "note: {}.", escaped(note));
+        }
+        let _ =
+            writeln!(text, "\"\"\"\nkind = \"cmos\"\nresolution_px = [{width}, {height}]\ncfa = \"{}\"", mosaic.cfa);
+        for table in TABLES {
+            let lines = self.lines(table);
+            if !table.is_empty() && !lines.is_empty() {
+                let _ = writeln!(text, "\n[{table}]");
+            }
+            lines.iter().for_each(|line| {
+                let _ = writeln!(text, "{line}");
+            });
+        }
+        for (name, response) in &mosaic.responses {
+            let _ = writeln!(text, "\n[channels.{name}]\n{}", self.efficiency(mosaic, *response));
+        }
+        text
+    }
+
+    /// Line of a channel's quantum efficiency.
+    fn efficiency(&self, mosaic: &Mosaic, response: f64) -> String {
+        let is_mosaic = mosaic.responses.len() > 1;
+        let of_light = if is_mosaic { ", in the light of the flats" } else { "" };
+        if let Some(Parameter { measured, .. }) = self.parameter(EFFICIENCY) {
+            let value = measured.times(response);
+            let error = rounded(value.standard_error, 2);
+            return format!("quantum_efficiency = {:?}  # ± {error}{of_light}", rounded(value.value, 6));
+        }
+        let greatest = mosaic.responses.iter().map(|(_, r)| *r).fold(f64::MIN_POSITIVE, f64::max);
+        let value = rounded(response / greatest, 4);
+        let reason = self.assumed.iter().find(|a| a.key == EFFICIENCY).map_or("", |a| &a.reason);
+        format!("quantum_efficiency = {value:?}  # assumed{of_light}: {reason}")
+    }
+
+    /// Lines of a table but those of channels: what is measured, then what is assumed.
+    fn lines(&self, table: &str) -> Vec<String> {
+        let mut lines = Vec::new();
+        if table == "adc" {
+            lines.push(format!("bits = {}", self.bits));
+        }
+        let of_table = |key: &'static str| match key.rsplit_once('.') {
+            Some((of, name)) => (of == table).then_some(name),
+            None => (table.is_empty() && key != EFFICIENCY).then_some(key),
+        };
+        for parameter in &self.parameters {
+            let Some(name) = of_table(parameter.key) else { continue };
+            let Parameter { unit, measured, .. } = parameter;
+            let error = rounded(measured.standard_error, 2);
+            // More digits than the error has say nothing; the black level is a whole number.
+            let (value, more) = if name == "black_level_dn" {
+                (format!("{}", measured.value.round().max(0.0)), format!("{} ", rounded(measured.value, 7)))
+            } else {
+                (format!("{:?}", rounded(measured.value, 6)), String::new())
+            };
+            let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+            lines.push(format!("{name} = {value}  # {more}± {error}{unit}"));
+        }
+        for Assumption { key, value, is_stated, reason } in &self.assumed {
+            if let Some(name) = of_table(key) {
+                let word = if *is_stated { "" } else { "assumed: " };
+                lines.push(format!("{name} = {value}  # {word}{reason}"));
+            }
+        }
+        lines
+    }
+}
+
+/// Text that TOML reads as it is.
+fn escaped(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars() {
+        match c {
+            '"' => out += "\\\"",
+            '\\' => out += "\\\\",
+            c if c.is_control() => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}

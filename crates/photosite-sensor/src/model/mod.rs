@@ -1,0 +1,82 @@
+//! A sensor as its file states it, and the same checked and in SI units: a file for each group of keys.
+//!
+//! In: a [`SensorDescription`] and a way to find the spectra that it names. Out: a [`SensorModel`] whose numbers can be
+//! relied on. Reading files is left to the caller.
+
+mod architecture;
+mod ccd;
+mod cells;
+mod charge;
+mod checks;
+mod companding;
+mod converter;
+mod crosstalk;
+mod defects;
+mod description;
+mod effects;
+mod flicker;
+mod format;
+mod frame_grabber;
+mod image_lag;
+mod kind;
+mod layers;
+mod logarithmic;
+mod masked_pixels;
+mod noise;
+mod pixels;
+mod reset_noise;
+mod sensor_model;
+mod shutter;
+mod spad;
+mod spectrum_source;
+mod telegraph;
+#[cfg(test)]
+mod tests;
+mod uncommon;
+mod video;
+
+pub use architecture::Architecture;
+pub use ccd::{Ccd, CcdArchitecture, CcdDescription, Overscan};
+pub use cells::CellShapeName;
+pub use charge::ChargeDescription;
+pub use companding::{Companding, CompandingCurve, CompandingDescription};
+pub use converter::{AdcDescription, Converter, Converters, DualGain, DualGainDescription};
+pub use crosstalk::Kernel;
+pub use defects::{Defects, DefectsDescription};
+pub use description::{ChannelDescription, FilterDescription, SensorDescription};
+pub use flicker::{Flicker, FlickerDescription, FlickerOrder};
+pub use format::{FORMATS, Format};
+pub use frame_grabber::{FrameGrabber, FrameGrabberDescription, SignalInterpolation};
+pub use image_lag::{ImageLag, ImageLagDescription};
+pub use kind::SensorKind;
+pub use logarithmic::Logarithmic;
+pub use masked_pixels::MaskedPixels;
+pub use noise::{DarkCurrentLaw, DarkCurrentLawName, FixedPattern, Noise, NoiseDescription};
+pub use reset_noise::{Reset, ResetDescription};
+pub use sensor_model::SensorModel;
+pub use shutter::{RowOrder, Shutter, ShutterDescription, ShutterKind};
+pub use spad::{Counting, CountingMode, Spad, SpadDescription};
+pub use spectrum_source::{CurveFile, SpectrumSource};
+pub use telegraph::{TelegraphDescription, TelegraphSignal};
+pub use uncommon::{Obstacle, UncommonFacts, Use};
+pub use video::{LowPass, Video, VideoCurve, VideoDescription};
+
+/// Builders of the tables of a sensor file.
+pub mod keys {
+    pub use super::ccd::CcdKeys;
+    pub use super::charge::ChargeKeys;
+    pub use super::companding::CompandingKeys;
+    pub use super::converter::{AdcKeys, DualGainKeys};
+    pub use super::defects::DefectsKeys;
+    pub use super::description::{ChannelKeys, FilterKeys, SensorKeys};
+    pub use super::flicker::FlickerKeys;
+    pub use super::frame_grabber::FrameGrabberKeys;
+    pub use super::image_lag::ImageLagKeys;
+    pub use super::noise::NoiseKeys;
+    pub use super::reset_noise::ResetKeys;
+    pub use super::shutter::ShutterKeys;
+    pub use super::spad::SpadKeys;
+    pub use super::spectrum_source::{CurveKeys, SpectrumValue};
+    pub use super::telegraph::TelegraphKeys;
+    pub use super::video::VideoKeys;
+}

@@ -1,0 +1,10 @@
+//! Prediction of the noise of digital numbers, in closed form.
+
+mod light_noise;
+mod noise_model;
+mod shares;
+mod warnings;
+
+pub use light_noise::{Neighbours, noise_ratio, samples_needed, sensor_noise, smoothed_mean};
+#[cfg(test)]
+mod tests;

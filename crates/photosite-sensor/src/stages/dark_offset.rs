@@ -1,0 +1,30 @@
+//! Dark signal non-uniformity (DSNU): every pixel's read-out starts from an offset of its own. A fixed pattern, the
+//! same in every frame.
+
+use super::fixed_pattern::Deviations;
+use super::frame::Frame;
+use crate::signal::charge_plane::{Row, RowStage};
+use crate::signal::effects::{NoiseMap, Stage};
+
+/// The offset pattern of a sensor.
+#[derive(Clone, Debug)]
+pub(crate) struct DarkOffset {
+    deviations: Deviations,
+}
+
+impl DarkOffset {
+    pub(crate) fn new(frame: &Frame<'_>) -> Option<Self> {
+        let streams = frame.fixed(Stage::DarkOffset)?;
+        Some(Self { deviations: Deviations::new(&frame.sensor.noise.dsnu, frame.size[0], streams)? })
+    }
+}
+
+impl RowStage for DarkOffset {
+    const MAP: NoiseMap = Stage::DarkOffset.map();
+
+    /// The signals with their offsets, which may be negative.
+    #[inline]
+    fn apply(&self, row: &mut Row<'_>) {
+        self.deviations.apply(row, |charge, offset| charge + offset);
+    }
+}

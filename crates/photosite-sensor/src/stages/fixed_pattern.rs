@@ -1,0 +1,43 @@
+//! Deviations of pixels, rows and columns that stay from image to image.
+
+use rand::RngExt;
+use rand_distr::StandardNormal;
+
+use crate::model::FixedPattern;
+use crate::signal::charge_plane::Row;
+use crate::signal::noise_key::Streams;
+
+/// A pattern, normally distributed in each of its parts.
+#[derive(Clone, Debug)]
+pub(crate) struct Deviations {
+    pixel: f32,
+    row: f32,
+    /// The deviation of every column, empty where they have none.
+    columns: Vec<f32>,
+    streams: Streams,
+}
+
+/// Parts of the streams of a pattern.
+const ROWS: u64 = 0;
+const COLUMNS: u64 = 1;
+
+impl Deviations {
+    /// The deviations of an image of `width` columns; `None` for a pattern that is flat.
+    pub(crate) fn new(pattern: &FixedPattern, width: usize, streams: Streams) -> Option<Self> {
+        let columns = streams.part(COLUMNS).normals_of_columns(pattern.column, width);
+        let [pixel, row] = [pattern.pixel, pattern.row].map(|part| part as f32);
+        (pattern.total() > 0.0).then_some(Self { pixel, row, columns, streams })
+    }
+
+    /// Hands each value of a row to `apply` with the deviation of its pixel.
+    #[inline]
+    pub(crate) fn apply(&self, row: &mut Row<'_>, apply: impl Fn(f32, f32) -> f32) {
+        let normal: f32 = self.streams.part(ROWS).row(row.y).sample(StandardNormal);
+        let shared = |x: usize| self.row * normal + self.columns.get(x).unwrap_or(&0.0);
+        if self.pixel > 0.0 {
+            self.streams.normals(row, |x, value, n| apply(value, self.pixel * n + shared(x)));
+        } else {
+            row.values.iter_mut().enumerate().for_each(|(x, value)| *value = apply(*value, shared(x)));
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! Row and column noise: what all pixels of a row, or of a column, get from the supply and the amplifiers that they
+//! share, anew in every image.
+
+use rand::RngExt;
+use rand_distr::StandardNormal;
+
+use super::frame::Frame;
+use crate::signal::charge_plane::{Row, RowStage};
+use crate::signal::effects::{NoiseMap, Stage};
+use crate::signal::noise_key::Streams;
+
+/// Adds to every row a number of its own.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RowNoise {
+    standard_deviation_e: f32,
+    streams: Streams,
+}
+
+impl RowNoise {
+    pub(crate) fn new(frame: &Frame<'_>) -> Option<Self> {
+        let standard_deviation_e = frame.sensor.noise.row.0 as f32;
+        let streams = frame.temporal(Stage::RowNoise).filter(|_| standard_deviation_e > 0.0)?;
+        Some(Self { standard_deviation_e, streams })
+    }
+}
+
+impl RowStage for RowNoise {
+    const MAP: NoiseMap = Stage::RowNoise.map();
+
+    #[inline]
+    fn apply(&self, row: &mut Row<'_>) {
+        let normal: f32 = self.streams.row(row.y).sample(StandardNormal);
+        let noise = self.standard_deviation_e * normal;
+        row.values.iter_mut().for_each(|charge| *charge += noise);
+    }
+}
+
+/// Adds to every column a number of its own.
+#[derive(Clone, Debug)]
+pub(crate) struct ColumnNoise {
+    of_columns: Vec<f32>,
+}
+
+impl ColumnNoise {
+    pub(crate) fn new(frame: &Frame<'_>) -> Option<Self> {
+        let standard_deviation_e = frame.sensor.noise.column.0;
+        let streams = frame.temporal(Stage::ColumnNoise).filter(|_| standard_deviation_e > 0.0)?;
+        Some(Self { of_columns: streams.normals_of_columns(standard_deviation_e, frame.size[0]) })
+    }
+}
+
+impl RowStage for ColumnNoise {
+    const MAP: NoiseMap = Stage::ColumnNoise.map();
+
+    #[inline]
+    fn apply(&self, row: &mut Row<'_>) {
+        row.values.iter_mut().zip(&self.of_columns).for_each(|(charge, noise)| *charge += noise);
+    }
+}

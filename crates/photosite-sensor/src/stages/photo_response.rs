@@ -1,0 +1,31 @@
+//! Photo response non-uniformity (PRNU): pixels differ in size, thickness and filter, so each turns a little more or
+//! less of the light into charge. A fixed pattern, the same in every frame.
+
+use super::fixed_pattern::Deviations;
+use super::frame::Frame;
+use crate::signal::charge_plane::{Row, RowStage};
+use crate::signal::effects::{NoiseMap, Stage};
+
+/// The response pattern of a sensor.
+#[derive(Clone, Debug)]
+pub(crate) struct PhotoResponse {
+    deviations: Deviations,
+}
+
+impl PhotoResponse {
+    pub(crate) fn new(frame: &Frame<'_>) -> Option<Self> {
+        let streams = frame.fixed(Stage::PhotoResponse)?;
+        Some(Self { deviations: Deviations::new(&frame.sensor.noise.prnu, frame.size[0], streams)? })
+    }
+}
+
+impl RowStage for PhotoResponse {
+    const MAP: NoiseMap = Stage::PhotoResponse.map();
+
+    /// Scales mean electrons to those of each pixel: μ·(1 + δ) with the pattern's deviation δ. No pixel responds
+    /// negatively.
+    #[inline]
+    fn apply(&self, row: &mut Row<'_>) {
+        self.deviations.apply(row, |mean, deviation| mean * (1.0 + deviation).max(0.0));
+    }
+}

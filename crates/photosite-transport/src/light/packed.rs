@@ -1,0 +1,209 @@
+//! Lights as plain data, with the table of the kinds that have a packed form.
+
+use super::area_light::AreaLight;
+use super::delta_light::DeltaLight;
+use super::delta_model::LightPose;
+use super::emission::{SurfaceEmission, Tint};
+use super::emitter::Emitter;
+use super::environment::{Environment, EnvironmentImage};
+use super::kind::LightKind;
+use super::lights::{Light, Lights};
+use crate::geometry::{Geometry, NONE, Primitive, Word, word};
+use crate::texture::packed::PackedTextures;
+use glam::Vec3;
+use photosite_core::Invalid;
+use photosite_core::math::distribution::PiecewiseConstant1D;
+
+/// Words of a light: kind, primitive, target of shadow rays, rank in the tree; what it emits, with its mesh, and the colour
+/// of that; its shape.
+pub const LIGHT_WORDS: usize = 6;
+/// Words of a node of the light tree: box with intensity, its half with the cone, axis with the angle beyond it; links.
+pub const TREE_WORDS: usize = 4;
+
+/// Numbers of the kinds of packed lights.
+pub mod kind {
+    /// A triangle that emits: a corner and two edges.
+    pub const TRIANGLE: u32 = 0;
+    /// A quadric that emits.
+    pub const QUADRIC: u32 = 1;
+    /// A point of the same intensity in all directions.
+    pub const POINT: u32 = 2;
+    /// A point that shines within a cone.
+    pub const SPOT: u32 = 3;
+    /// Parallel light.
+    pub const DIRECTIONAL: u32 = 4;
+    /// The environment.
+    pub const ENVIRONMENT: u32 = 5;
+    /// A light without area, which is never sampled.
+    pub const NOTHING: u32 = 6;
+}
+
+/// Numbers of the kinds of packed environments.
+pub mod environment {
+    /// Darkness.
+    pub const NOTHING: u32 = 0;
+    /// Constant radiance.
+    pub const CONSTANT: u32 = 1;
+    /// Image of the radiance.
+    pub const IMAGE: u32 = 2;
+}
+
+/// Numbers of the sources of colours in packed materials.
+pub mod colour {
+    /// A spectrum.
+    pub const SPECTRUM: u32 = 0;
+    /// A factor times a texture.
+    pub const TEXTURE: u32 = 1;
+    /// A spectrum times a texture.
+    pub const SPECTRUM_TEXTURE: u32 = 2;
+}
+
+/// Bit of an emission whose back shines too, beside the kind of its colour.
+pub const TWO_SIDED: u32 = 1 << 8;
+
+/// Numbers that choose lights, and the environment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PackedLights {
+    /// Nodes of the tree; none without lights that are somewhere.
+    pub tree_nodes: u32,
+    /// Number of lights infinitely far.
+    pub distant: u32,
+    /// Irradiance from all lights infinitely far, in the unit of the tree's importance.
+    pub irradiance: f32,
+    /// Kind of the environment.
+    pub environment: u32,
+    /// Number of the environment among the lights infinitely far; [`NONE`] where it is not sampled.
+    pub environment_number: u32,
+    /// Spectrum of the environment's radiance.
+    pub environment_radiance: u32,
+    /// Texture of its image.
+    pub environment_texture: u32,
+    /// Columns and rows of its distribution.
+    pub environment_cells: [u32; 2],
+    /// Cosine and sine of its rotation about +Y.
+    pub environment_rotation: [f32; 2],
+}
+
+/// Records of lights.
+#[derive(Default)]
+pub(crate) struct LightTables {
+    /// Lights, [`LIGHT_WORDS`] each.
+    pub(crate) lights: Vec<Word>,
+    /// Nodes of the tree, [`TREE_WORDS`] each.
+    pub(crate) tree: Vec<Word>,
+    /// Lights infinitely far: handle, probability of staying in the bin, its alias, probability as a whole.
+    pub(crate) distant: Vec<Word>,
+    /// Cumulative sums of the environment's distribution.
+    pub(crate) environment: Vec<f32>,
+}
+
+impl Lights {
+    /// Whether any light has no surface.
+    pub(crate) fn has_deltas(&self) -> bool {
+        self.lights.iter().any(|light| matches!(light, Light::Delta(_)))
+    }
+
+    /// Packs the lights. The environment's image becomes a texture.
+    pub(crate) fn packed(
+        &self,
+        geometry: &Geometry,
+        textures: &mut PackedTextures,
+    ) -> Result<(PackedLights, LightTables), Invalid> {
+        if !self.motions.is_empty() {
+            return Err(Invalid::new("lights", "lights that move are not known to devices yet"));
+        }
+        let mut tables = LightTables::default();
+        for (handle, light) in (0..).zip(&self.lights) {
+            let rank = self.selection.rank(handle);
+            let words = match light {
+                Light::Delta(light) => delta_words(light, rank)?,
+                Light::Area(light) => {
+                    let mesh = geometry.mesh_of(light.primitive);
+                    area_words(light, self.static_shapes[handle as usize].as_ref(), mesh, rank)
+                }
+                Light::Environment => {
+                    let [emission, colour] = emission_words(None);
+                    [[kind::ENVIRONMENT, NONE, NONE, rank], emission, colour, [0; 4], [0; 4], [0; 4]]
+                }
+            };
+            tables.lights.extend(words);
+        }
+        (tables.tree, tables.distant) = (self.selection.tree_words(), self.selection.distant_words());
+        let mut packed = PackedLights {
+            tree_nodes: (tables.tree.len() / TREE_WORDS) as u32,
+            distant: tables.distant.len() as u32,
+            irradiance: self.selection.irradiance(),
+            environment_number: self.environment_index.unwrap_or(NONE),
+            environment_radiance: NONE,
+            environment_texture: NONE,
+            ..PackedLights::default()
+        };
+        match &self.environment {
+            None => {}
+            Some(Environment::Constant { radiance }) => {
+                packed.environment = environment::CONSTANT;
+                packed.environment_radiance = radiance.number();
+            }
+            Some(Environment::Image(image)) => {
+                let EnvironmentImage { texture, radiance, rotation, distribution, .. } = image;
+                packed.environment = environment::IMAGE;
+                packed.environment_radiance = radiance.number();
+                packed.environment_texture = textures.add(texture);
+                let (rows, marginal) = (distribution.rows(), distribution.marginal());
+                packed.environment_cells = [rows[0].len() as u32, rows.len() as u32];
+                packed.environment_rotation = *rotation;
+                let all = std::iter::once(marginal).chain(rows);
+                tables.environment = all.flat_map(PiecewiseConstant1D::cdf).copied().collect();
+            }
+            Some(Environment::Sky(_)) => {
+                return Err(Invalid::new("scene.environment", "the sky is not known to devices yet"));
+            }
+        }
+        Ok((packed, tables))
+    }
+}
+
+fn area_words(light: &AreaLight, shape: Option<&Emitter>, mesh: u32, rank: u32) -> [Word; LIGHT_WORDS] {
+    let AreaLight { primitive, emission } = light;
+    let [[radiance, tint, texture, _], colour] = emission_words(Some(emission));
+    let (kind, number) = match (primitive, shape) {
+        (_, None) => (kind::NOTHING, NONE),
+        (Primitive::Triangle(triangle), Some(_)) => (kind::TRIANGLE, *triangle),
+        (Primitive::Quadric(quadric), Some(_)) => (kind::QUADRIC, *quadric),
+    };
+    let [a, b, c] = match shape {
+        Some(Emitter::Triangle(triangle)) => triangle.words(),
+        Some(Emitter::Quadric(_)) | None => [[0; 4]; 3],
+    };
+    [[kind, number, primitive.target(), rank], [radiance, tint, texture, mesh], colour, a, b, c]
+}
+
+fn delta_words(light: &DeltaLight, rank: u32) -> Result<[Word; LIGHT_WORDS], Invalid> {
+    let unknown = |what: &str| Err(Invalid::new("lights", format!("{what} are not known to devices yet")));
+    let &LightPose { position, axis, .. } = light.pose();
+    let (kind, cosines) = match light.kind() {
+        LightKind::Point(_) => (kind::POINT, [0.0; 2]),
+        LightKind::Spot(spot) => (kind::SPOT, spot.cosines()),
+        LightKind::Directional(_) => (kind::DIRECTIONAL, [0.0; 2]),
+        LightKind::Profile(_) => return unknown("lights of a measured profile"),
+        LightKind::Projector(_) => return unknown("projectors"),
+        LightKind::GaussianBeam(_) => return unknown("laser beams"),
+    };
+    let emission = SurfaceEmission { radiance: light.level(), tint: Tint::None, two_sided: true };
+    let [emitted, colour] = emission_words(Some(&emission));
+    let [inner, outer] = cosines.map(f32::to_bits);
+    Ok([[kind, NONE, NONE, rank], emitted, colour, word(position, inner), word(axis, outer), word(Vec3::ZERO, 0)])
+}
+
+/// Spectrum of what is emitted, [`NONE`] for nothing, with its colour.
+pub(crate) fn emission_words(emission: Option<&SurfaceEmission>) -> [Word; 2] {
+    let Some(SurfaceEmission { radiance, tint, two_sided }) = emission else { return [[NONE, 0, NONE, 0], [0; 4]] };
+    let sides = if *two_sided { TWO_SIDED } else { 0 };
+    match *tint {
+        Tint::None => [[radiance.number(), colour::SPECTRUM | sides, NONE, 0], [0; 4]],
+        Tint::Textured { factor: [r, g, b], texture } => [
+            [radiance.number(), colour::SPECTRUM_TEXTURE | sides, texture, 0],
+            [r.to_bits(), g.to_bits(), b.to_bits(), 0],
+        ],
+    }
+}

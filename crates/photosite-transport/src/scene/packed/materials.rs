@@ -1,0 +1,187 @@
+//! Materials as plain data, with the table of the models that have a packed form.
+
+use crate::bsdf::{
+    Conductor, Dielectric, Diffuse, Ggx, Mix, Model, OrenNayar, Phong, RelativeIndex, ThinDielectric, Translucent,
+};
+use crate::geometry::{NONE, Word};
+use crate::light::packed::{colour, emission_words};
+use crate::scene::{Alpha, ColourSource, FactorSource, LayeredMaterial, Material, ScatteringModel, Scene, Tabled};
+use photosite_core::Invalid;
+use photosite_core::spectrum::SpectrumId;
+
+/// Words of a material: model and roughness; two parameters with the factor of each; two factors that textures scale; what
+/// it emits; its normal map.
+pub const MATERIAL_WORDS: usize = MODEL_WORDS + 3;
+/// Words of a model.
+const MODEL_WORDS: usize = 7;
+
+/// Numbers of the models in packed materials.
+pub mod model {
+    /// Lambert's law.
+    pub const DIFFUSE: u32 = 0;
+    /// A metal.
+    pub const CONDUCTOR: u32 = 1;
+    /// A clear medium.
+    pub const DIELECTRIC: u32 = 2;
+    /// A diffuse surface with relief.
+    pub const OREN_NAYAR: u32 = 3;
+    /// Phong's model.
+    pub const PHONG: u32 = 4;
+    /// A thin diffuse sheet.
+    pub const TRANSLUCENT: u32 = 5;
+    /// A polished pane.
+    pub const THIN_DIELECTRIC: u32 = 6;
+    /// Mix of two materials.
+    pub const MIX: u32 = 7;
+    /// glTF's material without what its extensions lay over it or let through.
+    pub const LAYERED: u32 = 8;
+}
+
+impl Scene {
+    /// The materials, and behind them those that mixes are made of.
+    pub(super) fn packed_materials(&self) -> Result<Vec<Word>, Invalid> {
+        let mut words: Vec<Word> = Vec::new();
+        // Models of mixes come behind all materials, whose numbers stay what they are.
+        let mut more: Vec<&ScatteringModel> = Vec::new();
+        let first = self.materials.len();
+        for material in &self.materials {
+            let Material { model, normal_map, emission, alpha, absorption } = material;
+            let unknown = |what: &str| Err(Invalid::new("materials", format!("{what} not known to devices yet")));
+            if absorption.is_some() {
+                return unknown("media that absorb are");
+            }
+            match alpha {
+                Alpha::Opaque => {}
+                Alpha::Mask { .. } | Alpha::Blend { .. } => return unknown("holes by alpha are"),
+            }
+            words.extend(self.model_words(model, first, &mut more)?);
+            words.extend(emission_words(emission.as_ref()));
+            words.push(normal_map.map_or([NONE, 0, 0, 0], |map| [map.texture, map.scale.to_bits(), 0, 0]));
+        }
+        let mut next = 0;
+        while let Some(&model) = more.get(next) {
+            let own = self.model_words(model, first, &mut more)?;
+            words.extend(own);
+            words.extend(emission_words(None));
+            words.push([NONE, 0, 0, 0]);
+            next += 1;
+        }
+        Ok(words)
+    }
+
+    /// A model with its parameters. Those that a mix is made of are numbered from `first` on.
+    fn model_words<'a>(
+        &'a self,
+        model: &'a ScatteringModel,
+        first: usize,
+        more: &mut Vec<&'a ScatteringModel>,
+    ) -> Result<[Word; MODEL_WORDS], Invalid> {
+        let unknown = |what: &str| Err(Invalid::new("materials", format!("{what} not known to devices yet")));
+        let none = [0; 4];
+        let number = |x: f32| [x.to_bits(), 0, 0, 0];
+        let [head, first_source, first_factor, second_source, second_factor] = match model {
+            Model::Diffuse(Diffuse { reflectance }) => {
+                let [source, factor] = colour_words(reflectance);
+                [head(model::DIFFUSE, None), source, factor, none, none]
+            }
+            Model::Conductor(Conductor { eta, k, distribution, energy_compensation }) => {
+                if *energy_compensation && !distribution.is_smooth() {
+                    return unknown("energy_compensation of rough metals is");
+                }
+                [head(model::CONDUCTOR, Some(distribution)), spectrum(*eta), none, spectrum(*k), none]
+            }
+            Model::Dielectric(Dielectric { index, distribution, energy_compensation }) => {
+                if *energy_compensation && !distribution.is_smooth() {
+                    return unknown("energy_compensation of rough glass is");
+                }
+                [head(model::DIELECTRIC, Some(distribution)), index_word(index), none, none, none]
+            }
+            Model::OrenNayar(OrenNayar { reflectance, roughness }) => {
+                let [source, factor] = colour_words(reflectance);
+                [head(model::OREN_NAYAR, None), source, factor, number(*roughness), none]
+            }
+            Model::Phong(Phong::<Tabled> { diffuse, specular, exponent }) => {
+                let ([a, b], [c, d]) = (colour_words(diffuse), colour_words(specular));
+                let [number, ..] = head(model::PHONG, None);
+                [[number, exponent.to_bits(), 0, 0], a, b, c, d]
+            }
+            Model::Translucent(Translucent { reflectance, transmittance }) => {
+                let ([a, b], [c, d]) = (colour_words(reflectance), colour_words(transmittance));
+                [head(model::TRANSLUCENT, None), a, b, c, d]
+            }
+            Model::ThinDielectric(ThinDielectric { index, transmittance }) => {
+                [head(model::THIN_DIELECTRIC, None), index_word(index), none, spectrum(*transmittance), none]
+            }
+            Model::Retroreflective(_) => return unknown("retroreflective materials are"),
+            Model::Layered(layered) => return layered_words(&self.layered[*layered as usize]),
+            Model::Mix(mix) => {
+                let Mix { models, weight } = &self.mixes[*mix as usize];
+                let [a, b] = models.each_ref().map(|model| {
+                    more.push(model);
+                    (first + more.len() - 1) as u32
+                });
+                [head(model::MIX, None), [a, b, weight.to_bits(), 0], none, none, none]
+            }
+        };
+        Ok([head, first_source, first_factor, second_source, second_factor, none, none])
+    }
+}
+
+/// glTF's material, of which devices know metalness, roughness, base colour and the facets' reflectance.
+fn layered_words(m: &LayeredMaterial) -> Result<[Word; MODEL_WORDS], Invalid> {
+    let extension = [
+        ("transmission", m.transmission.value > 0.0),
+        ("diffuse_transmission", m.diffuse_transmission.is_some()),
+        ("anisotropy", m.anisotropy.is_some()),
+        ("iridescence", m.film.is_some()),
+        ("sheen", m.sheen.is_some()),
+        ("clearcoat", m.coat.is_some()),
+    ];
+    if let Some((name, _)) = extension.into_iter().find(|(_, is_set)| *is_set) {
+        return Err(Invalid::new("materials", format!("{name} is not known to devices yet")));
+    }
+    let texture = |texture: Option<(u32, usize)>| texture.map_or([NONE, 0], |(id, channel)| [id, channel as u32]);
+    let factor = |FactorSource { value, texture: of }: FactorSource, beside: u32| {
+        let [id, channel] = texture(of);
+        [value.to_bits(), id, channel, beside]
+    };
+    let ([base, base_factor], white) = (colour_words(&m.base_colour), [colour::SPECTRUM, NONE, NONE, 0]);
+    let [specular, specular_factor] = m.specular_colour.as_ref().map_or([white, [0; 4]], colour_words);
+    let [specular_texture, channel] = texture(m.specular.texture);
+    Ok([
+        [model::LAYERED, (m.f0 * m.specular_scale).to_bits(), m.specular.value.to_bits(), specular_texture],
+        base,
+        base_factor,
+        specular,
+        specular_factor,
+        factor(m.metallic, channel),
+        factor(m.roughness, 0),
+    ])
+}
+
+/// Number of a model, with the roughness of its microfacets.
+fn head(model: u32, distribution: Option<&Ggx>) -> Word {
+    let [x, y] = distribution.map_or([0.0; 2], Ggx::alpha);
+    [model, x.to_bits(), y.to_bits(), 0]
+}
+
+fn spectrum(id: SpectrumId) -> Word {
+    [colour::SPECTRUM, id.number(), NONE, 0]
+}
+
+fn index_word(index: &RelativeIndex<SpectrumId>) -> Word {
+    [index.eta.number(), u32::from(index.dispersive), u32::from(index.is_one), 0]
+}
+
+/// Kind of a colour with its spectrum and texture, and its factor.
+fn colour_words(source: &ColourSource) -> [Word; 2] {
+    match *source {
+        ColourSource::Spectrum(id) => [spectrum(id), [0; 4]],
+        ColourSource::Texture { factor: [r, g, b], texture } => {
+            [[colour::TEXTURE, NONE, texture, 0], [r.to_bits(), g.to_bits(), b.to_bits(), 0]]
+        }
+        ColourSource::SpectrumTexture { spectrum, texture } => {
+            [[colour::SPECTRUM_TEXTURE, spectrum.number(), texture, 0], [0; 4]]
+        }
+    }
+}

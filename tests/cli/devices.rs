@@ -1,0 +1,52 @@
+//! Devices that trace light: those that there are, and what is said where there is none.
+
+use serde_json::Value;
+
+use crate::folder::Folder;
+use crate::room::room;
+
+#[test]
+fn the_processor_is_a_device() {
+    let folder = Folder::new([]);
+    let rows: Value = serde_json::from_str(&folder.succeed("devices --json").stdout).expect("JSON");
+    assert_eq!(rows[0]["device"], "cpu");
+    assert!(folder.succeed("devices").stdout.contains("the processor"));
+}
+
+#[test]
+fn the_processor_renders_where_it_is_named_as_where_it_is_not() {
+    let folder = room("[render]\nsamples_per_pixel = 2\n");
+    folder.succeed("render capture.toml -o one");
+    folder.succeed("render capture.toml --device cpu -o two");
+    assert_eq!(folder.results("one")["raw.dng"], folder.results("two")["raw.dng"]);
+    folder.fail("render capture.toml --device cuda -o three", 2, &["photosite devices"]);
+}
+
+/// Without graphics cards built in, `gpu` is refused with the way to them, and `auto` is the processor with a warning.
+#[cfg(not(feature = "gpu"))]
+#[test]
+fn a_build_without_graphics_cards_says_so() {
+    let folder = room("[render]\nsamples_per_pixel = 2\n");
+    let words = ["built without graphics cards", "--features gpu"];
+    folder.fail("render capture.toml --device gpu -o card", 2, &words);
+    folder.fail("render capture.toml --device gpu:1 -o card", 2, &words);
+    let done = folder.succeed("render capture.toml --device auto -o auto");
+    assert!(words.iter().all(|words| done.stderr.contains(words)), "{}", done.stderr);
+}
+
+/// Parts of a device and of the processor are not of one render, by the device that stands in their provenance.
+#[test]
+fn parts_of_two_devices_are_not_merged() {
+    let folder = room("[render]\nsamples_per_pixel = 4\n");
+    folder.succeed("render capture.toml --samples 0..2 -o one");
+    folder.succeed("render capture.toml --samples 2..4 -o two");
+    let part = std::fs::read_to_string(folder.path("two/part.json")).expect("a part");
+    let fingerprint = part.split("\"fingerprint\": \"").nth(1).expect("a fingerprint")[..64].to_owned();
+    let changed = part.replace(&fingerprint, &"0".repeat(64)).replacen(
+        "\"photosite_version\"",
+        "\"device\": \"a card\",\n  \"photosite_version\"",
+        1,
+    );
+    folder.add("two/part.json", changed);
+    folder.fail("merge one two -o both", 2, &["not parts of the same render", "another device"]);
+}
