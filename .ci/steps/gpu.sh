@@ -1,0 +1,10 @@
+# Kernels in WGSL against the Rust that they follow. Mesa's software runs them; a card is not needed.
+drivers=(/usr/share/vulkan/icd.d/lvp_icd.*.json)
+if [[ ! -e ${drivers[0]} ]]; then
+    echo "warning: no software of Mesa's for Vulkan (mesa-vulkan-drivers) is to be had: kernels are not tested"
+    exit 0
+fi
+export VK_DRIVER_FILES=${drivers[0]} PHOTOSITE_GPU=0
+crate=(--release --locked -p photosite-gpu --features photosite-gpu/gpu)
+cargo clippy "${crate[@]}" --all-targets -- -D warnings
+cargo test "${crate[@]}"
