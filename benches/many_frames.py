@@ -3,10 +3,10 @@
 
     cargo build --release && pip install . && python3 benches/many_frames.py target/release/photosite
 
-The set is made by `Dataset.run(engine="local")` in a process of its own. Meanwhile the memory of its workers is looked
-at; in the end all pictures must be there, every file must have the sum that the manifest states, no worker may have
-grown by more than a twentieth since frame 500, a frame may take 15 ms of processor time, and the disk that is taken may be a tenth off what `photosite submit`
-and `--dry-run` have told.
+The set is made by `Dataset.run` in a process of its own. Meanwhile the memory of its workers is looked
+at; in the end all images must be there, every file must have the sum that the manifest states, no worker may have
+grown by more than a twentieth since frame 500, a frame may take 15 ms of processor time, and the disk that is taken may be a tenth off what
+`--dry-run` has told.
 """
 
 import argparse
@@ -37,7 +37,7 @@ log_uniform = [0.002, 0.01]
 """
 RUN = """\
 import sys, photosite as ps
-ps.Dataset(sys.argv[1]).run(sys.argv[2], engine="local", workers=int(sys.argv[3]), threads=1, progress=False)
+ps.Dataset(sys.argv[1]).run(sys.argv[2], workers=int(sys.argv[3]), threads=1, progress=False)
 """
 #: Frames after which nothing is new to a worker.
 WARM = 500

@@ -7,7 +7,7 @@ samples everywhere as 99 % of those pixels have at most.
 
 The scene is scenes/depth-of-field at the lowest gain, in few large pixels, exposed so that the brightest disc of a lamp
 fills two fifths of the full well. Noise of light and of the sensor together is √(1 + r²) times that of the sensor, with r
-the ratio of both in the whole picture (`render.noise_ratio`); a target of 0.14 makes that 1 % more. Times are processor
+the ratio of both in the whole image (`render.noise_ratio`); a target of 0.14 makes that 1 % more. Times are processor
 times. Of the even render a part of the samples is traced: its time is so many times longer, and its noise is so many times
 smaller in square, as samples are traced one like the other; the fifth of a second that reading and building take counts
 among them. The table is Markdown.

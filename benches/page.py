@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Measures again what docs/benchmarks shows, and writes the tables into the page.
 
-    python3 benches/page.py                    # everything, an hour and a half
-    python3 benches/page.py embree             # one section: mitsuba, noise, lens, embree, scale, frames, objects or view
+    python3 benches/page.py                    # everything, two hours and a half
+    python3 benches/page.py embree             # one section: mitsuba, rivals, noise, lens, embree, scale, frames, objects or view
 
 What follows the section's name goes to its program: `page.py mitsuba a --runs 9`. Nothing else should run meanwhile.
 """
@@ -17,6 +17,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "benchmarks" / "README.md"
 COMMANDS = {
     "mitsuba": ["python3", "benches/compare.py"],
+    "rivals": ["python3", "benches/rivals.py"],
     "noise": ["python3", "benches/noise_target.py"],
     "lens": ["python3", "benches/prescription.py"],
     "embree": ["cargo", "bench", "--quiet", "--bench", "embree"],

@@ -6,7 +6,7 @@
 
 Two scenes, the Cornell box and scenes/depth-of-field, each from where it fills a sensor of full frame or less. Both lenses are
 focused on the same plane and have the same pixels behind them. Noise is that of single pixels, each channel divided by its
-mean: for pictures a and b of two seeds
+mean: for images a and b of two seeds
 
     relMSE = mean over pixels and channels of ½·(a − b)² / (m² + 0.01),   m = (a + b)/2
 
@@ -75,7 +75,7 @@ def with_lens(capture, table):
 
 
 def tools():
-    """What reads a picture, and the relMSE of two of them."""
+    """What reads an image, and the relMSE of two of them."""
     import mitsuba
     import numpy as np
 
@@ -130,7 +130,7 @@ def light_paths(options):
     print("| render.light_paths | processor s | relMSE | time to equal noise |\n|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
-        capture = scenes.write("b", folder / "scene")
+        capture = scenes.glass_and_gold().write(folder / "scene")
         products = {}
         for paths in (0, 1):
 

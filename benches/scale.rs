@@ -1,4 +1,4 @@
-//! What large scenes cost: time to build, memory, and time a ray.
+//! Costs of large scenes: time to build, memory, and time a ray.
 //!
 //!     cargo bench --bench scale                   meshes of 1 and 10, instances of 1, 10 and 100 million triangles; 10⁵ lamps
 //!     cargo bench --bench scale -- mesh:100       a mesh of 100 million: 17 GB

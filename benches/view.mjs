@@ -4,7 +4,7 @@
 //
 // Run it where playwright-core is found: in its folder, or with NODE_PATH=FOLDER/node_modules. Two tables come out: the
 // time from the input event of a control until what it asks for is on the screen, and that from a move of the camera to the
-// first picture of the light that is traced anew. The room of the Cornell box is traced with few samples: sensor, development
+// first image of the light that is traced anew. The room of the Cornell box is traced with few samples: sensor, development
 // and page do not know how long light was traced.
 import { resolve } from "node:path";
 import { browser, open, photosite, view, folder } from "../tests/view/harness.mjs";
@@ -56,7 +56,7 @@ async function control(page, name, moves) {
 }
 
 const chromium = await browser();
-console.log("| picture | control | median, ms | 95 %, ms | in the server, ms | goal, ms |\n|---|---|---|---|---|---|");
+console.log("| image | control | median, ms | 95 %, ms | in the server, ms | goal, ms |\n|---|---|---|---|---|---|");
 const here = folder();
 let isMet = true;
 for (const { size, moves, goal_ms } of SIZES) {
@@ -78,7 +78,7 @@ for (const { size, moves, goal_ms } of SIZES) {
   await server.end("SIGTERM");
 }
 
-console.log("\n| picture | camera | median, ms | slowest, ms |\n|---|---|---|---|");
+console.log("\n| image | camera | median, ms | slowest, ms |\n|---|---|---|---|");
 for (const { size } of SIZES.slice(0, 2)) {
   const server = await view(program, [capture, "--spp", 64, "--size", size.join("x")]);
   const { page } = await open(chromium, server.address);
@@ -86,7 +86,7 @@ for (const { size } of SIZES.slice(0, 2)) {
   await page.getByRole("combobox", { name: "Tool" }).selectOption("orbit");
   const times = [];
   for (let i = 0; i < 6; i++) {
-    // From the key to the first picture of another trace.
+    // From the key to the first image of another trace.
     times.push(await page.evaluate(async () => {
       const trace = window.state.status.trace, canvas = document.getElementById("view"), begun = performance.now();
       canvas.focus();

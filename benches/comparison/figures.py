@@ -9,15 +9,22 @@ EPSILON = 0.01
 
 
 def relative_error(picture, reference):
-    """relMSE of a picture's channels, each divided by the reference's mean: mean of (x − r)² / (r² + 0.01)."""
+    """relMSE of an image's channels, each divided by the reference's mean: mean of (x − r)² / (r² + 0.01)."""
     mean = reference.mean(axis=(0, 1))
     x, r = picture / mean, reference / mean
     return float(np.mean((x - r) ** 2 / (r**2 + EPSILON)))
 
 
 def brightness(picture):
-    """The sum of the channels, a picture without colour and so without its noise."""
+    """The sum of the channels, an image without colour and so without its noise."""
     return picture.sum(axis=2, keepdims=True)
+
+
+def coarse(picture, side=4):
+    """Means of squares of pixels: errors that neighbours share are not averaged out by them."""
+    height, width, channels = (picture.shape[0] // side, picture.shape[1] // side, picture.shape[2])
+    whole = picture[: height * side, : width * side]
+    return whole.reshape(height, side, width, side, channels).mean(axis=(1, 3))
 
 
 @dataclass
@@ -29,6 +36,9 @@ class Runs:
     busy: list = field(default_factory=list)
     error: list = field(default_factory=list)
     grey_error: list = field(default_factory=list)
+    coarse_error: list = field(default_factory=list)
+    # Wall and processor seconds of whole programs, from their start to their end.
+    whole: list = field(default_factory=list)
 
     def add(self, picture, seconds, reference):
         """Adds a render."""
@@ -36,6 +46,7 @@ class Runs:
         self.busy.append(seconds[1])
         self.error.append(relative_error(picture, reference))
         self.grey_error.append(relative_error(brightness(picture), brightness(reference)))
+        self.coarse_error.append(relative_error(coarse(picture), coarse(reference)))
 
     @property
     def relmse(self):
@@ -46,6 +57,15 @@ class Runs:
     def grey_relmse(self):
         """The same of the sum of the channels."""
         return statistics.mean(self.grey_error)
+
+    @property
+    def coarse_relmse(self):
+        """The same of means of 4 × 4 pixels."""
+        return statistics.mean(self.coarse_error)
+
+    def whole_s(self):
+        """Median wall and processor seconds of the whole program."""
+        return [statistics.median(seconds) for seconds in zip(*self.whole, strict=True)]
 
     def efficiency(self):
         """1 / (relMSE · s)."""

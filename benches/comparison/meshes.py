@@ -1,20 +1,16 @@
-"""Triangle meshes as arrays, and a writer of binary glTF for them: large scenes are made when they are needed.
+"""Triangle meshes as arrays: large scenes are made when they are needed.
 
 Metres, +Y up, counter-clockwise faces. A mesh without normals is flat.
 """
 
-import json
-import struct
 from dataclasses import dataclass
 
 import numpy as np
 
-FLOAT, UNSIGNED_INT = 5126, 5125
 
-
-@dataclass
+@dataclass(eq=False)
 class Mesh:
-    """Triangles of one material, `positions` n × 3, `triangles` m × 3, `normals` n × 3 or None."""
+    """Triangles of one material, `positions` n × 3, `triangles` m × 3, `normals` n × 3 or None, `uvs` n × 2 or None."""
 
     material: str
     positions: np.ndarray
@@ -22,11 +18,17 @@ class Mesh:
     normals: np.ndarray | None = None
     # Centre and radius of what is a sphere but for its triangles.
     ball: tuple | None = None
+    uvs: np.ndarray | None = None
 
     def moved(self, translation, scale=1.0):
         """The mesh of a body around the origin scaled evenly, then moved."""
         ball = self.ball and (translation, self.ball[1] * scale)
-        return Mesh(self.material, self.positions * scale + np.array(translation), self.triangles, self.normals, ball)
+        return Mesh(self.material, self.positions * scale + np.array(translation), self.triangles, self.normals, ball, self.uvs)
+
+    def turned_out(self):
+        """The mesh with its front inside."""
+        normals = None if self.normals is None else -self.normals
+        return Mesh(self.material, self.positions, self.triangles[:, ::-1], normals, uvs=self.uvs)
 
 
 def quads(material, *corners):
@@ -69,42 +71,24 @@ def sphere(material, bands, sectors, radius=lambda direction: 1.0, smooth=False)
     return Mesh(material, positions, triangles, directions if smooth else None, ((0, 0, 0), 1.0) if smooth else None)
 
 
-def write_glb(path, meshes):
-    """Writes meshes as binary glTF. Materials have names alone: the capture file says what they are."""
-    chunks, views, accessors = [], [], []
+def lathe(material, radii, heights, sectors):
+    """A smooth body of revolution about +Y: radii and heights from the bottom up. u goes around it and v up, from the top of a
+    texture down."""
+    radii, heights = np.asarray(radii, dtype=np.float64), np.asarray(heights, dtype=np.float64)
+    slope = np.stack([np.gradient(heights), -np.gradient(radii)], axis=-1)
+    slope /= np.linalg.norm(slope, axis=-1, keepdims=True)
+    angle = 2 * np.pi * np.arange(sectors + 1) / sectors
+    around = np.stack([np.sin(angle), np.cos(angle)])
 
-    def accessor(array, component, kind, **bounds):
-        data = array.tobytes()
-        views.append({"buffer": 0, "byteOffset": sum(map(len, chunks)), "byteLength": len(data)})
-        chunks.append(data)
-        accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": len(array), "type": kind, **bounds})
-        return len(accessors) - 1
+    def turned(radius, height):
+        return np.stack([np.outer(radius, around[0]), np.repeat(height[:, None], sectors + 1, 1), np.outer(radius, around[1])], axis=-1)
 
-    names = list(dict.fromkeys(mesh.material for mesh in meshes))
-    entries = []
-    for mesh in meshes:
-        positions = mesh.positions.astype("<f4")
-        bounds = {"min": positions.min(axis=0).tolist(), "max": positions.max(axis=0).tolist()}
-        attributes = {"POSITION": accessor(positions, FLOAT, "VEC3", **bounds)}
-        if mesh.normals is not None:
-            attributes["NORMAL"] = accessor(mesh.normals.astype("<f4"), FLOAT, "VEC3")
-        indices = accessor(mesh.triangles.astype("<u4").reshape(-1), UNSIGNED_INT, "SCALAR")
-        entries.append({"primitives": [{"attributes": attributes, "indices": indices, "material": names.index(mesh.material)}]})
-    document = {
-        "asset": {"version": "2.0"},
-        "scene": 0,
-        "scenes": [{"nodes": list(range(len(entries)))}],
-        "nodes": [{"mesh": i} for i in range(len(entries))],
-        "meshes": entries,
-        "materials": [{"name": name} for name in names],
-        "accessors": accessors,
-        "bufferViews": views,
-        "buffers": [{"byteLength": sum(map(len, chunks))}],
-    }
-    text = json.dumps(document).encode()
-    text += b" " * (-len(text) % 4)
-    size = sum(map(len, chunks))
-    with path.open("wb") as file:
-        file.write(struct.pack("<4sII", b"glTF", 2, 12 + 8 + len(text) + 8 + size))
-        file.write(struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", size, b"BIN\0"))
-        file.writelines(chunks)
+    rings = len(radii)
+    u, v = np.meshgrid(np.arange(sectors + 1) / sectors, 1 - np.arange(rings) / (rings - 1))
+    ring, sector = np.meshgrid(np.arange(rings - 1), np.arange(sectors), indexing="ij")
+    a = (ring * (sectors + 1) + sector).reshape(-1)
+    b, c, d = a + 1, a + sectors + 1, a + sectors + 2
+    triangles = np.concatenate([np.stack([a, b, d], -1), np.stack([a, d, c], -1)])
+    flat = [turned(radii, heights), turned(slope[:, 0], slope[:, 1])]
+    positions, normals = (values.reshape(-1, 3) for values in flat)
+    return Mesh(material, positions, triangles, normals, uvs=np.stack([u, v], -1).reshape(-1, 2))

@@ -3,6 +3,7 @@
 import ctypes
 import glob
 import os
+import resource
 import subprocess
 import sys
 import time
@@ -18,8 +19,8 @@ PART = 256
 class Mitsuba:
     """A capture as Mitsuba renders it, exported by `photosite export-mitsuba`."""
 
-    def __init__(self, mitsuba, photosite, capture, folder, sampler):
-        self.mitsuba, self.sampler, self.name = mitsuba, sampler, f"Mitsuba, {sampler}"
+    def __init__(self, mitsuba, photosite, capture, folder, sampler, threads):
+        self.mitsuba, self.sampler, self.threads, self.name = mitsuba, sampler, threads, f"Mitsuba, {sampler}"
         out = folder / "mitsuba"
         if not (out / "scene.xml").is_file():
             # The shadowing of rough gold differs a little: --approximate.
@@ -28,12 +29,12 @@ class Mitsuba:
                 sys.exit("photosite cannot export the capture")
         tree = xml.parse(out / "scene.xml")
         tree.find("sensor/sampler").set("type", sampler)
-        scene = out / f"{sampler}.xml"
-        tree.write(scene)
-        self.scene = mitsuba.load_file(str(scene))
+        self.file = out / f"{sampler}.xml"
+        tree.write(self.file)
+        self.scene = mitsuba.load_file(str(self.file))
 
     def render(self, samples, seed):
-        """A picture, mean electrons, with the wall and processor seconds of its light transport."""
+        """An image, mean electrons, with the wall and processor seconds of its light transport."""
         import drjit
 
         wall, busy = time.perf_counter(), time.process_time()
@@ -47,8 +48,17 @@ class Mitsuba:
         """Traces and compiles the scene's kernel, which no measured render has to."""
         self.render(samples, 0)
 
+    def whole_program(self, samples, seed):
+        """Wall and processor seconds of a program that renders the scene: start, loading, kernel from Dr.Jit's cache, light, file."""
+        program = [sys.executable, "-m", "comparison.mitsuba_renderer", self.file, self.mitsuba.variant(), samples, seed, self.threads or 0]
+        environment = dict(os.environ, PYTHONPATH=str(Path(__file__).resolve().parents[1]))
+        before, start = resource.getrusage(resource.RUSAGE_CHILDREN), time.perf_counter()
+        subprocess.run([str(word) for word in program], check=True, env=environment)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return time.perf_counter() - start, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
     def reference(self, samples):
-        """A picture of many samples."""
+        """An image of many samples."""
         parts = max(1, samples // PART)
         return sum(self.render(min(PART, samples), 1_000_000 + i)[0] for i in range(parts)) / parts
 
@@ -84,3 +94,26 @@ def start(variant, threads, avx2=False):
         if own is not None:
             own(threads)
     return mitsuba
+
+
+def read_exr(mitsuba):
+    """A reader of EXR files: names of channels, and height × width × channels."""
+
+    def read(path):
+        bitmap = mitsuba.Bitmap(str(path))
+        names = [field.name for field in bitmap.struct_()]
+        return names, np.array(bitmap, dtype=np.float64).reshape(bitmap.height(), bitmap.width(), -1)
+
+    return read
+
+
+def main():
+    """Renders a scene once, as a user's own program does."""
+    file, variant, samples, seed, threads = sys.argv[1:]
+    mitsuba = start(variant, int(threads))
+    picture = mitsuba.render(mitsuba.load_file(file), spp=int(samples), seed=int(seed))
+    mitsuba.Bitmap(picture).write(str(Path(file).with_suffix(".exr")))
+
+
+if __name__ == "__main__":
+    main()

@@ -33,7 +33,7 @@ use scenes::LARGE_SPHERE;
 const RUNS: usize = 61;
 /// Bands and sectors of a sphere of ten times as many triangles as [`LARGE_SPHERE`].
 const TEN_TIMES_LARGER: (u32, u32) = (2024, 3241);
-/// Of the robust mode's rate.
+/// Part of the robust mode's rate.
 const GOAL: f64 = 0.95;
 
 fn main() -> ExitCode {
@@ -130,7 +130,7 @@ fn distance(stage: &Stage, kind: Kind) -> f64 {
     stage.rays(kind).iter().filter_map(|ray| stage.scene.closest(ray)).map(|hit| f64::from(hit.t)).sum()
 }
 
-/// What the C++ program found in one pass; the sum of distances is 0 for shadow rays.
+/// Result of the C++ program in one pass; the sum of distances is 0 for shadow rays.
 struct Answer {
     seconds: f64,
     hits: usize,

@@ -11,7 +11,7 @@ use photosite::scene::{self, Scene};
 use crate::kitchen;
 use crate::scenes;
 
-/// Rays of one kind are traced row by row of a square picture, as a render does.
+/// Rays of one kind are traced row by row of a square image, as a render does.
 const SIDE: u32 = 256;
 
 #[derive(Clone, Copy, Debug)]
@@ -74,7 +74,7 @@ impl Stage {
         Self::new(scene, eye, (Vec3::new(1.4, 1.0, 0.6) - eye).normalize(), 0.7, Vec3::new(2.0, 2.4, 1.6))
     }
 
-    /// The camera looks from `eye` along `forward`; half of the picture is `half_width` wide at distance 1.
+    /// The camera looks from `eye` along `forward`; half of the image is `half_width` wide at distance 1.
     pub(crate) fn new(scene: Scene, eye: Vec3, forward: Vec3, half_width: f32, light: Vec3) -> Self {
         let camera = Frame::from_normal(forward);
         let primary = (0..SIDE * SIDE).map(|pixel| {

@@ -53,7 +53,7 @@ def cornell_box(binary: str, pairs: int, samples: int) -> None:
 
 
 def calls() -> None:
-    """Calls on a picture of few pixels, whose time is that of the call."""
+    """Calls on an image of few pixels, whose time is that of the call."""
     small = ps.load(CORNELL_BOX, set={"sensor.resolution_px": [8, 8], "render.samples_per_pixel": 1})
     light = ps.trace(small)
     shot = light.expose()
