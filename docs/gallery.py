@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Renders the pictures of docs/gallery.md, each from its capture in scenes/gallery.
+"""Renders the images of docs/gallery.md, each from its capture in scenes/gallery.
 
     docs/gallery.py                    all, in their full size, to docs/gallery: an hour on two cores
     docs/gallery.py gem street         the named ones
@@ -23,17 +23,17 @@ from PIL import Image, ImageDraw, ImageFont
 ROOT = Path(__file__).resolve().parent.parent
 SCENES = ROOT / "scenes/gallery"
 PICTURES = ROOT / "docs/gallery"
-FONT = ROOT / "crates/photosite-imaging/assets/fonts/DejaVuSans-plots.ttf"
+FONT = ROOT / "crates/photosite-measure/assets/fonts/DejaVuSans-plots.ttf"
 SMALL = (64, 40)
-# Mean difference of 8-bit codes between a picture and its small render, in blocks of an eighth of their width, past which the
+# Mean difference of 8-bit codes between an image and its small render, in blocks of an eighth of their width, past which the
 # capture has changed. Measured with three seeds: 1.1 (still-life) to 8.1 (meadow, whose leaves are finer than the small pixels),
-# and at most 0.7 between seeds. A third of a stop makes it 7 to 24, a mirrored picture 13 to 59: whoever changes a capture so little
-# that the check passes need not render its picture again.
+# and at most 0.7 between seeds. A third of a stop makes it 7 to 24, a mirrored image 13 to 59: whoever changes a capture so little
+# that the check passes need not render its image again.
 SAME = 9.0
 SENSORS = ["generic-cmos-color", "sony-imx249-color", "sony-imx363-color", "automotive-hdr-color", "generic-stacked-color", "generic-three-chip-ccd",
            "sony-imx249-mono", "sony-imx250-mono", "andor-zyla-55", "onsemi-kai-02170-mono", "textbook-ccd", "swissspad2"]
 ISOS = [100, 200, 400, 800, 1600, 3200, 6400, 12800, 25600]
-# The part of the still life that the picture of speeds shows, in pixels, and their pitch.
+# The part of the still life that the image of speeds shows, in pixels, and their pitch.
 ISO_TILE, ISO_PITCH_UM = (426, 266), 3
 # Exposure time of the still life at ISO 1, s.
 ISO_TIME_S = 20.0
@@ -73,7 +73,7 @@ class Maker:
         return Image.open(out / "image.png").convert("RGB")
 
     def tiled(self, tiles: "list[tuple[str, Image.Image]]", columns: int) -> Image.Image:
-        """Pictures side by side, each with a line below."""
+        """Images side by side, each with a line below."""
         width, height = tiles[0][1].size
         line = self.line
         rows = -(-len(tiles) // columns)
@@ -88,7 +88,7 @@ class Maker:
 
 
 def strips(maker: Maker, pictures: "list[tuple[str, Image.Image]]") -> Image.Image:
-    """One picture of upright strips, each from another one."""
+    """One image of upright strips, each from another one."""
     width, height = pictures[0][1].size
     edges = [round(i * width / len(pictures)) for i in range(len(pictures) + 1)]
     line = maker.line
@@ -113,7 +113,7 @@ def twelve_sensors(maker: Maker) -> Image.Image:
     tiles = []
     for name in SENSORS:
         shot = maker.expose(light / "irradiance.exr", f"sensor-{name}", f"sensor.preset={name}", "exposure.auto_mean=0.2", "exposure.max_time_s=0.03", "exposure.max_gain_db=40")
-        # Pixels that are wider than high make a wider picture.
+        # Pixels that are wider than high make a wider image.
         tiles.append((name, shot.resize(tile)))
     return maker.tiled(tiles, 4)
 
@@ -171,7 +171,7 @@ def blocks(picture: Image.Image, gamma: float) -> np.ndarray:
 
 
 def difference(picture: Image.Image, kept: Path) -> float:
-    """Mean difference of 8-bit codes between the blocks of a small picture and of the one that is kept."""
+    """Mean difference of 8-bit codes between the blocks of a small image and of the one that is kept."""
     # Black and white dots have a mean of codes alone: that of a power of them depends on how fine the dots are.
     gamma = 1.0 if kept.stem == "street-counted" else 2.2
     return float(np.abs(blocks(picture, gamma) - blocks(Image.open(kept).convert("RGB"), gamma)).mean())
@@ -184,7 +184,7 @@ def main() -> int:
     options = parser.parse_args()
     unknown = [name for name in options.names if name not in GALLERY]
     if unknown:
-        parser.error(f"there is no picture {unknown[0]!r}; there are {', '.join(GALLERY)}")
+        parser.error(f"there is no image {unknown[0]!r}; there are {', '.join(GALLERY)}")
     failed = 0
     with tempfile.TemporaryDirectory() as folder:
         maker = Maker(Path(folder), options.check)

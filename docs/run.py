@@ -4,7 +4,7 @@
     docs/run.py                            all pages
     docs/run.py tutorials/first-picture    the named ones
     docs/run.py --keep DIR …               leaves the folders of the pages in DIR
-    docs/run.py --figures …                and takes over the pictures that the pages show
+    docs/run.py --figures …                and takes over the images that the pages show
     docs/run.py --list                     prints the names of the pages
 
 The program is the `photosite` on the PATH; Python blocks, and `python` in commands, run in the Python that runs this script, which needs
@@ -22,7 +22,7 @@ What the kinds of fenced blocks mean:
 
 In ```text an ellipsis … stands for anything, a line of … for any number of lines. A number agrees with the printed one where both are
 the same but for one unit of the last digit that the page has. A figure in bold, **12.3 px**, stands for itself: some
-number that was printed on the page must agree with it. The picture ![…](images/a.jpg "out/image.png") is the one that
+number that was printed on the page must agree with it. The image ![…](images/a.jpg "out/image.png") is the one that
 its page makes at out/image.png: both are compared.
 """
 
@@ -52,8 +52,8 @@ FENCE = re.compile(r"^( *)```(\w+)?(?: title=\"([^\"]+)\")?\n(.*?)^\1```$", re.D
 NUMBER = re.compile(r"(?<![\w.])[-+−]?\d+(?:\.\d+)?")
 BOLD = re.compile(r"\*\*([-+−]?\d+(?: \d{3})*(?:\.\d+)?)(?![\d.])[^*]*\*\*")
 PICTURE = re.compile(r'!\[[^\]]*\]\((images/[^ )]+) "([^"]+)"\)')
-# Mean difference of 8-bit codes between a figure and the picture that its page makes, past which they are not the same. The
-# same picture may differ in the last digit on another processor; other noise differs by more.
+# Mean difference of 8-bit codes between a figure and the image that its page makes, past which they are not the same. The
+# same image may differ in the last digit on another processor; other noise differs by more.
 SAME_PICTURE = 0.5
 HOW_TO_SAVE = {".jpg": {"quality": 92, "subsampling": 0, "optimize": True}, ".png": {"optimize": True}}
 
@@ -250,7 +250,7 @@ def run(page: Path, folder: Path) -> "str | None":
 
 
 def figures(page: Path, folder: Path, take_over: bool) -> "str | None":
-    """Compares the pictures that a page shows with those that its run has made, or takes these over."""
+    """Compares the images that a page shows with those that its run has made, or takes these over."""
     from PIL import Image, ImageChops, ImageStat
 
     for shown, made in PICTURE.findall(page.read_text(encoding="utf-8")):

@@ -32,7 +32,7 @@ SCHEMAS = {
     "sensor": ("Sensor file: all keys", "sensor", "A sensor file describes a sensor by the parameters of EMVA 1288. The same keys follow "
                "`preset` in `[sensor]` of a capture. [Sensors](../guides/sensors.md) shows how."),
     "noise": ("Noise to add: all keys", "noise", "What `photosite noise add` takes after `--set`."),
-    "report": ("capture.json: all keys", "report", "What `capture.json` holds, which each render leaves beside its pictures: all that is "
+    "report": ("capture.json: all keys", "report", "What `capture.json` holds, which each render leaves beside its images: all that is "
                "needed to use them and to make them again."),
 }
 

@@ -1,4 +1,4 @@
-// Takes the pictures of pages that the book shows, the live view and that of a lens: node docs/book/screenshots.mjs PHOTOSITE
+// Takes the images of pages that the book shows, the live view and that of a lens: node docs/book/screenshots.mjs PHOTOSITE
 //
 // Run it in a folder with playwright-core, as the tests of the page (tests/view). They are not compared in CI: letters look
 // different on each machine.

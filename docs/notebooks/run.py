@@ -8,7 +8,7 @@
 
 A notebook fails where a cell raises an exception, or where one prints to standard error, as warnings do. Progress does too,
 and is let through; it is not a part of what --write keeps, since its times differ from run to run. What --write keeps is small:
-pictures have at most 100 KB, for which those with much noise become JPEG files, and all notebooks 1.5 MB.
+images have at most 100 KB, for which those with much noise become JPEG files, and all notebooks 1.5 MB.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def complaints(notebook: nbformat.NotebookNode) -> list[str]:
 
 
 def shrink_pictures(notebook: nbformat.NotebookNode) -> list[str]:
-    """Stores pictures that are too large as JPEG; returns which are too large even so."""
+    """Stores images that are too large as JPEG; returns which are too large even so."""
     found = []
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     for output in outputs:
@@ -84,7 +84,7 @@ def shrink_pictures(notebook: nbformat.NotebookNode) -> list[str]:
         picture.save(jpeg, "JPEG", quality=85, subsampling=0, optimize=True)
         data["image/jpeg"] = base64.b64encode(jpeg.getvalue()).decode("ascii")
         if jpeg.tell() > PICTURE_BYTES:
-            found.append(f"a picture of {picture.width} × {picture.height} pixels takes {jpeg.tell():,} bytes")
+            found.append(f"an image of {picture.width} × {picture.height} pixels takes {jpeg.tell():,} bytes")
     return found
 
 
