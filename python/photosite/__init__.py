@@ -17,7 +17,7 @@ from ._emva1288 import ChannelFigures, Emva1288Report, Figures, SpatialFigures, 
 from ._engines.run import EngineRun
 from ._errors import Error, FileError, InputError, PhotositeWarning, ResourceError
 from ._fit import CameraFit, Parameter, fit
-from ._light import Light, render, render_into, trace
+from ._light import Light, devices, render, render_into, trace
 from ._photosite import __version__
 from ._raw import Cfa, ColourCalibration, PixelArea, Raw, develop, read_raw
 from ._rerun import to_rerun
@@ -58,6 +58,7 @@ __all__ = [
     "__version__",
     "compare",
     "develop",
+    "devices",
     "emva1288",
     "emva1288_report",
     "expose",

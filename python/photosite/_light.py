@@ -18,7 +18,7 @@ from ._errors import warn_all
 from ._progress import Progress, listener
 from ._shot import Layers, Shot, truth_layers
 
-__all__ = ["Light", "render", "render_into", "trace"]
+__all__ = ["Light", "devices", "render", "render_into", "trace"]
 
 
 class Light:
@@ -231,6 +231,14 @@ def _to_trace(capture: CaptureLike, samples: Optional[int], seed: Optional[int])
     return loaded(capture).set({key: value for key, value in named.items() if value is not None})
 
 
+def devices() -> "list[dict[str, Any]]":
+    """Devices of this machine that can trace light, as the command ``photosite devices --json`` lists them: ``device`` is
+    what :func:`trace` takes. Packages that were built without graphics cards have the processor alone.
+    """
+    found: "list[dict[str, Any]]" = json.loads(_photosite.devices())
+    return found
+
+
 def trace(
     capture: CaptureLike,
     /,
@@ -241,6 +249,7 @@ def trace(
     progress: Progress = None,
     film_memory_gib: Optional[float] = None,
     checkpoint: Optional[Path] = None,
+    device: str = "cpu",
 ) -> Light:
     """Traces the light of a capture, in memory. Of a series in which things move it is that of the first image.
 
@@ -254,10 +263,13 @@ def trace(
         film_memory_gib: most memory for the film, GiB: an image that needs more is traced in strips; 4 unless said.
         checkpoint: a folder in which work that is interrupted (Ctrl-C) is kept, and from which the same call goes on,
             as the command ``photosite render`` does. It is gone when the work is done.
+        device: what traces the light: "cpu"; "gpu", the first graphics card; "gpu:1" or "gpu:NAME", one of
+            :func:`devices`; "auto", a graphics card where there is one that can render all of the scene, and the
+            processor with a warning elsewhere.
 
     Raises:
-        InputError: what only the whole scene shows to be wrong.
-        ResourceError: an image that needs more memory than there is.
+        InputError: what only the whole scene shows to be wrong, or what a graphics card cannot render.
+        ResourceError: an image that needs more memory than there is, or a device that is not there.
         KeyboardInterrupt: Ctrl-C, within 0.1 s.
     """
     wanted = _to_trace(capture, samples, seed)
@@ -267,7 +279,7 @@ def trace(
         warn_all([f"things move, so light is traced for the first of {frames} images alone; render_into makes them all"])
     place = None if checkpoint is None else path_of("checkpoint", checkpoint)
     compiled = _photosite.trace(
-        wanted._compiled, count("threads", threads, None), listener(progress, "tracing"), memory, place
+        wanted._compiled, count("threads", threads, None), listener(progress, "tracing"), memory, place, device
     )
     return Light(compiled, wanted)
 
@@ -281,6 +293,7 @@ def render(
     threads: Optional[int] = None,
     progress: Progress = None,
     film_memory_gib: Optional[float] = None,
+    device: str = "cpu",
 ) -> Shot:
     """Traces the light of a capture and exposes to it once: ``trace(capture, …).expose()``. A warning tells of Monte Carlo
     noise that may be seen beside that of the sensor, as the command does; ``Shot.noise_ratio`` is its figure.
@@ -288,7 +301,7 @@ def render(
     Args and errors are those of :func:`trace`.
     """
     light = trace(
-        capture, samples=samples, seed=seed, threads=threads, progress=progress, film_memory_gib=film_memory_gib
+        capture, samples=samples, seed=seed, threads=threads, progress=progress, film_memory_gib=film_memory_gib, device=device
     )
     shot = light.expose(threads=threads)
     seen = shot._compiled.seen_noise()
@@ -308,6 +321,7 @@ def render_into(
     progress: Progress = None,
     film_memory_gib: Optional[float] = None,
     overwrite: bool = False,
+    device: str = "cpu",
 ) -> "dict[str, Any]":
     """Renders a capture into a folder, with all images of its series, as the command ``photosite render`` does.
 
@@ -337,6 +351,7 @@ def render_into(
             count("threads", threads, None),
             listener(progress, "rendering"),
             film_memory_gib,
+            device,
         )
     )
     return report

@@ -176,7 +176,9 @@ def trace(
     progress: Optional[Callable[[int, int], object]],
     film_memory_gib: Optional[float],
     checkpoint: Optional[str],
+    device: str,
 ) -> Light: ...
+def devices() -> str: ...
 def render_to(
     capture: Capture,
     folder: str,
@@ -184,6 +186,7 @@ def render_to(
     threads: Optional[int],
     progress: Optional[Callable[[int, int], object]],
     film_memory_gib: Optional[float],
+    device: str,
 ) -> str: ...
 def expose_irradiance(
     irradiance: npt.NDArray[np.float32],

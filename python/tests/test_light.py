@@ -263,6 +263,33 @@ def test_folders_are_filled_as_by_the_command(room: Path, tmp_path: Path, comman
     assert (tmp_path / "python" / "capture.json").read_bytes() == before
 
 
+def test_devices_are_named_and_chosen(room: Path) -> None:
+    found = ps.devices()
+    assert found[0]["device"] == "cpu" and all(row["device"].startswith("gpu:") for row in found[1:])
+    named = ps.trace(room, device="cpu")
+    assert named.electrons_per_s.tobytes() == ps.trace(room).electrons_per_s.tobytes()
+    with pytest.raises(ps.InputError, match="write cpu, gpu, auto") as error:
+        ps.trace(room, device="cuda")
+    assert error.value.key == "device"
+    with pytest.raises(ps.ResourceError, match="nobody's card"):
+        ps.trace(room, device="gpu:nobody's card")
+
+
+def test_graphics_cards_see_what_the_processor_sees(room: Path, tmp_path: Path) -> None:
+    cards = [row["device"] for row in ps.devices() if row["device"] != "cpu" and row["refusal"] is None]
+    if not cards:
+        pytest.skip("no graphics card, and no software that stands for one")
+    light, card = ps.trace(room), ps.trace(room, device=cards[0])
+    expected, seen = light.electrons_per_s, card.electrons_per_s
+    # Paths are the same but for rounding, which sends few of them another way.
+    assert abs(seen.mean() / expected.mean() - 1) < 1e-3
+    assert np.quantile(np.abs(seen - expected), 0.99) < 1e-3 * expected.mean()
+    report = ps.render_into(room, tmp_path / "card", device=cards[0])
+    assert report["render"]["device"]
+    with pytest.raises(ps.InputError, match="earlier render"):
+        ps.render_into(room, tmp_path / "card")
+
+
 def test_series_that_move_say_that_light_is_of_the_first_picture(room: Path) -> None:
     capture = ps.load(room, set={"camera.motion.velocity_m_per_s": [0.5, 0, 0], "exposure.frames": 4})
     with pytest.warns(ps.PhotositeWarning, match="first of 4 images") as warned:

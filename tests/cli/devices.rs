@@ -34,6 +34,22 @@ fn a_build_without_graphics_cards_says_so() {
     assert!(words.iter().all(|words| done.stderr.contains(words)), "{}", done.stderr);
 }
 
+/// A data set takes the device as a render does: the processor goes without saying, and is what `auto` falls back to.
+#[cfg(not(feature = "gpu"))]
+#[test]
+fn data_sets_take_devices_as_renders_do() {
+    let folder = room("[render]\nsamples_per_pixel = 2\n");
+    folder.add("set.toml", "capture = \"capture.toml\"\nframes = 2\n");
+    folder.succeed("dataset set.toml -o one");
+    folder.succeed("dataset set.toml --device cpu -o one");
+    let words = ["built without graphics cards", "--features gpu"];
+    folder.fail("dataset set.toml --device gpu -o card", 2, &words);
+    let done = folder.succeed("dataset set.toml --device auto -o auto");
+    assert!(words.iter().all(|words| done.stderr.contains(words)), "{}", done.stderr);
+    let identity = |name: &str| std::fs::read_to_string(folder.path(&format!("{name}/dataset.json"))).expect("a set");
+    assert_eq!(identity("one"), identity("auto"));
+}
+
 /// Parts of a device and of the processor are not of one render, by the device that stands in their provenance.
 #[test]
 fn parts_of_two_devices_are_not_merged() {

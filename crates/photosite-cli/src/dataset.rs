@@ -19,7 +19,7 @@ use photosite_core::{Result, Sandbox};
 use photosite_dataset::{
     DataSet, DatasetFolder, DatasetOutcome, Forecast, FrameList, Frames, MakeOptions, SetNoise, Shard, image_name,
 };
-use photosite_pipeline::{Event, FilmMemory, ImageOfFrame, LightSource, Monitor};
+use photosite_pipeline::{DeviceChoice, Event, FilmMemory, ImageOfFrame, LightSource, Monitor};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -79,6 +79,10 @@ pub(super) struct DatasetArgs {
     /// Maximum memory for the film, GiB: an image of which it needs more is traced in strips, one after the other.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
+    /// Device that traces the light: cpu; gpu, the first graphics card; gpu:1 or gpu:NAME, one of `photosite devices`;
+    /// auto, a graphics card where there is one that can render all of the scene. One data set is of one device.
+    #[arg(long, value_name = "DEVICE", default_value = "cpu")]
+    device: DeviceChoice,
     /// Print nothing but errors.
     #[arg(short, long)]
     quiet: bool,
@@ -91,7 +95,7 @@ pub(super) fn run(args: &DatasetArgs, sandbox: &Sandbox) -> Result<()> {
     let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
     let file = DatasetFile::read(&args.input)?;
     let overrides = args.scene.after(&args.overrides, &file.capture());
-    let set = DataSet::new(sandbox, file, &overrides, args.film_memory)?;
+    let set = DataSet::new(sandbox, file, &overrides, args.film_memory)?.on_chosen_device(&args.device, &monitor)?;
     if let Some(samples) = &args.samples {
         set.check_samples(samples)?;
     }

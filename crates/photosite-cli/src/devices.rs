@@ -1,11 +1,11 @@
 //! `photosite devices`: who can trace light on this machine.
 
 use clap::Args;
-use serde::Serialize;
+use photosite_pipeline::{BUILT_WITHOUT, devices};
 
 use super::print::{print_json, println_out};
 
-/// List the devices that can trace light, for `render --device`.
+/// List the devices that can trace light, for --device.
 #[derive(Args)]
 pub(super) struct DevicesArgs {
     /// Print JSON instead of a table.
@@ -13,35 +13,8 @@ pub(super) struct DevicesArgs {
     json: bool,
 }
 
-/// A device.
-#[derive(Serialize)]
-struct Row {
-    /// Value of `--device`.
-    device: String,
-    name: String,
-    /// Kind: "processor", "discrete", "integrated", "virtual", "software", "unknown".
-    kind: &'static str,
-    /// Interface of a graphics card: "vulkan", "metal", "dx12".
-    interface: Option<String>,
-    driver: Option<String>,
-    /// Largest table of a scene, GiB.
-    largest_table_gib: Option<f64>,
-    /// Why it cannot be used.
-    refusal: Option<String>,
-}
-
 pub(super) fn run(args: &DevicesArgs) -> photosite_core::Result<()> {
-    let threads = rayon::current_num_threads();
-    let processor = Row {
-        device: "cpu".to_owned(),
-        name: format!("the processor, {threads} threads"),
-        kind: "processor",
-        interface: None,
-        driver: None,
-        largest_table_gib: None,
-        refusal: None,
-    };
-    let rows: Vec<Row> = std::iter::once(processor).chain(cards()).collect();
+    let rows = devices();
     if args.json {
         return print_json(&rows);
     }
@@ -54,26 +27,5 @@ pub(super) fn run(args: &DevicesArgs) -> photosite_core::Result<()> {
             println_out(&format!("{:8}  cannot be used: {refusal}", ""))?;
         }
     }
-    #[cfg(not(feature = "gpu"))]
-    println_out(super::device_arg::NOT_BUILT)?;
-    Ok(())
-}
-
-#[cfg(not(feature = "gpu"))]
-fn cards() -> Vec<Row> {
-    Vec::new()
-}
-
-#[cfg(feature = "gpu")]
-fn cards() -> Vec<Row> {
-    let row = |(number, adapter): (usize, photosite_gpu::Adapter)| Row {
-        device: format!("gpu:{number}"),
-        name: adapter.name,
-        kind: adapter.kind,
-        interface: Some(adapter.interface),
-        driver: Some(adapter.driver),
-        largest_table_gib: Some(super::print::rounded(adapter.largest_binding as f64 / f64::from(1 << 30), 3)),
-        refusal: adapter.refusal,
-    };
-    photosite_gpu::adapters().into_iter().enumerate().map(row).collect()
+    BUILT_WITHOUT.map_or(Ok(()), println_out)
 }

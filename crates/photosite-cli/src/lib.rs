@@ -13,7 +13,6 @@ mod dataset;
 mod depth;
 mod develop;
 mod develop_args;
-mod device_arg;
 mod devices;
 mod emva1288;
 mod emva1288_report;

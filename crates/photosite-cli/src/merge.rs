@@ -100,6 +100,7 @@ fn merge_sets(args: &MergeArgs, sandbox: &Sandbox) -> Result<()> {
     let parts = args.parts.iter().map(|path| PartFolder::read(path)).collect::<Result<Vec<_>>>()?;
     let input = args.input(&parts[0].input(), &args.parts[0], sandbox)?;
     let set = DataSet::new(sandbox, DatasetFile::read(&input)?, &parts[0].arguments(), args.film_memory)?;
+    let set = set.on_device(parts[0].device());
     let (report, monitor) = (SetReport::of(args.quiet, args.json), TerminalMonitor::new(args.quiet, args.json));
     let frames = set.frames(0..set.frame_count(), false, &monitor)?;
     let listening = report.listening(&monitor);

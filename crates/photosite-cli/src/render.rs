@@ -7,7 +7,6 @@ use std::time::Instant;
 use clap::Args;
 
 use super::arguments::parse_range;
-use super::device_arg::DeviceArg;
 use super::log::say;
 use super::print::{print_json, rounded};
 use super::run_args::{OutcomeArgs, RunArgs};
@@ -17,7 +16,7 @@ use photosite_capture::report::{REPORT, RenderNoise, Report, Timings};
 use photosite_capture::{Capture, relative_path};
 use photosite_core::sandbox::trust;
 use photosite_core::{Result, Sandbox};
-use photosite_pipeline::{Destination, FilmMemory, LightSource, Rendered, Request, render_into};
+use photosite_pipeline::{Destination, DeviceChoice, FilmMemory, LightSource, Rendered, Request, render_into};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -50,7 +49,7 @@ pub(super) struct RenderArgs {
     /// Device that traces the light: cpu; gpu, the first graphics card; gpu:1 or gpu:NAME, one of `photosite devices`;
     /// auto, a graphics card where there is one that can render all of the scene.
     #[arg(long, value_name = "DEVICE", default_value = "cpu")]
-    device: DeviceArg,
+    device: DeviceChoice,
     #[command(flatten)]
     outcome: OutcomeArgs,
 }

@@ -10,7 +10,7 @@ use photosite_calibration::dataset::{Found, Plan, SamplingDescription};
 use photosite_calibration::truth::{Needs, TruthLayer};
 use photosite_capture::{Capture, DatasetFile, real_path};
 use photosite_core::{Error, Invalid, Result};
-use photosite_pipeline::{add_file_of, difference, fingerprinted, keys_and_files};
+use photosite_pipeline::{DEVICE, add_file_of, difference, fingerprinted, keys_and_files};
 
 /// Name of the file that identifies a data set.
 pub const IDENTITY: &str = "dataset.json";
@@ -59,6 +59,19 @@ pub(super) fn identity<'a>(
     let cameras = plan.cameras().iter().map(|camera| &*camera.place.name).collect();
     identity.insert(CAMERAS.to_owned(), cameras);
     Ok(Value::Object(identity))
+}
+
+/// Identity of the same images with light that a device has traced.
+pub(super) fn on_device(identity: &Value, device: &str) -> Value {
+    let (extent, deciding): (Map<String, Value>, Map<String, Value>) = identity
+        .as_object()
+        .into_iter()
+        .flatten()
+        .filter(|(key, _)| *key != "fingerprint")
+        .map(|(key, value)| (key.clone(), value.clone()))
+        .chain([(DEVICE.to_owned(), device.into())])
+        .partition(|(key, _)| [FRAMES, CAMERAS].contains(&&**key));
+    Value::Object(fingerprinted(Value::Object(deciding)).into_iter().chain(extent).collect())
 }
 
 /// An earlier identity of the same images with the current number of frames; `None` where both have the same.

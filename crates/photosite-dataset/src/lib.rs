@@ -41,7 +41,7 @@ mod warnings_by_kind;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
 use serde_json::Value;
@@ -75,7 +75,8 @@ use photosite_calibration::dataset::Plan;
 use photosite_capture::report::CheckDepth;
 use photosite_capture::{Capture, DatasetFile};
 use photosite_core::{Error, Invalid, Result, Sandbox};
-use photosite_pipeline::{Event, FilmMemory, Monitor, Prepared, check_samples};
+use photosite_pipeline::{DeviceChoice, Event, FilmMemory, Monitor, Prepared, check_samples};
+use photosite_transport::integrator::Device;
 use photosite_transport::optics::Focus;
 
 /// Data set file with everything that it needs.
@@ -114,6 +115,24 @@ impl DataSet {
             identity,
             kept: Mutex::default(),
         })
+    }
+
+    /// The data set, whose light the chosen device traces. A card must be able to render its captures as they are before
+    /// anything is varied; a frame in which it cannot is an error of that frame.
+    pub fn on_chosen_device(self, choice: &DeviceChoice, monitor: &dyn Monitor) -> Result<Self> {
+        let device = choice.device_for(&self.captures, monitor)?;
+        Ok(self.on_device(device))
+    }
+
+    /// The data set, whose light a device traces in place of the processor, and which is another data set for it: the
+    /// last bits of its images depend on it.
+    #[must_use]
+    pub fn on_device(mut self, device: Option<Arc<dyn Device>>) -> Self {
+        if let Some(device) = device {
+            self.identity = identity::on_device(&self.identity, &device.name());
+            self.captures = self.captures.into_iter().map(|capture| capture.on_device(device.clone())).collect();
+        }
+        self
     }
 
     /// Plans the frames of these numbers, so that impossible poses show here rather than after an hour. With

@@ -83,7 +83,12 @@ impl DataSet {
 
     /// Number of jobs for this number of images.
     pub(super) fn jobs(&self, jobs: Option<u16>, images: usize) -> usize {
-        let automatic = || if self.captures.iter().all(is_small) { rayon::current_num_threads() } else { 1 };
+        // On a card one image is traced while another is loaded or written.
+        let automatic = || match (self.captures[0].device(), self.captures.iter().all(is_small)) {
+            (Some(_), _) => 2,
+            (None, true) => rayon::current_num_threads(),
+            (None, false) => 1,
+        };
         jobs.map_or_else(automatic, usize::from).min(images)
     }
 

@@ -1,13 +1,15 @@
 //! Folders that each hold some samples of a data set's images.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde_json::Value;
 
 use super::identity::{IDENTITY, OF_PART, of_part, read_identity};
 use super::image_folder::image;
 use photosite_core::{Error, Invalid, Result};
-use photosite_pipeline::difference;
+use photosite_pipeline::{FormerDevice, difference};
+use photosite_transport::integrator::Device;
 
 /// Folder of parts of images.
 pub struct PartFolder {
@@ -46,6 +48,11 @@ impl PartFolder {
     pub fn arguments(&self) -> Vec<String> {
         let arguments = self.identity.get("overrides").and_then(Value::as_array).into_iter().flatten();
         arguments.filter_map(Value::as_str).map(str::to_owned).collect()
+    }
+
+    /// Device that traced the parts; `None` for the processor.
+    pub fn device(&self) -> Option<Arc<dyn Device>> {
+        FormerDevice::of(&self.identity)
     }
 
     /// Refuses parts of another data set.

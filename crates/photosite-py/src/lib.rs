@@ -49,7 +49,7 @@ mod _photosite {
     #[pymodule_export]
     use super::target::{Target, project, unproject};
     #[pymodule_export]
-    use super::traced_light::{Light, render_to, trace};
+    use super::traced_light::{Light, devices, render_to, trace};
     #[pymodule_export]
     use super::training::shots;
 

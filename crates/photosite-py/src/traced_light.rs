@@ -1,18 +1,21 @@
 //! Light that is traced, and folders that renders fill.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use numpy::IntoPyArray;
+use photosite::Invalid;
 use photosite::capture::{Capture as LoadedCapture, relative_path};
 use photosite::pipeline::{
-    self, Destination, Event, FilmMemory, LightSource, Options, Prepared, Request, TracedLight, render_into,
+    self, Destination, DeviceChoice, Event, FilmMemory, LightSource, Monitor, Options, Prepared, Request, TracedLight,
+    render_into,
 };
 use photosite::report::{Report, Timings};
 use pyo3::prelude::*;
 
 use crate::array::{Numbers, of_pixels, of_stack};
 use crate::capture::Capture;
+use crate::error::PYTHON;
 use crate::shot::{Shot, report_of, seen_noise, truth};
 use crate::work::{How, work};
 
@@ -27,6 +30,19 @@ fn film_memory(gib: Option<f64>) -> photosite::Result<FilmMemory> {
     gib.map_or_else(|| Ok(FilmMemory::default()), FilmMemory::gib)
 }
 
+/// The capture on a device, which is written as for the command's `--device`.
+fn on_device(capture: &LoadedCapture, device: &str, monitor: &dyn Monitor) -> photosite::Result<LoadedCapture> {
+    let refuse = |words: String| Invalid::new("device", format!("{device:?}: {words}")).in_file(Path::new(PYTHON));
+    let choice: DeviceChoice = device.parse().map_err(refuse)?;
+    choice.settle(LoadedCapture::clone(capture), monitor)
+}
+
+/// Devices of this machine, as JSON.
+#[pyfunction]
+pub(crate) fn devices(py: Python<'_>) -> PyResult<String> {
+    work(py, How::default(), |_| Ok(serde_json::to_string(&pipeline::devices()).expect("plain values")))
+}
+
 /// Traces the light of the first image of a capture.
 #[pyfunction]
 pub(crate) fn trace(
@@ -36,11 +52,12 @@ pub(crate) fn trace(
     progress: Option<Py<PyAny>>,
     film_memory_gib: Option<f64>,
     checkpoint: Option<PathBuf>,
+    device: &str,
 ) -> PyResult<Light> {
     let capture = capture.capture();
     work(py, How { threads, progress }, |monitor| {
         let film_memory = film_memory(film_memory_gib)?;
-        let prepared = Prepared::new(LoadedCapture::clone(capture))?;
+        let prepared = Prepared::new(on_device(capture, device, monitor)?)?;
         prepared.warnings().iter().for_each(|warning| monitor.report(Event::Warning(warning)));
         let light = prepared.trace(Options {
             monitor,
@@ -54,6 +71,7 @@ pub(crate) fn trace(
 
 /// Renders a capture into a folder as the command does, and returns its report as JSON.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "they are keywords in Python")]
 pub(crate) fn render_to(
     py: Python<'_>,
     capture: &Capture,
@@ -62,9 +80,11 @@ pub(crate) fn render_to(
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
     film_memory_gib: Option<f64>,
+    device: &str,
 ) -> PyResult<String> {
     let capture = capture.capture();
     let report: Report = work(py, How { threads, progress }, |monitor| {
+        let capture = &on_device(capture, device, monitor)?;
         let light = LightSource::Traced;
         let mut place = match Destination::claim(&folder, overwrite, capture, &light, monitor)? {
             Destination::Free(place) => place,

@@ -56,7 +56,16 @@ pub fn check_samples(samples: &Range<u32>, capture: &Capture) -> Result<()> {
 
 /// Name of the device that has traced parts, perhaps of another machine.
 #[derive(Debug)]
-struct FormerDevice(String);
+pub struct FormerDevice(String);
+
+impl FormerDevice {
+    /// The device of parts by its name in their provenance, or in the identity of their data set; `None` where the
+    /// processor traced them.
+    pub fn of(provenance: &Value) -> Option<Arc<dyn Device>> {
+        let name = provenance.get(DEVICE)?.as_str()?;
+        Some(Arc::new(Self(name.to_owned())))
+    }
+}
 
 impl Device for FormerDevice {
     fn name(&self) -> String {
@@ -125,8 +134,8 @@ impl Parts {
 
     /// A capture on the device that traced the parts, which traces nothing more: it stands in the provenance of both.
     pub fn on_their_device(&self, capture: Capture) -> Capture {
-        match self.first().provenance.get(DEVICE).and_then(Value::as_str) {
-            Some(name) => capture.on_device(Arc::new(FormerDevice(name.to_owned()))),
+        match FormerDevice::of(&Value::Object(self.first().provenance.clone())) {
+            Some(device) => capture.on_device(device),
             None => capture,
         }
     }

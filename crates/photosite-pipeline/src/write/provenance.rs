@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 pub(crate) const FINGERPRINT: &str = "fingerprint";
 
 /// The key of the device that traced the light, where that was not the processor.
-pub(crate) const DEVICE: &str = "device";
+pub const DEVICE: &str = "device";
 
 /// Provenance: everything that decides what a render gives.
 pub(crate) fn provenance(capture: &Capture) -> Result<Map<String, Value>> {
