@@ -50,6 +50,7 @@ params! {
     lights: "u32" = |r| r.scene.sections.lights,
     tree: "u32" = |r| r.scene.sections.tree,
     distant: "u32" = |r| r.scene.sections.distant,
+    sky: "u32" = |r| r.scene.sections.sky,
     colours: "u32" = |r| r.scene.sections.colours,
     albedos: "u32" = |r| r.scene.sections.albedos,
     corners: "u32" = |r| r.scene.attribute_sections.corners,
@@ -72,6 +73,5 @@ params! {
     environment_sin: "f32" = |r| r.scene.lights.environment_rotation[1].to_bits(),
     // Sizes of uniform blocks are whole numbers of 16 bytes.
     padding: "u32" = |_| 0,
-    more_padding: "u32" = |_| 0,
     last_padding: "u32" = |_| 0,
 }

@@ -47,6 +47,8 @@ const FILES: [&str; 23] = [
 const LIGHTS: &str = concat!(
     include_str!("wgsl/light_tree.wgsl"),
     include_str!("wgsl/environment.wgsl"),
+    include_str!("wgsl/distribution.wgsl"),
+    include_str!("wgsl/sky.wgsl"),
     include_str!("wgsl/emitter.wgsl"),
     include_str!("wgsl/lights.wgsl"),
 );
@@ -94,12 +96,13 @@ const NUMBERS: &[(&str, u32)] = &[
     ("LIGHT_SPOT", lights::kind::SPOT),
     ("LIGHT_DIRECTIONAL", lights::kind::DIRECTIONAL),
     ("LIGHT_ENVIRONMENT", lights::kind::ENVIRONMENT),
-    ("ENVIRONMENT_NOTHING", lights::environment::NOTHING),
     ("ENVIRONMENT_CONSTANT", lights::environment::CONSTANT),
     ("ENVIRONMENT_IMAGE", lights::environment::IMAGE),
 ];
 
 /// The tables of a scene, whose places are those of the layout in `tracer`.
+    ("ENVIRONMENT_SKY", lights::environment::SKY),
+    ("SKY_KNOTS", lights::SKY_KNOTS as u32),
 const BINDINGS: &str = "\
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> nodes: array<vec4<u32>>;
@@ -116,7 +119,12 @@ pub fn functions() -> String {
     for (name, value) in NUMBERS {
         let _ = writeln!(text, "const {name} = {value}u;");
     }
-    let _ = writeln!(text, "const LAMBDA_MIN_NM = {LAMBDA_MIN_NM:?}f;");
+    let [sky_first_nm, sky_step_nm] = lights::SKY_NM;
+    for (name, value) in
+        [("LAMBDA_MIN_NM", LAMBDA_MIN_NM), ("SKY_FIRST_NM", sky_first_nm), ("SKY_STEP_NM", sky_step_nm)]
+    {
+        let _ = writeln!(text, "const {name} = {value:?}f;");
+    }
     text += "struct Params {\n";
     for (name, kind) in FIELDS {
         let _ = writeln!(text, "    {name}: {kind},");

@@ -108,8 +108,9 @@ fn of_light(light: &LightDescription) -> Option<Invalid> {
 
 fn of_environment(environment: &EnvironmentDescription) -> Option<Invalid> {
     match environment {
-        EnvironmentDescription::Constant { .. } | EnvironmentDescription::Image { .. } => None,
-        EnvironmentDescription::Sky(_) => refused("scene.environment", "the sky by day"),
+        EnvironmentDescription::Constant { .. }
+        | EnvironmentDescription::Image { .. }
+        | EnvironmentDescription::Sky(_) => None,
     }
 }
 

@@ -76,6 +76,28 @@ fn sin_cos_turn(u: f32) -> vec2<f32> {
     return select(-both, both, (quarter & 2u) == 0u);
 }
 
+/// Angle of a cosine, to 2e-7: the function of WGSL may be off by a thousand times that (Abramowitz and Stegun 4.4.46).
+fn arc_cosine(x: f32) -> f32 {
+    let y = abs(x);
+    let low = 1.5707963050 + y * (-0.2145988016 + y * (0.0889789874 + y * -0.0501743046));
+    let high = 0.0308918810 + y * (-0.0170881256 + y * (0.0066700901 + y * -0.0012624911));
+    let y2 = y * y;
+    let angle = sqrt(max(1.0 - y, 0.0)) * (low + high * y2 * y2);
+    return select(angle, PI - angle, x < 0.0);
+}
+
+/// Angle of a vector (x, y) from +x, to 2e-7; as above (4.4.49).
+fn arc_tangent(y: f32, x: f32) -> f32 {
+    let larger = max(abs(x), abs(y));
+    let t = min(abs(x), abs(y)) / max(larger, MIN_POSITIVE);
+    let s = t * t;
+    let high = 0.1065626393 + s * (-0.0752896400 + s * (0.0429096138 + s * (-0.0161657367 + s * 0.0028662257)));
+    var angle = t * (1.0 + s * (-0.3333314528 + s * (0.1999355085 + s * (-0.1420889944 + s * high))));
+    angle = select(angle, 0.5 * PI - angle, abs(y) > abs(x));
+    angle = select(angle, PI - angle, x < 0.0);
+    return with_sign(angle, y);
+}
+
 fn concentric_disk(u: vec2<f32>) -> vec2<f32> {
     let p = 2.0 * u - 1.0;
     let is_x = abs(p.y) < abs(p.x);

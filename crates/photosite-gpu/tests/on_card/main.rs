@@ -7,6 +7,7 @@ mod images;
 mod paths;
 mod rays;
 mod samplers;
+mod skies;
 mod stage;
 
 use std::sync::OnceLock;

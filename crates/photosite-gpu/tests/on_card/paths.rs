@@ -7,7 +7,7 @@ use photosite_transport::integrator::{Device, PathLimits, PathStart, radiance};
 use photosite_transport::sampler::{Sampler, SamplerKind};
 use photosite_transport::scene::Scene;
 
-use crate::stage::{everything, panes};
+use crate::stage::{everything, outdoors, panes};
 
 /// Starts that look into a scene from all around.
 fn starts(count: u32, kind: SamplerKind) -> Vec<PathStart> {
@@ -93,6 +93,12 @@ fn paths_bring_what_they_bring_on_the_processor() {
     // Within clear glass all light goes on, so that rounding decides whether roulette is played, and which numbers follow.
     check("without a mix", &without, SamplerKind::Independent, limits(20, 4), 100);
     check("everything", &with, SamplerKind::Sobol, limits(8, 3), 50);
+}
+
+#[test]
+fn paths_bring_the_light_of_a_sky() {
+    let limits = PathLimits { max_depth: 8, roulette_depth: 100, splitting: 1 };
+    check("outdoors", &outdoors().build(), SamplerKind::Sobol, limits, 100);
 }
 
 #[test]

@@ -16,6 +16,8 @@ use photosite_transport::scene::description::{
 use photosite_transport::scene::{Scene, build};
 use photosite_transport::texture::{Bitmap, Filter, SamplerSettings, Texels, UvTransform, Wrap};
 
+use crate::skies::sky;
+
 /// A scene that grows.
 #[derive(Default)]
 pub(crate) struct Stage(pub(crate) SceneDescription);
@@ -306,4 +308,20 @@ pub(crate) fn panes() -> Stage {
             colour: Colour::Rgb([0.7, 0.8, 0.9]),
             luminance_nit: Some(30.0),
         })
+/// Matt and shiny things in the sun, which is low.
+pub(crate) fn outdoors() -> Stage {
+    let still = DAffine3::IDENTITY;
+    Stage::default()
+        .add("ground", diffuse([0.5, 0.4, 0.3]), square(Vec3::ZERO, 3.0 * Vec3::Z, 3.0 * Vec3::X), &[still])
+        .add("ball", metal("Cu", 0.5), ball(12, 0.05, true), &[placed([-0.8, 0.5, 0.2], 0.5)])
+        .add("stone", diffuse([0.7; 3]), ball(10, 0.1, false), &[placed([0.9, 0.4, -0.5], 0.45)])
+        .add(
+            "leaf",
+            MaterialModel::Translucent(Translucent { reflectance: grey(0.4), transmittance: grey(0.35) }),
+            square(Vec3::new(0.2, 0.7, 0.9), 0.4 * Vec3::X, 0.5 * Vec3::Y),
+            &[still],
+        )
+        .environment(sky(3.0, 20.0, 0.2, true))
+}
+
 }

@@ -8,17 +8,23 @@ use super::emitter::Emitter;
 use super::environment::{Environment, EnvironmentImage};
 use super::kind::LightKind;
 use super::lights::{Light, Lights};
+use super::sky::{FIRST_NM, KNOTS, STEP_NM};
 use crate::geometry::{Geometry, NONE, Primitive, Word, word};
 use crate::texture::packed::PackedTextures;
 use glam::Vec3;
 use photosite_core::Invalid;
-use photosite_core::math::distribution::PiecewiseConstant1D;
+use photosite_core::math::distribution::{PiecewiseConstant1D, PiecewiseConstant2D};
 
 /// Words of a light: kind, primitive, target of shadow rays, rank in the tree; what it emits, with its mesh, and the colour
 /// of that; its shape.
 pub const LIGHT_WORDS: usize = 6;
 /// Words of a node of the light tree: box with intensity, its half with the cone, axis with the angle beyond it; links.
 pub const TREE_WORDS: usize = 4;
+
+/// Wavelengths at which the sky is known, evenly spaced from the first on, nm.
+pub const SKY_KNOTS: usize = KNOTS;
+/// First wavelength of the sky and the step to the next, nm.
+pub const SKY_NM: [f32; 2] = [FIRST_NM, STEP_NM];
 
 /// Numbers of the kinds of packed lights.
 pub mod kind {
@@ -46,6 +52,8 @@ pub mod environment {
     pub const CONSTANT: u32 = 1;
     /// Image of the radiance.
     pub const IMAGE: u32 = 2;
+    /// The sky by day.
+    pub const SKY: u32 = 3;
 }
 
 /// Numbers of the sources of colours in packed materials.
@@ -95,6 +103,8 @@ pub(crate) struct LightTables {
     pub(crate) distant: Vec<Word>,
     /// Cumulative sums of the environment's distribution.
     pub(crate) environment: Vec<f32>,
+    /// The sky, if it is the environment.
+    pub(crate) sky: Vec<Word>,
 }
 
 impl Lights {
@@ -149,18 +159,24 @@ impl Lights {
                 packed.environment = environment::IMAGE;
                 packed.environment_radiance = radiance.number();
                 packed.environment_texture = textures.add(texture);
-                let (rows, marginal) = (distribution.rows(), distribution.marginal());
-                packed.environment_cells = [rows[0].len() as u32, rows.len() as u32];
                 packed.environment_rotation = *rotation;
-                let all = std::iter::once(marginal).chain(rows);
-                tables.environment = all.flat_map(PiecewiseConstant1D::cdf).copied().collect();
+                (packed.environment_cells, tables.environment) = sums(distribution);
             }
-            Some(Environment::Sky(_)) => {
-                return Err(Invalid::new("scene.environment", "the sky is not known to devices yet"));
+            Some(Environment::Sky(sky)) => {
+                packed.environment = environment::SKY;
+                tables.sky = sky.words();
+                (packed.environment_cells, tables.environment) = sums(sky.distribution());
             }
         }
         Ok((packed, tables))
     }
+}
+
+/// Columns and rows of a distribution, with its cumulative sums: of the rows, then of the columns of each.
+fn sums(distribution: &PiecewiseConstant2D) -> ([u32; 2], Vec<f32>) {
+    let (rows, marginal) = (distribution.rows(), distribution.marginal());
+    let all = std::iter::once(marginal).chain(rows);
+    ([rows[0].len() as u32, rows.len() as u32], all.flat_map(PiecewiseConstant1D::cdf).copied().collect())
 }
 
 fn area_words(light: &AreaLight, shape: Option<&Emitter>, mesh: u32, rank: u32) -> [Word; LIGHT_WORDS] {

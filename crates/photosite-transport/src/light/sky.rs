@@ -15,15 +15,16 @@ use std::sync::OnceLock;
 use glam::Vec3;
 
 use super::above_mean::above_mean;
+use crate::geometry::{NONE, Word, word};
 use photosite_core::math::distribution::PiecewiseConstant2D;
 use photosite_core::math::{Frame, Pdf, SolidAngle, warp};
 use photosite_core::spectrum::{SampledSpectrum, Spectrum, SpectrumId, SpectrumTable, Wavelengths, cie, illuminant};
 
 /// Wavelengths that the model has, nm.
-const FIRST_NM: f32 = 320.0;
-const STEP_NM: f32 = 40.0;
+pub(super) const FIRST_NM: f32 = 320.0;
+pub(super) const STEP_NM: f32 = 40.0;
 const LAST_NM: f32 = 720.0;
-const KNOTS: usize = 11;
+pub(super) const KNOTS: usize = 11;
 /// Parameters of a knot, and its radiance after them.
 const NUMBERS: usize = 10;
 const TURBIDITIES: usize = 10;
@@ -274,6 +275,25 @@ impl Sky {
             excess: looked_at / (of_sun + of_rest).max(f64::MIN_POSITIVE),
         };
         (sky, SkyLight { all, ground })
+    }
+
+    /// Sky as plain data: direction of the sun with the cosine of its radius; spectra of the tail, the sun and the ground,
+    /// with the part of the samples that go to the sun; the numbers of each knot in three words.
+    pub(super) fn words(&self) -> Vec<Word> {
+        let Self { knots, tail, towards_sun, sun, cos_sun_radius, ground, sun_part, .. } = self;
+        let sun = sun.map_or(NONE, |sun| sun.number());
+        let head =
+            [word(*towards_sun, cos_sun_radius.to_bits()), [tail.number(), sun, ground.number(), sun_part.to_bits()]];
+        let of_knot = |knot: &Knot| {
+            let [a, b, c, d, e, f, g, h, i, level] = knot.map(f32::to_bits);
+            [[a, b, c, d], [e, f, g, h], [i, level, 0, 0]]
+        };
+        head.into_iter().chain(knots.iter().flat_map(of_knot)).collect()
+    }
+
+    /// Distribution of the samples that do not go to the sun, over azimuth and angle from the zenith.
+    pub(super) fn distribution(&self) -> &PiecewiseConstant2D {
+        &self.distribution
     }
 
     /// Part of the sky's light, 0–1, that exceeds the mean of the sky above and the ground below; all of the sun's

@@ -50,6 +50,8 @@ pub struct Sections {
     pub tree: u32,
     /// Bins of the choice among lights infinitely far, a word each.
     pub distant: u32,
+    /// The sky, if it is the environment.
+    pub sky: u32,
     /// Nodes of the table of upsampled colours, a word each.
     pub colours: u32,
     /// Albedos of facets, [`ALBEDO_NODES`] rows of as many nodes and a mean, a word each.
@@ -136,6 +138,7 @@ impl Scene {
             distant: section(light_tables.distant),
             colours: section(colours),
             albedos: section(albedos),
+            sky: section(light_tables.sky),
         };
         let (attributes, attribute_sections) = attributes(&self.geometry, light_tables.environment);
         Ok(PackedScene {
