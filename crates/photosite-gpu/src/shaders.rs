@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use photosite_core::spectrum::{LAMBDA_MIN_NM, TABLE_LEN};
 use photosite_transport::scene::packed::lights::colour;
-use photosite_transport::scene::packed::materials::{self, model};
+use photosite_transport::scene::packed::materials::{self, alpha, model};
 use photosite_transport::scene::packed::{self, hierarchy, lights};
 
 use crate::params::{FIELDS, SAMPLER_INDEPENDENT, SAMPLER_SOBOL};
@@ -17,7 +17,7 @@ pub const STATE_WORDS: u32 = 13;
 pub const START_WORDS: u32 = 4;
 
 /// Files in the order of what they need.
-const FILES: [&str; 23] = [
+const FILES: [&str; 24] = [
     include_str!("wgsl/hash.wgsl"),
     include_str!("wgsl/sampler.wgsl"),
     include_str!("wgsl/math.wgsl"),
@@ -25,6 +25,7 @@ const FILES: [&str; 23] = [
     include_str!("wgsl/texture.wgsl"),
     include_str!("wgsl/quadric.wgsl"),
     include_str!("wgsl/triangle.wgsl"),
+    include_str!("wgsl/holes.wgsl"),
     include_str!("wgsl/traversal.wgsl"),
     include_str!("wgsl/surface.wgsl"),
     include_str!("wgsl/bsdf/model.wgsl"),
@@ -46,9 +47,9 @@ const FILES: [&str; 23] = [
 /// Files on lights.
 const LIGHTS: &str = concat!(
     include_str!("wgsl/light_tree.wgsl"),
-    include_str!("wgsl/environment.wgsl"),
     include_str!("wgsl/distribution.wgsl"),
     include_str!("wgsl/sky.wgsl"),
+    include_str!("wgsl/environment.wgsl"),
     include_str!("wgsl/emitter.wgsl"),
     include_str!("wgsl/lights.wgsl"),
 );
@@ -86,6 +87,8 @@ const NUMBERS: &[(&str, u32)] = &[
     ("MODEL_THIN_DIELECTRIC", model::THIN_DIELECTRIC),
     ("MODEL_MIX", model::MIX),
     ("MODEL_LAYERED", model::LAYERED),
+    ("ALPHA_OPAQUE", alpha::OPAQUE),
+    ("ALPHA_MASK", alpha::MASK),
     ("ALBEDO_NODES", packed::ALBEDO_NODES as u32),
     ("COLOUR_SPECTRUM", colour::SPECTRUM),
     ("COLOUR_TEXTURE", colour::TEXTURE),
@@ -98,11 +101,11 @@ const NUMBERS: &[(&str, u32)] = &[
     ("LIGHT_ENVIRONMENT", lights::kind::ENVIRONMENT),
     ("ENVIRONMENT_CONSTANT", lights::environment::CONSTANT),
     ("ENVIRONMENT_IMAGE", lights::environment::IMAGE),
+    ("ENVIRONMENT_SKY", lights::environment::SKY),
+    ("SKY_KNOTS", lights::SKY_KNOTS as u32),
 ];
 
 /// The tables of a scene, whose places are those of the layout in `tracer`.
-    ("ENVIRONMENT_SKY", lights::environment::SKY),
-    ("SKY_KNOTS", lights::SKY_KNOTS as u32),
 const BINDINGS: &str = "\
 @group(0) @binding(0) var<uniform> params: Params;
 @group(0) @binding(1) var<storage, read> nodes: array<vec4<u32>>;

@@ -91,6 +91,10 @@ fn sample_chosen(choice: Choice, v: f32, ctx: LightContext, lambda_nm: vec4<f32>
             }
             let primitive = select(head.y, IS_QUADRIC | head.y, head.x == LIGHT_QUADRIC);
             sample.radiance = emitted_at(emission, bitcast<vec3<f32>>(tables[at + 2u].xyz), primitive, emission.w, seen.parameters, lambda_nm);
+            // Where there are holes, rays that look for the light end in front of them.
+            if (params.has_holes != 0u) {
+                sample.radiance *= presence(primitive, emission.w, seen.parameters);
+            }
             sample.wi = seen.wi;
             sample.position = seen.position;
             sample.normal = seen.normal;

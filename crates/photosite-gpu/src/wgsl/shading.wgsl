@@ -30,7 +30,7 @@ fn chosen_material(point: SurfacePoint) -> u32 {
         }
         let mix_words = tables[at + 1u];
         let uv = bitcast<vec2<u32>>(point.parameters);
-        let key = hash64(vec2<u32>(uv.y, uv.x), vec2<u32>(number_of(point), 0u));
+        let key = hash64(vec2<u32>(uv.y, uv.x), vec2<u32>(number_in_order(point.primitive, point.mesh), 0u));
         let own = hash64(key, vec2<u32>(mix_words.z, 0u));
         material = select(mix_words.x, mix_words.y, unit_f32(own.x) < bitcast<f32>(mix_words.z));
     }

@@ -127,9 +127,9 @@ fn uv_of(primitive: u32, mesh: u32, parameters: vec2<f32>, uv_set: u32) -> vec2<
 }
 
 /// The number of a primitive in the order in which meshes were added.
-fn number_of(point: SurfacePoint) -> u32 {
-    let mesh = tables[params.meshes + point.mesh * MESH_WORDS];
-    return mesh.w + select(point.primitive - mesh.z, 0u, (point.primitive & IS_QUADRIC) != 0u);
+fn number_in_order(primitive: u32, mesh: u32) -> u32 {
+    let words = tables[params.meshes + mesh * MESH_WORDS];
+    return words.w + select(primitive - words.z, 0u, (primitive & IS_QUADRIC) != 0u);
 }
 
 /// Handle of the light that a surface point belongs to; [`NONE`] for none.

@@ -80,13 +80,14 @@ fn visit_triangles(first: u32, count: u32, local: LocalRay, ray: Ray, instance: 
             continue;
         }
         if (is_shadow) {
-            if (met.x < ray.t_max && a.w != ray.target_primitive) {
+            if (met.x < ray.t_max && a.w != ray.target_primitive && is_there(a.w, c.w, met.yz, ray)) {
                 return true;
             }
             continue;
         }
         let is_tie = met.x == (*hit).t && (*hit).slot != NONE;
-        if (met.x < (*hit).t || (is_tie && a.w < order_of((*hit).slot))) {
+        let is_nearer = met.x < (*hit).t || (is_tie && a.w < order_of((*hit).slot));
+        if (is_nearer && is_there(a.w, c.w, met.yz, ray)) {
             *hit = Hit(met.x, met.yz, slot, instance);
         }
     }
@@ -106,10 +107,15 @@ fn visit_quadric(index: u32, ray: Ray, instance: u32, is_shadow: bool, hit: ptr<
         let t = sides[side];
         let is_tie = !is_shadow && t == (*hit).t && (*hit).slot != NONE && slot < order_of((*hit).slot);
         if (t > 0.0 && (t < (*hit).t || is_tie)) {
+            let parameters = quadric_parameters(quadric, ray.origin + ray.direction * t);
+            // Of the two sides the nearer may have a hole.
+            if (!is_there(slot, quadric.mesh, parameters, ray)) {
+                continue;
+            }
             if (is_shadow) {
                 return true;
             }
-            *hit = Hit(t, quadric_parameters(quadric, ray.origin + ray.direction * t), slot, instance);
+            *hit = Hit(t, parameters, slot, instance);
             return false;
         }
     }

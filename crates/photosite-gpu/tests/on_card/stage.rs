@@ -3,15 +3,15 @@
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
-use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
+use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use photosite_core::spectrum::{Dispersion, Spectrum, library};
 use photosite_transport::geometry::QuadricKind;
 use photosite_transport::light::{DirectionalLight, PointLight, SpotLight};
 use photosite_transport::scene::description::{
-    Channel, Colour, Conductor, Dielectric, Diffuse, EmissionDescription, EnvironmentDescription, ImageLevel,
-    InstanceDescription, LayeredDescription, LightDescription, LightKind, MaterialDescription, MaterialModel,
-    MeshDescription, Mix, OrenNayar, Phong, Roughness, SceneDescription, TextureDescription, TexturedColour,
-    TexturedFactor, ThinDielectric, Translucent,
+    AlphaMode, Channel, Colour, Conductor, Dielectric, Diffuse, EmissionDescription, EnvironmentDescription,
+    ImageLevel, InstanceDescription, LayeredDescription, LightDescription, LightKind, MaterialDescription,
+    MaterialModel, MeshDescription, Mix, OrenNayar, Phong, Roughness, SceneDescription, TextureDescription,
+    TexturedColour, TexturedFactor, ThinDielectric, Translucent,
 };
 use photosite_transport::scene::{Scene, build};
 use photosite_transport::texture::{Bitmap, Filter, SamplerSettings, Texels, UvTransform, Wrap};
@@ -168,6 +168,8 @@ pub(crate) fn everything() -> Stage {
     scene.0.images.push(bitmap(8, 8, Texels::Rgba8(checker.collect())));
     let deep = (0..16u16).map(|i| [4000 * i, 65535 - 3000 * i, 30000, 65535]);
     scene.0.images.push(bitmap(4, 4, Texels::Rgba16(deep.collect())));
+    let lattice = (0..64u8).map(|i| [200, 200, 60, if i % 4 == 0 || i / 8 % 4 == 0 { 250 } else { 3 * i }]);
+    scene.0.images.push(bitmap(8, 8, Texels::Rgba8(lattice.collect())));
     let texture = |image: usize, wrap: Wrap, filter: Filter| TextureDescription {
         image,
         sampler: SamplerSettings { wrap: [wrap, Wrap::Repeat], filter },
@@ -194,6 +196,9 @@ pub(crate) fn everything() -> Stage {
     let coloured = ball(8, 0.1, true);
     let colours = coloured.positions.iter().map(|p| (0.5 * *p + 0.5).extend(1.0)).collect();
     let coloured = MeshDescription { colours, ..coloured };
+    let veil = square(Vec3::new(0.9, 0.9, 1.2), 0.5 * Vec3::X, 0.6 * Vec3::Y);
+    let veil =
+        MeshDescription { colours: [0.2, 0.9, 0.6, 0.4].map(|alpha| Vec4::new(0.7, 1.0, 0.5, alpha)).to_vec(), ..veil };
     let sky: Vec<[f32; 3]> =
         (0..512).map(|i| [[0.6, 0.8, 1.0], [9.0, 8.0, 6.0]][usize::from(i % 32 == 5 && i / 32 == 4)]).collect();
     let still = DAffine3::IDENTITY;
@@ -259,6 +264,9 @@ pub(crate) fn everything() -> Stage {
             square(Vec3::new(2.5, 1.0, -0.5), 0.9 * Vec3::Z, -0.9 * Vec3::Y),
             &[still],
         )
+        .add("grille", diffuse([0.6; 3]), square(Vec3::new(-0.2, 0.6, 0.7), 0.5 * Vec3::X, 0.5 * Vec3::Y), &[still])
+        .add("basket", diffuse([0.8, 0.7, 0.3]), quadric(QuadricKind::Sphere), &[placed([-2.2, 0.4, -2.0], 0.4)])
+        .add("veil", diffuse([0.5; 3]), veil, &[still, placed([1.0, 0.2, 0.2], 0.6)])
         .add("worn", worn, square(Vec3::new(0.6, 0.7, -2.0), 0.5 * Vec3::X, 0.6 * Vec3::Y), &[still])
         .add("glossy", glossy, coloured, &[placed([-0.9, 0.35, -1.7], 0.35)])
         .shine("panel", light(900.0), false, square(Vec3::new(-0.6, 2.6, 0.2), 0.4 * Vec3::X, 0.3 * Vec3::Z), still)
@@ -269,6 +277,7 @@ pub(crate) fn everything() -> Stage {
             square(Vec3::new(1.6, 2.0, -1.5), 0.3 * Vec3::X, 0.3 * Vec3::Y),
             still,
         )
+        .shine("sign", light(250.0), true, square(Vec3::new(-1.6, 1.9, 0.9), 0.3 * Vec3::X, 0.3 * Vec3::Y), still)
         .shine("bulb", light(4000.0), false, quadric(QuadricKind::Sphere), placed([-1.2, 1.6, -1.2], 0.08))
         .shine("plate", light(800.0), true, quadric(QuadricKind::Disk), placed([0.9, 2.2, 0.9], 0.2))
         .shine("tube", light(1500.0), false, quadric(QuadricKind::Cylinder), placed([-2.3, 1.9, -0.4], 0.07))
@@ -284,9 +293,35 @@ pub(crate) fn everything() -> Stage {
             level: ImageLevel::NitPerUnit(40.0),
             rotation_deg: 25.0,
         });
-    let wall = stage.0.materials.iter_mut().find(|material| material.name == "wall").expect("a wall");
-    wall.normal_map = Some((bumps, 0.4));
+    let holes = texture(2, Wrap::Repeat, Filter::Linear);
+    for material in &mut stage.0.materials {
+        match material.name.as_str() {
+            "wall" => material.normal_map = Some((bumps.clone(), 0.4)),
+            "grille" | "basket" | "sign" => {
+                material.alpha = AlphaMode::Mask { cutoff: 0.5 };
+                material.alpha_texture = Some(holes.clone());
+            }
+            "veil" => (material.alpha, material.alpha_factor) = (AlphaMode::Blend, 0.8),
+            _ => {}
+        }
+    }
     stage
+}
+
+/// Matt and shiny things in the sun, which is low.
+pub(crate) fn outdoors() -> Stage {
+    let still = DAffine3::IDENTITY;
+    Stage::default()
+        .add("ground", diffuse([0.5, 0.4, 0.3]), square(Vec3::ZERO, 3.0 * Vec3::Z, 3.0 * Vec3::X), &[still])
+        .add("ball", metal("Cu", 0.5), ball(12, 0.05, true), &[placed([-0.8, 0.5, 0.2], 0.5)])
+        .add("stone", diffuse([0.7; 3]), ball(10, 0.1, false), &[placed([0.9, 0.4, -0.5], 0.45)])
+        .add(
+            "leaf",
+            MaterialModel::Translucent(Translucent { reflectance: grey(0.4), transmittance: grey(0.35) }),
+            square(Vec3::new(0.2, 0.7, 0.9), 0.4 * Vec3::X, 0.5 * Vec3::Y),
+            &[still],
+        )
+        .environment(sky(3.0, 20.0, 0.2, true))
 }
 
 /// Panes before a wall that shines, in a room of constant light: no lamp without a surface.
@@ -308,20 +343,4 @@ pub(crate) fn panes() -> Stage {
             colour: Colour::Rgb([0.7, 0.8, 0.9]),
             luminance_nit: Some(30.0),
         })
-/// Matt and shiny things in the sun, which is low.
-pub(crate) fn outdoors() -> Stage {
-    let still = DAffine3::IDENTITY;
-    Stage::default()
-        .add("ground", diffuse([0.5, 0.4, 0.3]), square(Vec3::ZERO, 3.0 * Vec3::Z, 3.0 * Vec3::X), &[still])
-        .add("ball", metal("Cu", 0.5), ball(12, 0.05, true), &[placed([-0.8, 0.5, 0.2], 0.5)])
-        .add("stone", diffuse([0.7; 3]), ball(10, 0.1, false), &[placed([0.9, 0.4, -0.5], 0.45)])
-        .add(
-            "leaf",
-            MaterialModel::Translucent(Translucent { reflectance: grey(0.4), transmittance: grey(0.35) }),
-            square(Vec3::new(0.2, 0.7, 0.9), 0.4 * Vec3::X, 0.5 * Vec3::Y),
-            &[still],
-        )
-        .environment(sky(3.0, 20.0, 0.2, true))
-}
-
 }

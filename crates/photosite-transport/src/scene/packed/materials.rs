@@ -9,9 +9,9 @@ use crate::scene::{Alpha, ColourSource, FactorSource, LayeredMaterial, Material,
 use photosite_core::Invalid;
 use photosite_core::spectrum::SpectrumId;
 
-/// Words of a material: model and roughness; two parameters with the factor of each; two factors that textures scale; what
-/// it emits; its normal map.
-pub const MATERIAL_WORDS: usize = MODEL_WORDS + 3;
+/// Words of a material: model and roughness; two parameters with the factor of each; two factors that textures scale; its
+/// alpha; what it emits; its normal map.
+pub const MATERIAL_WORDS: usize = MODEL_WORDS + 4;
 /// Words of a model.
 const MODEL_WORDS: usize = 7;
 
@@ -37,6 +37,16 @@ pub mod model {
     pub const LAYERED: u32 = 8;
 }
 
+/// Numbers of the modes of alpha.
+pub mod alpha {
+    /// A surface that is there everywhere.
+    pub const OPAQUE: u32 = 0;
+    /// A surface that is there where alpha reaches a threshold.
+    pub const MASK: u32 = 1;
+    /// A surface that is there with probability alpha.
+    pub const BLEND: u32 = 2;
+}
+
 impl Scene {
     /// The materials, and behind them those that mixes are made of.
     pub(super) fn packed_materials(&self) -> Result<Vec<Word>, Invalid> {
@@ -50,11 +60,8 @@ impl Scene {
             if absorption.is_some() {
                 return unknown("media that absorb are");
             }
-            match alpha {
-                Alpha::Opaque => {}
-                Alpha::Mask { .. } | Alpha::Blend { .. } => return unknown("holes by alpha are"),
-            }
             words.extend(self.model_words(model, first, &mut more)?);
+            words.push(alpha_word(alpha));
             words.extend(emission_words(emission.as_ref()));
             words.push(normal_map.map_or([NONE, 0, 0, 0], |map| [map.texture, map.scale.to_bits(), 0, 0]));
         }
@@ -62,6 +69,7 @@ impl Scene {
         while let Some(&model) = more.get(next) {
             let own = self.model_words(model, first, &mut more)?;
             words.extend(own);
+            words.push(alpha_word(&Alpha::Opaque));
             words.extend(emission_words(None));
             words.push([NONE, 0, 0, 0]);
             next += 1;
@@ -163,6 +171,18 @@ fn layered_words(m: &LayeredMaterial) -> Result<[Word; MODEL_WORDS], Invalid> {
 fn head(model: u32, distribution: Option<&Ggx>) -> Word {
     let [x, y] = distribution.map_or([0.0; 2], Ggx::alpha);
     [model, x.to_bits(), y.to_bits(), 0]
+}
+
+/// Mode, factor, texture and threshold.
+fn alpha_word(alpha: &Alpha) -> Word {
+    let word = |mode: u32, factor: f32, texture: Option<u32>, cutoff: f32| {
+        [mode, factor.to_bits(), texture.unwrap_or(NONE), cutoff.to_bits()]
+    };
+    match *alpha {
+        Alpha::Opaque => word(alpha::OPAQUE, 1.0, None, 0.0),
+        Alpha::Mask { factor, texture, cutoff } => word(alpha::MASK, factor, texture, cutoff),
+        Alpha::Blend { factor, texture } => word(alpha::BLEND, factor, texture, 0.0),
+    }
 }
 
 fn spectrum(id: SpectrumId) -> Word {

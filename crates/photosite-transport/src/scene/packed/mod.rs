@@ -98,6 +98,8 @@ pub struct PackedScene {
     pub texels: Vec<u32>,
     /// Numbers that choose lights, and the environment.
     pub lights: PackedLights,
+    /// Whether any material has holes by alpha.
+    pub has_holes: bool,
 }
 
 impl Scene {
@@ -136,9 +138,9 @@ impl Scene {
             lights: section(light_tables.lights),
             tree: section(light_tables.tree),
             distant: section(light_tables.distant),
+            sky: section(light_tables.sky),
             colours: section(colours),
             albedos: section(albedos),
-            sky: section(light_tables.sky),
         };
         let (attributes, attribute_sections) = attributes(&self.geometry, light_tables.environment);
         Ok(PackedScene {
@@ -152,6 +154,7 @@ impl Scene {
             spectra: self.spectra.entries().to_vec(),
             texels: textures.texels,
             lights,
+            has_holes: self.has_alpha,
         })
     }
 }
