@@ -120,3 +120,27 @@ pub(super) fn refusal(earlier: &Value, now: &Value) -> Option<String> {
         format!("holds the samples {from}..{to} of each pixel")
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Images of a card are another data set than those of the processor, or of another card; how much there is to be
+    /// stays as it was.
+    #[test]
+    fn data_sets_are_of_one_device() {
+        let mut identity = fingerprinted(json!({ "dataset": {}, "overrides": [], "captures": [] }));
+        identity.insert(FRAMES.to_owned(), 3.into());
+        identity.insert(CAMERAS.to_owned(), json!(["left"]));
+        let processor = Value::Object(identity);
+        let [one, other] = ["a card", "another"].map(|name| on_device(&processor, name));
+        assert_eq!(refusal(&one, &on_device(&processor, "a card")), None);
+        for (earlier, now) in [(&processor, &one), (&one, &processor), (&one, &other)] {
+            let words = refusal(earlier, now).expect("another data set");
+            assert!(words.contains("another device"), "{words}");
+        }
+        assert_eq!(one[FRAMES], processor[FRAMES]);
+        assert_eq!(one[CAMERAS], processor[CAMERAS]);
+        assert_eq!(one[DEVICE], "a card");
+    }
+}
