@@ -1,5 +1,6 @@
 //! Calibration of cameras and data sets: [`targets`], flat patterns whose points are known, which can be printed and
-//! photographed; [`truth`], ground truth of each pixel; [`camera_files`], which describe a camera to other tools;
+//! photographed; [`truth`], ground truth of each pixel; [`camera_files`], which describe a camera to other tools, and
+//! [`calibration_files`], in which these describe one to photosite;
 //! [`dataset`], which varies a capture from frame to frame; and [`layouts`], in which other tools read finished data
 //! sets.
 //!
@@ -9,6 +10,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod calibration_files;
 pub mod camera_files;
 pub mod dataset;
 pub mod layouts;

@@ -1,6 +1,7 @@
 //! Read access to what a capture says. Its values are changed by [`Capture::with`] alone, so that its text, from which
 //! `capture.json` and fingerprints are made, and its settings never differ.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::DAffine3;
@@ -24,6 +25,16 @@ impl Capture {
     /// Camera → world; the camera looks along −Z.
     pub fn camera_to_world(&self) -> DAffine3 {
         self.camera_to_world
+    }
+
+    /// Files that its camera was read from, besides those that it names.
+    pub fn calibration_files(&self) -> &[PathBuf] {
+        self.calibrated.as_ref().map_or(&[], |calibrated| &calibrated.files)
+    }
+
+    /// Whether the calibration of the lens has placed the camera, whose world is the frame of the calibration then.
+    pub fn is_placed_by_calibration(&self) -> bool {
+        self.calibrated.as_ref().is_some_and(|calibrated| calibrated.pose.is_some())
     }
 
     /// Recording of an image in whose time camera or scene move; `None` where all stands still.

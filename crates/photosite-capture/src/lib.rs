@@ -48,6 +48,7 @@ use photosite_transport::integrator::{Device, RenderSettings};
 use photosite_transport::optics::{LensDescription, LensKind, Recording};
 use photosite_transport::scene::description::SceneDescription;
 
+use camera::calibration::Calibrated;
 use camera::pose::place_camera;
 pub use files::init::{InitialCapture, initial_capture};
 use files::input::{focus_on_scene, is_scene_file, read_source};
@@ -109,6 +110,8 @@ pub struct Capture {
     pub(crate) targets: Vec<PlacedTarget>,
     /// Camera → world; the camera looks along −Z.
     pub(crate) camera_to_world: DAffine3,
+    /// Calibration that the camera has.
+    pub(crate) calibrated: Option<Calibrated>,
     /// Recording of an image in whose time camera or scene move; `None` where all stands still.
     pub(crate) recording: Option<Recording>,
     /// Whether the scene is that of one image only, so that others need [`Capture::at_frame`].
@@ -382,8 +385,11 @@ impl Capture {
         let sensor = sensor_model(&file.sensor, source.sandbox()).map_err(|invalid| invalid.within("sensor"))?;
         let motion = motion::of_camera(&file.camera).map_err(|e| e.within("motion").within("camera"))?;
         let mut warnings = Warnings::default();
-        let (camera_to_world, lens) = place_camera(file, motion.as_ref(), &finder, &scene, &sensor, &mut warnings)?;
         let exposure = exposure::exposure(&file.exposure, &sensor).map_err(|invalid| invalid.within("exposure"))?;
+        let read_out = sensor.read_out_grid(&exposure.region, exposure.stages);
+        let calibrated = Calibrated::of(&finder, (&file.camera, &file.lens), &sensor, &read_out, &mut warnings)?;
+        let seen = (&sensor, calibrated.as_ref());
+        let (camera_to_world, lens) = place_camera(file, motion.as_ref(), &finder, &scene, seen, &mut warnings)?;
         let scene_mover = file.scene.mover();
         let scene_moves = scene_mover.is_some();
         let moves = motion.is_some() || scene_moves;
@@ -443,6 +449,7 @@ impl Capture {
             scene,
             targets,
             camera_to_world,
+            calibrated,
             lens,
             sensor,
             warnings: warnings.into_messages(),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::DVec2;
+use glam::{DAffine3, DVec2};
 
 use super::varied;
 use photosite_calibration::dataset::{Found, Plan, RigCamera, Subject};
@@ -26,7 +26,7 @@ pub(super) fn plan(
     let rig = description.rig().map_err(|invalid| file.error(invalid))?;
     let mut cameras = Vec::new();
     let mut captures: Vec<Capture> = Vec::new();
-    for place in rig {
+    for mut place in rig {
         let set: Vec<String> = place.set.iter().chain(overrides).cloned().collect();
         let read = || {
             let capture = match captures.first() {
@@ -46,6 +46,15 @@ pub(super) fn plan(
         };
         let read = read().map_err(|error| file.error_of_change(error, &place.name, None, &place.set));
         let (camera, capture) = read?;
+        // Of a rig, the calibration says where in it the camera stands.
+        if let Some(stated) = description.cameras.get(captures.len()).filter(|_| capture.is_placed_by_calibration()) {
+            if stated.position_m.is_some() || stated.look_at_m.is_some() || stated.up.is_some() {
+                let message = "cannot be combined with camera.calibration_pose, which says where in the rig it stands";
+                let invalid = Invalid::new(format!("cameras[{}]", captures.len()), message);
+                return Err(file.error(invalid.help("remove position_m, look_at_m and up, or calibration_pose")));
+            }
+            place.in_rig = capture.camera_to_world();
+        }
         // Cameras of a rig of which nothing else is stated have serial numbers of their own.
         let serial = capture.sensor().serial.saturating_add(if place.is_numbered { 0 } else { captures.len() as u64 });
         let seed = capture.render().seed;
@@ -54,6 +63,19 @@ pub(super) fn plan(
         let flows = varies_truth || TruthLayer::any_needs(&capture.output().truth.layers, Needs::NextImage);
         cameras.push(RigCamera { place, camera, serial, seed, flows, scene_moves: capture.scene_moves() });
         captures.push(capture);
+    }
+    let is_calibrated = |captures: &[Capture]| {
+        !description.cameras.is_empty() && captures.iter().any(Capture::is_placed_by_calibration)
+    };
+    if is_calibrated(&captures) {
+        for (index, capture) in captures.iter_mut().enumerate() {
+            let Some(partner) = cameras[index].place.partner else { continue };
+            let partner_in_rig = cameras[partner].place.in_rig;
+            let place = &mut cameras[index].place;
+            place.set_partner(&partner_in_rig);
+            let set: Vec<String> = place.set.iter().chain(overrides).cloned().collect();
+            *capture = capture.with_all(&set)?;
+        }
     }
     for (index, camera) in cameras.iter().enumerate() {
         if let Some(other) = cameras[..index].iter().find(|other| other.serial == camera.serial) {
@@ -74,7 +96,8 @@ pub(super) fn plan(
         }
     }
     let subjects = subjects(&captures[0]);
-    let start = captures[0].camera_to_world();
+    // The frame of a calibration is that of the rig.
+    let start = if is_calibrated(&captures) { DAffine3::IDENTITY } else { captures[0].camera_to_world() };
     let found = varied::find(file, sandbox, &captures[0])?;
     let plan = Plan::new(description, cameras, &subjects, start, &found).map_err(|invalid| file.error(invalid))?;
     Ok((plan, captures, found))

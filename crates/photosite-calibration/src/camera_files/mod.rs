@@ -145,9 +145,14 @@ impl CalibratedCamera {
     }
 }
 
+/// Half a turn about x, which takes the axes of OpenCV to those of glTF and back.
+pub(crate) fn half_turn() -> DAffine3 {
+    DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)))
+}
+
 /// Pose with the axes of OpenCV in place of those of glTF.
 pub(super) fn opencv_pose(to_world: &DAffine3) -> DAffine3 {
-    *to_world * DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(1.0, -1.0, -1.0)))
+    *to_world * half_turn()
 }
 
 /// Coefficients k₁ k₂ p₁ p₂ of a distortion that has no more than these.

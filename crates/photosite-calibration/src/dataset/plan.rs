@@ -300,11 +300,19 @@ impl DatasetDescription {
                 place.set.extend(has_pair.then(|| "output.truth_partner=false".to_owned()));
                 continue;
             };
-            let keys =
-                pose_keys(&(place.in_rig.inverse() * places[partner])).map(|(key, value)| format!("{key} = {value}"));
-            place.set.push(format!("output.truth_partner={{ {} }}", keys.join(", ")));
+            place.set_partner(&places[partner]);
         }
         Ok(rig)
+    }
+}
+
+impl RigPlace {
+    /// Changes the capture so that disparity leads to a camera at that place in the rig.
+    pub fn set_partner(&mut self, partner_in_rig: &DAffine3) {
+        const KEY: &str = "output.truth_partner=";
+        let keys = pose_keys(&(self.in_rig.inverse() * *partner_in_rig)).map(|(key, value)| format!("{key} = {value}"));
+        self.set.retain(|change| !change.starts_with(KEY));
+        self.set.push(format!("{KEY}{{ {} }}", keys.join(", ")));
     }
 }
 

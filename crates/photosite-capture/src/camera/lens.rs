@@ -8,6 +8,7 @@ use super::super::tables::spectra::Finder;
 use super::super::tables::{IntrinsicsTable, LensTable, LensType};
 use super::super::tree::numbers::positive_number;
 use super::aberrations::{lateral_colour, point_spread, stops};
+use super::calibration::Calibrated;
 use super::focus::focus;
 use super::lens_elements::{ground_lens, supplementary_lens};
 use super::prescription::{Prescribed, focus_spectrum};
@@ -24,13 +25,13 @@ pub(crate) const DEFAULT_FOCAL_LENGTH_M: f64 = 0.016;
 /// Default f-number.
 pub(crate) const DEFAULT_F_NUMBER: f64 = 8.0;
 
-/// Describes a lens, of which `prescribed` is what its prescription names. `vertical_fov_rad` is that of a glTF camera,
+/// Describes a lens, of which `prescribed` is what its prescription names, and `calibrated` its calibration. `vertical_fov_rad` is that of a glTF camera,
 /// if one is used: without a focal length of the table's own, it decides. `default_focus` holds where the table says
 /// nothing of focus, or to focus on the scene.
 pub(crate) fn describe_lens(
     finder: &Finder<'_>,
     table: &LensTable,
-    prescribed: Option<Prescribed>,
+    (prescribed, calibrated): (Option<Prescribed>, Option<&Calibrated>),
     sensor: &SensorModel,
     vertical_fov_rad: Option<f64>,
     default_focus: Option<Focus>,
@@ -53,11 +54,15 @@ pub(crate) fn describe_lens(
     if table.blade_rotation_deg.is_some_and(|turn| turn != 0.0) && table.blades.unwrap_or(0) == 0 {
         warnings.once("lens.blade_rotation_deg has no effect: the aperture is round; write blades, too");
     }
-    let projection = projection(table)?;
+    let projection = calibrated.map_or_else(|| projection(table), |calibrated| Ok(calibrated.projection))?;
     let image_distance_m = image_distance_of_field(table, sensor)?;
     let is_sized = table.focal_length_mm.is_some() || image_distance_m.is_some();
-    let intrinsics = match (table.intrinsics, is_sized, projection) {
-        (Some(table), ..) => Some(intrinsics(table)?),
+    let stated = match calibrated {
+        Some(calibrated) => Some(calibrated.intrinsics),
+        None => table.intrinsics.map(intrinsics).transpose()?,
+    };
+    let intrinsics = match (stated, is_sized, projection) {
+        (Some(stated), ..) => Some(stated),
         (None, false, Projection::Equirectangular) => Some(whole_sphere(size_px)),
         (None, ..) => None,
     };

@@ -1,6 +1,7 @@
 //! Camera, `[camera]` and `[lens]`: its pose and its optics.
 
 pub(crate) mod aberrations;
+pub(crate) mod calibration;
 pub(crate) mod focus;
 pub(crate) mod framing;
 pub(crate) mod lens;

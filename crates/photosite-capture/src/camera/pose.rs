@@ -4,6 +4,7 @@ use glam::DAffine3;
 
 use super::super::tables::spectra::Finder;
 use super::super::tables::{CameraTable, CaptureFile, FocusDistance, LensTable};
+use super::calibration::Calibrated;
 use super::focus::ON_SCENE;
 use super::framing::{Framing, LensSize, Sphere, bounding_sphere};
 use super::lens::{DEFAULT_FOCAL_LENGTH_M, describe_lens, image_distance_of_field};
@@ -22,17 +23,23 @@ pub(crate) fn place_camera(
     motion: Option<&Trajectory>,
     finder: &Finder<'_>,
     scene: &SceneDescription,
-    sensor: &SensorModel,
+    (sensor, calibrated): (&SensorModel, Option<&Calibrated>),
     warnings: &mut Warnings,
 ) -> Result<(DAffine3, LensDescription), Invalid> {
+    let of_calibration = calibrated.and_then(|calibrated| calibrated.pose);
+    if of_calibration.is_some() {
+        refuse_other_poses(camera, motion.is_some_and(Trajectory::is_absolute))
+            .map_err(|invalid| invalid.within("camera"))?;
+    }
     let pose = match motion {
+        _ if of_calibration.is_some() => of_calibration.map(|to_world| Pose { to_world, vertical_fov_rad: None }),
         Some(motion) if motion.is_absolute() => {
             Some(Pose { to_world: motion.pose(&DAffine3::IDENTITY, 0.0), vertical_fov_rad: None })
         }
         Some(_) | None => pose(camera, &scene.cameras).map_err(|invalid| invalid.within("camera"))?,
     };
     let prescribed = Prescribed::of(finder, lens, warnings).map_err(|invalid| invalid.within("lens"))?;
-    let size = lens_size(lens, sensor, prescribed.as_ref()).map_err(|invalid| invalid.within("lens"))?;
+    let size = lens_size(lens, sensor, prescribed.as_ref(), calibrated).map_err(|invalid| invalid.within("lens"))?;
     let sphere = bounding_sphere(scene);
     let focus_on_scene = matches!(&lens.focus_distance_m, Some(FocusDistance::Name(name)) if name == ON_SCENE);
     let (pose, is_framed) = match (pose, sphere) {
@@ -52,7 +59,8 @@ pub(crate) fn place_camera(
     let (LensSize::FocalLength(focal_length_m) | LensSize::ImageDistance(focal_length_m)) = size;
     // What lies behind the camera or within its focal length cannot be focused on.
     let default_focus = focus_distance.filter(|u| *u > 1.05 * focal_length_m).map(Focus::Distance);
-    let lens = describe_lens(finder, lens, prescribed, sensor, pose.vertical_fov_rad, default_focus, warnings);
+    let lens =
+        describe_lens(finder, lens, (prescribed, calibrated), sensor, pose.vertical_fov_rad, default_focus, warnings);
     Ok((pose.to_world, lens.map_err(|invalid| invalid.within("lens"))?))
 }
 
@@ -61,7 +69,11 @@ pub(crate) fn lens_size(
     lens: &LensTable,
     sensor: &SensorModel,
     prescribed: Option<&Prescribed>,
+    calibrated: Option<&Calibrated>,
 ) -> Result<LensSize, Invalid> {
+    if let (Some(calibrated), None) = (calibrated, lens.focal_length_mm) {
+        return Ok(LensSize::ImageDistance(calibrated.intrinsics.fy * sensor.pixel_pitch_m[1]));
+    }
     if let Some(distance_m) = image_distance_of_field(lens, sensor)? {
         return Ok(LensSize::ImageDistance(distance_m));
     }
@@ -70,6 +82,23 @@ pub(crate) fn lens_size(
         None => lens.image_distance_mm.or(lens.focal_length_mm),
     };
     Ok(LensSize::FocalLength(stated_mm.map_or(DEFAULT_FOCAL_LENGTH_M, |mm| mm.abs() / 1e3)))
+}
+
+/// Refuses keys that place the camera beside its calibration.
+fn refuse_other_poses(table: &CameraTable, moves: bool) -> Result<(), Invalid> {
+    for (key, is_given) in [
+        ("position_m", table.position_m.is_some()),
+        ("look_at_m", table.look_at_m.is_some()),
+        ("up", table.up.is_some()),
+        ("gltf_camera", table.gltf_camera.is_some()),
+        ("motion", moves),
+    ] {
+        if is_given {
+            let message = "cannot be combined with calibration_pose, which places the camera";
+            return Err(Invalid::new(key, message).help("keep one of them"));
+        }
+    }
+    Ok(())
 }
 
 /// Pose of a camera, with the field of view if its file states one.

@@ -149,8 +149,8 @@ fn camera(capture: &Capture) -> Result<String> {
         return Ok(table.0);
     }
     let Some(sphere) = bounding_sphere(&capture.scene) else { return Ok(table.0) };
-    let size =
-        lens_size(&LensTable::default(), &capture.sensor, None).map_err(|invalid| capture.source.error(invalid))?;
+    let size = lens_size(&LensTable::default(), &capture.sensor, None, None)
+        .map_err(|invalid| capture.source.error(invalid))?;
     let Framing { position, look_at } = Framing::of(&sphere, &capture.sensor, size);
     table.key(
         "position_m",

@@ -10,7 +10,7 @@ use super::super::tree::source::CaptureSource;
 use photosite_core::Result;
 
 /// Keys whose text is the path of a file.
-const PATHS: [&str; 3] = ["file", "image", "texture"];
+const PATHS: [&str; 4] = ["file", "image", "texture", "calibration"];
 /// Keys whose text is the path of a file, or the name of something that ships.
 const PATHS_OR_NAMES: [&str; 2] = ["prescription", "preset"];
 
@@ -141,7 +141,7 @@ mod tests {
             "materials": { "file": { "type": "diffuse", "reflectance": { "file": "../red.csv" } } },
             "lights": [{ "spectrum": { "file": "lamp.csv" } }],
             "sensor": { "preset": "file" },
-            "lens": { "prescription": "../50mm.zmx" },
+            "lens": { "prescription": "../50mm.zmx", "calibration": "camchain.yaml" },
             "other": { "prescription": "double-gauss" },
         });
         let mut absolute = value.clone();
@@ -159,6 +159,7 @@ mod tests {
         assert_eq!(value["lights"][0]["spectrum"]["file"], "../../scenes/room/lamp.csv");
         assert_eq!(value["sensor"]["preset"], "file");
         assert_eq!(value["lens"]["prescription"], "../../scenes/50mm.zmx");
+        assert_eq!(value["lens"]["calibration"], "../../scenes/room/camchain.yaml");
         assert_eq!(value["other"]["prescription"], "double-gauss");
     }
 }

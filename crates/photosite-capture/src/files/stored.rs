@@ -10,6 +10,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 
 use super::super::Capture;
+use super::super::camera::calibration::Calibrated;
 use super::super::camera::lens::describe_lens;
 use super::super::camera::prescription::Prescribed;
 use super::super::settings::develop;
@@ -17,7 +18,7 @@ use super::super::settings::exposure::{self, ExposureSettings};
 use super::super::settings::output::{self, OutputSettings};
 use super::super::settings::sensor::{anchor_files, read_sensor, sensor_model};
 use super::super::tables::spectra::Finder;
-use super::super::tables::{LensTable, SECTIONS};
+use super::super::tables::{CameraTable, LensTable, SECTIONS};
 use super::super::tree::overrides;
 use super::super::tree::source::{CaptureSource, shown};
 use super::relocate::keys_of;
@@ -47,6 +48,8 @@ pub struct StoredCapture {
     pub seed: u64,
     /// The lens that the stored light has passed. What a glTF camera or autofocus decided of it is not known here.
     pub lens: LensDescription,
+    /// Calibration of the camera, on the pixels that the image was taken with.
+    calibrated: Option<Calibrated>,
     /// Warnings about keys that its sensor was made of, and which its values no longer show.
     pub sensor_warnings: Vec<String>,
     /// Warnings about the values of sensor and exposure.
@@ -61,8 +64,9 @@ impl StoredCapture {
     pub fn of_report(sandbox: &Sandbox, path: &Path, report: &StoredReport, arguments: &[String]) -> Result<Self> {
         check(path, arguments)?;
         let mut source = report.source(path).within(sandbox);
+        let calibrated = calibrated(&source)?;
         lay_over(&mut source, arguments)?;
-        Self::assemble(source)
+        Self::assemble(source, calibrated)
     }
 
     /// Stored capture of an image of which nothing is known but its size, with overrides, `key=value`.
@@ -71,7 +75,7 @@ impl StoredCapture {
         let mut source = CaptureSource::empty(path).within(sandbox);
         source.set_default("sensor", "resolution_px", &json!(resolution_px));
         lay_over(&mut source, arguments)?;
-        Self::assemble(source)
+        Self::assemble(source, None)
     }
 
     /// The stored capture with more changes, `key=value`.
@@ -80,11 +84,16 @@ impl StoredCapture {
     ///
     /// A key that light transport has used; a value that cannot be used.
     pub fn with(&self, changes: &[String]) -> Result<Self> {
-        Self::changed(&self.source, &self.sensor.name, changes)
+        Self::changed(&self.source, &self.sensor.name, self.calibrated.clone(), changes)
     }
 
     /// Lays changes over keys whose sensor is whole.
-    fn changed(source: &CaptureSource, sensor_name: &str, changes: &[String]) -> Result<Self> {
+    fn changed(
+        source: &CaptureSource,
+        sensor_name: &str,
+        calibrated: Option<Calibrated>,
+        changes: &[String],
+    ) -> Result<Self> {
         check(source.path(), changes)?;
         let mut source = source.clone();
         if let Some(mut sensor) = source.take_sensor() {
@@ -93,10 +102,10 @@ impl StoredCapture {
             source.keep_sensor(sensor, sensor_name);
         }
         lay_over(&mut source, changes)?;
-        Self::assemble(source)
+        Self::assemble(source, calibrated)
     }
 
-    fn assemble(mut source: CaptureSource) -> Result<Self> {
+    fn assemble(mut source: CaptureSource, calibrated: Option<Calibrated>) -> Result<Self> {
         refuse_unknown_sections(&source)?;
         let merged = read_sensor(&mut source, Path::new(""))?;
         let lens: LensTable = source.read("lens")?.unwrap_or_default();
@@ -112,7 +121,8 @@ impl StoredCapture {
         // Warnings about the lens were given when light was traced.
         let mut given = Warnings::default();
         let prescribed = Prescribed::of(&finder, &lens, &mut given).map_err(at("lens"))?;
-        let lens = describe_lens(&finder, &lens, prescribed, &sensor, None, Some(Focus::Infinity), &mut given);
+        let known = (prescribed, calibrated.as_ref());
+        let lens = describe_lens(&finder, &lens, known, &sensor, None, Some(Focus::Infinity), &mut given);
         let lens = lens.map_err(at("lens"))?;
         let exposure = exposure::exposure(&exposure, &sensor).map_err(at("exposure"))?;
         let of_settings = sensor.warnings().into_iter().chain(exposure.warning());
@@ -125,6 +135,7 @@ impl StoredCapture {
             seed: render.seed,
             sensor,
             lens,
+            calibrated,
             sensor_warnings: merged.warnings,
             warnings,
             source: source.clone(),
@@ -162,9 +173,19 @@ impl Capture {
     ///
     /// A key that light transport has used; a value that cannot be used.
     pub fn for_traced_light(&self, changes: &[String]) -> Result<Self> {
-        let changed = StoredCapture::changed(&self.source, &self.sensor.name, changes)?;
-        let StoredCapture { sensor, exposure, output, develop, seed, sensor_warnings, warnings, source, lens: _ } =
-            changed;
+        let changed = StoredCapture::changed(&self.source, &self.sensor.name, self.calibrated.clone(), changes)?;
+        let StoredCapture {
+            sensor,
+            exposure,
+            output,
+            develop,
+            seed,
+            sensor_warnings,
+            warnings,
+            source,
+            lens: _,
+            calibrated,
+        } = changed;
         // A sensor that stays was made of the same keys.
         let before = if sensor == self.sensor { &*self.sensor_warnings } else { &[] };
         let origin = self.origin.clone().map(|mut origin| {
@@ -178,6 +199,7 @@ impl Capture {
             exposure_warnings: warnings,
             known_scene: None,
             models: self.models.clone(),
+            calibrated,
             targets: self.targets.clone(),
             recording: self.recording.clone(),
             lens: self.lens.clone(),
@@ -192,6 +214,25 @@ impl Capture {
             ..*self
         })
     }
+}
+
+/// Calibration of the camera on the pixels of the image that is stored, before anything of the exposure is changed.
+fn calibrated(source: &CaptureSource) -> Result<Option<Calibrated>> {
+    let lens: LensTable = source.read("lens")?.unwrap_or_default();
+    if lens.calibration.is_none() {
+        return Ok(None);
+    }
+    let camera: CameraTable = source.read("camera")?.unwrap_or_default();
+    let merged = read_sensor(&mut source.clone(), Path::new(""))?;
+    let finder = Finder::new(source.path().parent().unwrap_or(Path::new("")), source.sandbox(), Vec::new());
+    let calibrated = || -> Result<_, Invalid> {
+        let sensor = sensor_model(&merged, source.sandbox()).map_err(|invalid| invalid.within("sensor"))?;
+        let exposure = source.read("exposure").map_err(|_| Invalid::new("exposure", "cannot be read"))?;
+        let exposure = exposure::exposure(&exposure.unwrap_or_default(), &sensor).map_err(|e| e.within("exposure"))?;
+        let read_out = sensor.read_out_grid(&exposure.region, exposure.stages);
+        Calibrated::of(&finder, (&camera, &lens), &sensor, &read_out, &mut Warnings::default())
+    };
+    calibrated().map_err(|invalid| source.error(invalid))
 }
 
 fn lay_over(source: &mut CaptureSource, arguments: &[String]) -> Result<()> {

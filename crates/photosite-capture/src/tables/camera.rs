@@ -10,7 +10,7 @@ use photosite_core::schema_range::{above, within};
 use photosite_sensor::SpectrumSource;
 use photosite_transport::optics::Falloff;
 
-/// Pose of the camera: position_m and look_at_m, or gltf_camera.
+/// Pose of the camera: position_m and look_at_m, gltf_camera, or calibration_pose.
 #[derive(Debug, Default, Deserialize, JsonSchema, Keys)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct CameraTable {
@@ -23,6 +23,11 @@ pub(crate) struct CameraTable {
     pub(crate) up: Option<[f64; 3]>,
     /// Name of a camera of the glTF files.
     pub(crate) gltf_camera: Option<String>,
+    /// Pose that `lens.calibration` holds, by what it is measured from: "world" of OpenCV; "imu", or a camera of the rig
+    /// such as "cam0", of Kalibr; "body" of EuRoC; the name of an image of COLMAP's images.txt beside cameras.txt. That
+    /// is the world then; a camera of the rig stands at its origin, upright, and looks along −z. Frames of a data set
+    /// take it as the place in the rig.
+    pub(crate) calibration_pose: Option<String>,
     /// Motion during the exposure. Left out: none.
     pub(crate) motion: Option<CameraMotionTable>,
 }
@@ -112,6 +117,14 @@ pub(crate) struct LensTable {
     pub(crate) stops: Vec<StopTable>,
     /// Camera matrix in place of the one that follows from focal length and focus.
     pub(crate) intrinsics: Option<IntrinsicsTable>,
+    /// File of a calibration, which states camera matrix, projection and distortion in place of intrinsics, projection,
+    /// xi and distortion: Kalibr's camchain.yaml, OpenCV's .yaml, .yml, .xml or .json, camera_info of ROS, COLMAP's
+    /// cameras.txt, sensor.yaml of EuRoC. It holds for all pixels of the sensor, or for the image that region_px and
+    /// binning leave. focal_length_mm, where it is left out, is that of the matrix at the sensor's pixel pitch.
+    pub(crate) calibration: Option<String>,
+    /// Camera of the calibration: its name there, such as "cam1" of Kalibr, or its number, "2" of COLMAP. Left out: the
+    /// only one, or that of calibration_pose.
+    pub(crate) calibration_camera: Option<String>,
 }
 
 /// Kinds of lenses.

@@ -1,5 +1,6 @@
 //! Tests of whole captures, made here.
 
+mod calibration;
 mod encodings;
 mod errors;
 mod levels;

@@ -22,7 +22,10 @@ pub(crate) fn set(source: &mut CaptureSource, argument: &str) -> Result<()> {
             // given means that none is found.
             let is_told = match table {
                 "exposure" => *other != "auto" || source.is_of_argument(&node),
-                "lens" => key == "prescription" || *other == "prescription",
+                "lens" => {
+                    let whole_lens = ["prescription", "calibration"];
+                    whole_lens.contains(&key) || whole_lens.contains(other)
+                }
                 _ => false,
             };
             if is_told {
@@ -45,20 +48,23 @@ fn alternatives(table: &str, key: &str, value: &str) -> &'static [&'static str] 
             _ => &[],
         },
         "camera" => match key {
-            "position_m" | "look_at_m" | "up" => &["gltf_camera"],
-            "gltf_camera" => &["position_m", "look_at_m", "up"],
+            "position_m" | "look_at_m" | "up" => &["gltf_camera", "calibration_pose"],
+            "gltf_camera" => &["position_m", "look_at_m", "up", "calibration_pose"],
+            "calibration_pose" => &["position_m", "look_at_m", "up", "gltf_camera"],
             // A motion as a whole takes the place of another as a whole.
-            "motion" => &["motion", "position_m", "look_at_m", "up", "gltf_camera"],
+            "motion" => &["motion", "position_m", "look_at_m", "up", "gltf_camera", "calibration_pose"],
             _ => &[],
         },
         "lens" => match key.split('.').next().unwrap_or_default() {
             "focus_distance_m" => &["autofocus_px"],
             "autofocus_px" => &["focus_distance_m"],
             "horizontal_fov_deg" => {
-                &["focal_length_mm", "lensmaker", "intrinsics", "image_distance_mm", "prescription"]
+                &["focal_length_mm", "lensmaker", "intrinsics", "image_distance_mm", "prescription", "calibration"]
             }
             "focal_length_mm" | "image_distance_mm" => &["horizontal_fov_deg"],
-            "lensmaker" | "intrinsics" => &["horizontal_fov_deg", "prescription"],
+            "lensmaker" | "intrinsics" => &["horizontal_fov_deg", "prescription", "calibration"],
+            "projection" | "xi" | "distortion" => &["calibration"],
+            "calibration" => &OF_CALIBRATION,
             "type" => &["prescription"],
             "prescription" => &OTHER_THAN_GLASS,
             _ => &[],
@@ -69,7 +75,9 @@ fn alternatives(table: &str, key: &str, value: &str) -> &'static [&'static str] 
 
 /// Keys of `[lens]` that describe a lens without its glass. A zoom's focal length and the sensor's distance are those
 /// of the lens before, too.
-const OTHER_THAN_GLASS: [&str; 16] = [
+const OTHER_THAN_GLASS: [&str; 18] = [
+    "calibration",
+    "calibration_camera",
     "type",
     "focal_length_mm",
     "horizontal_fov_deg",
@@ -87,6 +95,10 @@ const OTHER_THAN_GLASS: [&str; 16] = [
     "supplementary",
     "psf",
 ];
+
+/// Keys of `[lens]` that say in another way what a calibration does.
+const OF_CALIBRATION: [&str; 7] =
+    ["horizontal_fov_deg", "lensmaker", "intrinsics", "projection", "xi", "distortion", "prescription"];
 
 /// Whether the value at a key that a prescription takes the place of is meant for it: diffraction of its own wave
 /// fronts, and what arguments say of a lens of any kind.

@@ -76,7 +76,7 @@ impl StoredFacts {
             let light = LightFile::read(input)?;
             return Ok((Self::of_light(sandbox, input, &light, overrides)?, light));
         };
-        let recorded = StoredCapture::of_report(sandbox, &path, &stored, &[])?;
+        let mut recorded = StoredCapture::of_report(sandbox, &path, &stored, &[])?;
         let capture = StoredCapture::of_report(sandbox, &path, &stored, overrides)?;
         let report = stored.report;
         let moves = moves(&report.traced);
@@ -99,8 +99,7 @@ impl StoredFacts {
         let grid = report.pixel_grid.as_ref().map(PixelGridReport::grid);
         let grid = grid.unwrap_or_else(|| in_u32(recorded.sensor.resolution).into());
         let gains = [report.exposure.gain_db, report.exposure.digital_gain_db].map(Decibels);
-        let recorded_warnings = report.sensor.warnings;
-        let recorded = StoredCapture { sensor_warnings: recorded_warnings, ..recorded };
+        recorded.sensor_warnings = report.sensor.warnings;
         let stored = Self {
             input: input.to_owned(),
             overrides: overrides.to_vec(),

@@ -38,12 +38,9 @@ pub fn keys_and_files(capture: &Capture, hashes: &mut Map<String, Value>) -> Res
     let named_from = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let values = capture.to_json(named_from)?;
     add_files(&values, (folder, capture.source()), hashes)?;
-    // What scenes name in turn
-    capture
-        .scene()
-        .files
-        .iter()
-        .try_for_each(|path| add_file(&relative_path(path, named_from), path, capture.source(), hashes))?;
+    // What scenes and calibrations name in turn
+    let mut in_turn = capture.scene().files.iter().chain(capture.calibration_files());
+    in_turn.try_for_each(|path| add_file(&relative_path(path, named_from), path, capture.source(), hashes))?;
     Ok(values)
 }
 
