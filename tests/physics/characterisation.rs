@@ -134,7 +134,7 @@ fn every_channel_of_a_colour_sensor_is_recovered() {
 #[case::of_amplifiers([2.0, 3.0], [0.004, 0.006])]
 fn rows_and_columns_are_told_from_pixels(#[case] offsets_e: [f64; 2], #[case] gains: [f64; 2]) {
     let mut sensor = presets::model("sony-imx249-mono").expect("a preset");
-    sensor.noise.dsnu = FixedPattern { pixel: 5.0, row: 3.0, column: offsets_e[0] };
+    sensor.noise.read_out.change(|noise| noise.dsnu = FixedPattern { pixel: 5.0, row: 3.0, column: offsets_e[0] });
     sensor.noise.prnu = FixedPattern { pixel: 0.01, row: 0.004, column: gains[0] };
     sensor.converter.column_offset_dn = offsets_e[1] * sensor.converter.conversion_gain_dn_per_e;
     sensor.converter.column_gain = gains[1];

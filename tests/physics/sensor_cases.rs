@@ -3,8 +3,8 @@
 use photosite::image::Planes;
 use photosite::sensor::{
     Architecture, Ccd, CcdArchitecture, Converter, Counting, Defects, DualGain, Exposure, FixedPattern, Flicker,
-    FlickerOrder, ImageLag, Kernel, LowPass, Noise, Overscan, Reset, SensorModel, Spad, Stage, TelegraphSignal,
-    presets,
+    FlickerOrder, ImageLag, Kernel, LowPass, Noise, Overscan, ReadOutNoise, Reset, SensorModel, Spad, Stage,
+    TelegraphSignal, presets,
 };
 use photosite::units::{Decibels, Electrons, Seconds};
 
@@ -41,15 +41,18 @@ pub(crate) fn noisy_sensor() -> SensorModel {
     sensor.crosstalk = Kernel::new(&[vec![0.1, 0.8, 0.1]]).map(|kernel| vec![kernel]);
     sensor.full_well = Electrons(2450.0);
     sensor.noise = Noise {
-        read: Electrons(40.0),
+        read_out: ReadOutNoise {
+            read: Electrons(40.0),
+            row: Electrons(20.0),
+            column: Electrons(30.0),
+            dsnu: FixedPattern { pixel: 60.0, row: 30.0, column: 30.0 },
+        }
+        .into(),
         read_degrees_of_freedom: Some(4.0),
         read_spread: 0.3,
         dark_current_e_per_s: 400.0,
         dark_current_nonuniformity: 0.3,
         prnu: FixedPattern { pixel: 0.02, row: 0.01, column: 0.01 },
-        dsnu: FixedPattern { pixel: 60.0, row: 30.0, column: 30.0 },
-        row: Electrons(20.0),
-        column: Electrons(30.0),
         reset: Reset::Capacitance(5e-15),
         flicker: Flicker { noise: Electrons(25.0), exponent: 1.0, order: FlickerOrder::ColumnParallel },
         telegraph: TelegraphSignal { pixels: 0.1, amplitude: Electrons(50.0), high: Seconds(2.0), low: Seconds(1.0) },
@@ -175,10 +178,10 @@ pub(crate) fn without(sensor: &SensorModel, stage: Stage) -> Option<SensorModel>
         Stage::ResetNoise => noise.reset = Reset::Cancelled,
         Stage::Telegraph => noise.telegraph.pixels = 0.0,
         Stage::Flicker => noise.flicker.noise = none,
-        Stage::DarkOffset => noise.dsnu = FixedPattern::default(),
-        Stage::ReadNoise => noise.read = none,
-        Stage::RowNoise => noise.row = none,
-        Stage::ColumnNoise => noise.column = none,
+        Stage::DarkOffset => noise.read_out.change(|noise| noise.dsnu = FixedPattern::default()),
+        Stage::ReadNoise => noise.read_out.change(|noise| noise.read = none),
+        Stage::RowNoise => noise.read_out.change(|noise| noise.row = none),
+        Stage::ColumnNoise => noise.read_out.change(|noise| noise.column = none),
         Stage::AmplifierNonlinearity => converter.amplifier_nonlinearity.clear(),
         Stage::ColumnAmplifiers => (converter.column_gain, converter.column_offset_dn) = (0.0, 0.0),
         Stage::ConverterNonlinearity => (converter.inl_dn, converter.dnl_dn) = (0.0, 0.0),

@@ -3,7 +3,7 @@
 
 use photosite::math::statistics::Moments;
 use photosite::sensor::{
-    Architecture, Converter, Counting, Exposure, Noise, NoiseKey, SensorModel, Spad, Stage, Stages, expose, presets,
+    Architecture, Converter, Counting, Exposure, NoiseKey, SensorModel, Spad, Stage, Stages, expose, presets,
 };
 use photosite::units::{Decibels, Electrons, Seconds};
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -123,17 +123,18 @@ fn two_gains_reach_from_the_noise_of_one_to_the_range_of_the_other() {
     ] {
         let mut both = presets::model(name).expect("a preset");
         both.noise.prnu = Default::default();
-        both.noise.dsnu = Default::default();
+        both.noise.read_out.change(|noise| noise.dsnu = Default::default());
         both.noise.dark_current_e_per_s = 0.0;
         // Noise with heavy tails leaves the variance of a sample without a useful error.
         both.noise.read_degrees_of_freedom = None;
         let dual = both.converter.dual_gain.clone().expect("two gains");
-        let alone = |converter: &Converter, read: Electrons| SensorModel {
-            converter: converter.clone(),
-            noise: Noise { read, ..both.noise.clone() },
-            ..both.clone()
+        let alone = |converter: &Converter, read: Electrons| {
+            let mut sensor = SensorModel { converter: converter.clone(), ..both.clone() };
+            sensor.noise.read_out.change(|noise| noise.read = read);
+            sensor
         };
-        let [high_alone, low_alone] = [alone(&dual.high, both.noise.read), alone(&dual.low, dual.low_read_noise)];
+        let read = both.noise.read_out.at(Decibels(0.0)).read;
+        let [high_alone, low_alone] = [alone(&dual.high, read), alone(&dual.low, dual.low_read_noise)];
         let decibels = |saturation: f64, noise: f64| 20.0 * (saturation / noise).log10();
         let range_db = |sensor: &SensorModel| {
             let gain = sensor.converter.system_gain(Decibels(0.0));
@@ -163,7 +164,7 @@ fn two_gains_reach_from_the_noise_of_one_to_the_range_of_the_other() {
 fn two_gains_meet_in_a_straight_line() {
     let mut sensor = presets::model("andor-zyla-55").expect("a preset");
     sensor.noise.prnu = Default::default();
-    sensor.noise.dsnu = Default::default();
+    sensor.noise.read_out.change(|noise| noise.dsnu = Default::default());
     let gain = sensor.converter.system_gain(Decibels(0.0));
     let dual = sensor.converter.dual_gain.clone().expect("two gains");
     for mean_e in [10.0f32, 900.0, 1050.0, 1100.0, 1300.0, 20_000.0] {
@@ -183,7 +184,7 @@ fn two_gains_meet_in_a_straight_line() {
 fn both_converters_of_two_gains_bend() {
     let mut sensor = presets::model("andor-zyla-55").expect("a preset");
     sensor.noise.prnu = Default::default();
-    sensor.noise.dsnu = Default::default();
+    sensor.noise.read_out.change(|noise| noise.dsnu = Default::default());
     let gain = sensor.converter.system_gain(Decibels(0.0));
     for mean_e in [500.0f32, 15_000.0] {
         let before = moments(&numbers(&sensor, &EXPOSURE, mean_e, 0)).mean();

@@ -148,7 +148,7 @@ fn gain_rises_where_time_may_not() {
 #[test]
 fn digital_gain_shows_in_the_noise_and_its_rounding() {
     let mut sensor = quiet_sensor();
-    sensor.noise.read = Electrons(3.0);
+    sensor.noise.read_out.change(|noise| noise.read = Electrons(3.0));
     for (gain_db, digital_gain_db) in [(0.0, 6.0), (6.0, 6.0), (0.0, 20.0 * 2f64.log10()), (0.0, 13.3)] {
         let gains = (Decibels(gain_db), Decibels(digital_gain_db));
         let exposure = Exposure { gain: gains.0, digital_gain: gains.1, ..EXPOSURE };

@@ -66,8 +66,8 @@ fn reset_noise_is_that_of_its_capacitance_and_gone_with_double_sampling() {
 #[test]
 fn rows_and_columns_share_their_noise_in_one_image_only() {
     let mut sensor = quiet_sensor();
-    sensor.noise.row = Electrons(120.0);
-    sensor.noise.column = Electrons(80.0);
+    sensor.noise.read_out.change(|noise| noise.row = Electrons(120.0));
+    sensor.noise.read_out.change(|noise| noise.column = Electrons(80.0));
     let (few, many) = (4, 20_000);
     for (stage, size, expected) in [(Stage::RowNoise, [few, many], 120.0), (Stage::ColumnNoise, [many, few], 80.0)] {
         let [a, b] = [0, 1].map(|frame| noise(&sensor, size, 1000.0, &[stage], frame));
@@ -89,7 +89,7 @@ fn rows_and_columns_share_their_noise_in_one_image_only() {
 fn every_pixel_keeps_its_own_read_noise_and_all_together_the_stated_one() {
     const FRAMES: u64 = 64;
     let mut sensor = quiet_sensor();
-    sensor.noise.read = Electrons(500.0);
+    sensor.noise.read_out.change(|noise| noise.read = Electrons(500.0));
     sensor.noise.read_spread = 0.4;
     let logarithms = |sensor: &SensorModel, first: u64| -> Vec<f64> {
         let frames =
@@ -120,7 +120,7 @@ fn every_pixel_keeps_its_own_read_noise_and_all_together_the_stated_one() {
 #[test]
 fn heavy_tails_have_the_quantiles_of_their_distribution_and_the_stated_deviation() {
     let mut sensor = quiet_sensor();
-    sensor.noise.read = Electrons(500.0);
+    sensor.noise.read_out.change(|noise| noise.read = Electrons(500.0));
     for freedom in [3.0, 6.0] {
         sensor.noise.read_degrees_of_freedom = Some(freedom);
         let mut values = noise(&sensor, [1024, 512], 30_000.0, &[Stage::ReadNoise], 0);

@@ -26,10 +26,10 @@ fn mean_and_temporal_variance(sensor: &SensorModel, mean_e: f32, gain_db: f64, s
 fn variance_over_mean_is_the_system_gain() {
     for (gain_db, system_gain) in [(0.0, 0.25), (12.0, 0.25 * 10f64.powf(0.6))] {
         let mut sensor = quiet_sensor();
-        sensor.noise.read = Electrons(5.0);
+        sensor.noise.read_out.change(|noise| noise.read = Electrons(5.0));
         sensor.noise.dark_current_e_per_s = 30.0;
         sensor.noise.prnu = FixedPattern::of_pixels(0.01);
-        sensor.noise.dsnu = FixedPattern::of_pixels(3.0);
+        sensor.noise.read_out.change(|noise| noise.dsnu = FixedPattern::of_pixels(3.0));
         sensor.converter.conversion_gain_dn_per_e = 0.25;
         let (dark_mean, dark_variance) = mean_and_temporal_variance(&sensor, 0.0, gain_db, 1);
         // A line through the origin: slope = Σ x·v / Σ x². The sample variance of N differences has the standard
@@ -53,10 +53,10 @@ fn variance_over_mean_is_the_system_gain() {
 #[test]
 fn noise_is_what_the_model_foretells() {
     let mut sensor = quiet_sensor();
-    sensor.noise.read = Electrons(3.0);
+    sensor.noise.read_out.change(|noise| noise.read = Electrons(3.0));
     sensor.noise.dark_current_e_per_s = 12.0;
     sensor.noise.prnu = FixedPattern::of_pixels(0.02);
-    sensor.noise.dsnu = FixedPattern::of_pixels(4.0);
+    sensor.noise.read_out.change(|noise| noise.dsnu = FixedPattern::of_pixels(4.0));
     for mean_e in [0.0, 10.0, 1000.0, 40_000.0] {
         let (mean, variance) = mean_and_temporal_variance(&sensor, mean_e, 0.0, 7);
         let predicted = sensor.noise_variance(Electrons(f64::from(mean_e)), &EXPOSURE);
@@ -71,7 +71,7 @@ fn noise_is_what_the_model_foretells() {
 #[test]
 fn a_raw_file_tells_the_same_noise() {
     let mut sensor = quiet_sensor();
-    sensor.noise.read = Electrons(3.0);
+    sensor.noise.read_out.change(|noise| noise.read = Electrons(3.0));
     sensor.noise.dark_current_e_per_s = 12.0;
     sensor.converter.conversion_gain_dn_per_e = 0.5;
     let raw = expose(&flat(&sensor, 1, 1, 0.0), &sensor, &EXPOSURE, Stages::ALL, NoiseKey::default()).expect("valid");

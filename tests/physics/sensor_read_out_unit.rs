@@ -17,7 +17,7 @@ const SIDE: usize = 256;
 /// A quiet sensor at 1 DN/e⁻ but for a read noise of 20 e⁻.
 fn cmos() -> SensorModel {
     let mut sensor = quiet_sensor();
-    sensor.noise.read = Electrons(20.0);
+    sensor.noise.read_out.change(|noise| noise.read = Electrons(20.0));
     sensor
 }
 

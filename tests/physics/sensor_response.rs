@@ -183,7 +183,7 @@ fn equal_ratios_of_light_are_equal_steps_of_a_logarithmic_pixel() {
 fn noise_of_nonlinear_sensors_is_predicted() {
     let mut sensors = [logarithmic(), companded(knees()), curved(0.45)];
     for sensor in &mut sensors {
-        sensor.noise.read = Electrons(3.0);
+        sensor.noise.read_out.change(|noise| noise.read = Electrons(3.0));
         for mean_e in [100.0f32, 2000.0, 10_000.0, 50_000.0] {
             let light = flat(sensor, 256, 256, mean_e);
             let raw = expose(&light, sensor, &EXPOSURE, Stages::ALL, NoiseKey::default()).expect("valid");

@@ -30,8 +30,8 @@ fn the_full_well_clips_every_pixel() {
         sensor.full_well = Electrons(10_000.0);
         sensor.noise.prnu = FixedPattern::of_pixels(0.01);
         sensor.noise.dark_current_e_per_s = 50.0;
-        sensor.noise.dsnu = FixedPattern::of_pixels(0.0);
-        sensor.noise.read = Electrons(0.0);
+        sensor.noise.read_out.change(|noise| noise.dsnu = FixedPattern::of_pixels(0.0));
+        sensor.noise.read_out.change(|noise| noise.read = Electrons(0.0));
         let raw = image(&sensor, 100_000.0, Stages::ALL, 3, 0);
         assert!(raw.data.iter().all(|&dn| dn == raw.white_level_dn));
         let gain = sensor.converter.conversion_gain_dn_per_e;
@@ -95,7 +95,7 @@ fn prnu_is_the_spatial_deviation_of_the_response() {
 #[test]
 fn dsnu_is_the_spatial_deviation_of_the_dark_signal() {
     let mut sensor = quiet_sensor();
-    sensor.noise.dsnu = FixedPattern::of_pixels(9.0);
+    sensor.noise.read_out.change(|noise| noise.dsnu = FixedPattern::of_pixels(9.0));
     for mean_e in [0.0, 20_000.0] {
         let raw = image(&sensor, mean_e, Stages::only(&[Stage::DarkOffset]), 5, 0);
         let m = moments(&raw);
@@ -109,8 +109,8 @@ fn dsnu_is_the_spatial_deviation_of_the_dark_signal() {
 fn fixed_patterns_stay_from_frame_to_frame_and_temporal_noise_does_not() {
     let mut sensor = quiet_sensor();
     sensor.noise.prnu = FixedPattern::of_pixels(0.01);
-    sensor.noise.dsnu = FixedPattern::of_pixels(5.0);
-    sensor.noise.read = Electrons(5.0);
+    sensor.noise.read_out.change(|noise| noise.dsnu = FixedPattern::of_pixels(5.0));
+    sensor.noise.read_out.change(|noise| noise.read = Electrons(5.0));
     let fixed = Stages::only(&[Stage::PhotoResponse, Stage::DarkOffset]);
     assert_eq!(image(&sensor, 5000.0, fixed, 1, 0).data, image(&sensor, 5000.0, fixed, 1, 9).data);
     assert_eq!(image(&sensor, 5000.0, fixed, 1, 0).data, image(&sensor, 5000.0, fixed, 2, 0).data);
@@ -217,7 +217,7 @@ fn telegraph_signals_of_another_take_come_from_the_same_pixels() {
 #[test]
 fn the_black_level_keeps_negative_noise() {
     let mut sensor = quiet_sensor();
-    sensor.noise.read = Electrons(20.0);
+    sensor.noise.read_out.change(|noise| noise.read = Electrons(20.0));
     let kept = moments(&image(&sensor, 0.0, Stages::ALL, 4, 0));
     assert!((kept.mean() - 1000.0).abs() < 5.0 * 20.0 / PIXELS.sqrt(), "{}", kept.mean());
     assert!((kept.variance().sqrt() / 20.0 - 1.0).abs() < 5.0 / (2.0 * PIXELS).sqrt() + 1e-3);
@@ -341,7 +341,7 @@ fn impossible_exposures_are_refused_by_key() {
 #[test]
 fn rows_and_columns_of_a_pattern_stand_apart() {
     let mut sensor = quiet_sensor();
-    sensor.noise.dsnu = FixedPattern { pixel: 200.0, row: 120.0, column: 70.0 };
+    sensor.noise.read_out.change(|noise| noise.dsnu = FixedPattern { pixel: 200.0, row: 120.0, column: 70.0 });
     sensor.noise.prnu = FixedPattern { pixel: 0.02, row: 0.012, column: 0.007 };
     for (mean_e, stage) in [(10_000.0, Stage::PhotoResponse), (0.0, Stage::DarkOffset)] {
         let raw = image(&sensor, mean_e, Stages::only(&[stage]), 6, 0);

@@ -138,7 +138,7 @@ fn maps_sum_to_the_samples_of_a_frame_grabber(
     sensor.quantum_efficiency = vec![Spectrum::constant(0.5); sensor.cfa.channels().len()];
     sensor.masked.columns = [3, 2];
     sensor.masked.rows = [1, 4];
-    sensor.noise.read = Electrons(40.0);
+    sensor.noise.read_out.change(|noise| noise.read = Electrons(40.0));
     sensor.video.curve = Some(VideoCurve { gamma: 0.45, range_dn: 64_535.0 });
     sensor.frame_grabber = Some(FrameGrabber { size: [50, 30], interpolation });
     let exposure = Exposure { gain: Decibels(6.0), ..EXPOSURE };

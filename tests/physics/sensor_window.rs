@@ -81,7 +81,7 @@ fn a_region_keeps_the_colours_of_its_pixels() {
 #[case::mean(BinningMethod::Mean, 500.0, (500.0 + 400.0 + 1.0 / 12.0) / 4.0 + 1.0 / 12.0)]
 fn bins_have_the_noise_of_their_method(#[case] method: BinningMethod, #[case] mean_dn: f64, #[case] variance: f64) {
     let mut sensor = quiet_sensor();
-    sensor.noise.read = Electrons(20.0);
+    sensor.noise.read_out.change(|noise| noise.read = Electrons(20.0));
     let region = binned([2, 2], method);
     let raw = read_out(&sensor, &flat(&sensor, SIDE, SIDE, 500.0), region);
     assert_eq!((raw.width, raw.height), (SIDE / 2, SIDE / 2));
@@ -104,7 +104,7 @@ fn bins_have_the_noise_of_their_method(#[case] method: BinningMethod, #[case] me
 #[test]
 fn pixels_of_a_row_keep_its_noise_in_their_mean() {
     let mut sensor = quiet_sensor();
-    sensor.noise.row = Electrons(100.0);
+    sensor.noise.read_out.change(|noise| noise.row = Electrons(100.0));
     let region = binned([4, 2], BinningMethod::Mean);
     let light = flat(&sensor, 16, 8192, 500.0);
     let exposure = Exposure { region, ..EXPOSURE };
@@ -113,7 +113,7 @@ fn pixels_of_a_row_keep_its_noise_in_their_mean() {
     // Two rows a bin; 5 σ of a variance of 4096 rows.
     let expected = 100.0 * 100.0 / 2.0;
     assert!((rows.variance() / expected - 1.0).abs() < 5.0 * (2.0f64 / 4096.0).sqrt(), "{}", rows.variance());
-    sensor.noise.read = Electrons(0.0);
+    sensor.noise.read_out.change(|noise| noise.read = Electrons(0.0));
     let predicted = sensor.noise_variance(Electrons(0.0), &exposure) * sensor.system_gain(&exposure).powi(2);
     // Rounding of eight numbers and of their mean.
     let rounding = (1.0 / 8.0 + 1.0) / 12.0;

@@ -13,6 +13,7 @@ use super::scene_args::SceneArgs;
 use photosite_capture::report::LensReport;
 use photosite_capture::{Capture, ExposureTime, Extent, read_sensor_file, subject};
 use photosite_core::image::{NotFinite, Planes};
+use photosite_core::units::Decibels;
 use photosite_core::{Error, Invalid, Result, Sandbox};
 use photosite_files::exr::{Attribute, read_exr_file};
 use photosite_files::formats::{EXR, Format, Holds, lists::endings};
@@ -20,7 +21,7 @@ use photosite_files::image_file::{ImageFile, read_image_file};
 use photosite_files::raw_file::read_raw;
 use photosite_pipeline::standalone_camera;
 use photosite_raw::{GainMap, Pixels, RawImage, RawMetadata};
-use photosite_sensor::{self as sensors, Binning, SensorModel, presets};
+use photosite_sensor::{self as sensors, Binning, ReadOutNoise, SensorModel, presets};
 use photosite_transport::optics::{Camera, Focus, LensDescription, LensKind};
 use photosite_transport::scene::description::{
     EnvironmentDescription, InstanceDescription, MaterialDescription, SceneDescription,
@@ -317,9 +318,23 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
     facts
 }
 
+/// Noise of the read-out at a step of gain.
+fn noise_of_step((gain, noise): &(Decibels, ReadOutNoise)) -> Value {
+    json!({
+        "gain_db": gain.0,
+        "read_noise_e": noise.read.0,
+        "row_noise_e": noise.row.0,
+        "column_noise_e": noise.column.0,
+        "dsnu_e": round(noise.dsnu.total()),
+    })
+}
+
 fn of_plain_sensor(sensor: &SensorModel) -> Map<String, Value> {
+    // Of a sensor whose noise changes with gain, that at 0 dB, and all steps beside it.
+    let read_out = sensor.noise.read_out.at(Decibels(0.0));
+    let steps: Vec<_> = sensor.noise.read_out.steps().iter().map(noise_of_step).collect();
     let peaks: Vec<_> = sensor.efficiencies().iter().map(|qe| round(qe.max().into())).collect();
-    map(json!({
+    let mut facts = map(json!({
         "name": sensor.name,
         "kind": sensor.architecture.name(),
         "description": sensor.description,
@@ -332,17 +347,21 @@ fn of_plain_sensor(sensor: &SensorModel) -> Map<String, Value> {
         "channels": sensor.cfa.channels(),
         "peak_quantum_efficiency": peaks,
         "full_well_e": sensor.full_well.0,
-        "read_noise_e": sensor.noise.read.0,
+        "read_noise_e": read_out.read.0,
         "dark_current_e_per_s": sensor.noise.dark_current_e_per_s,
         "prnu_percent": round(sensor.noise.prnu.total() * 100.0),
-        "dsnu_e": round(sensor.noise.dsnu.total()),
+        "dsnu_e": round(read_out.dsnu.total()),
         "base_iso": sensor.base_iso(Binning::NONE).map(f64::round),
         "gain_db_range": sensor.converter.gain_range.map(|gain| gain.0),
         "bits": sensor.converter.bits,
         "output_bits": sensor.output_bits(),
         "conversion_gain_dn_per_e": sensor.converter.conversion_gain_dn_per_e,
         "black_level_dn": sensor.converter.black_level_dn,
-    }))
+    }));
+    if !steps.is_empty() {
+        facts.insert("gain_steps".to_owned(), steps.into());
+    }
+    facts
 }
 
 /// Orientation of an image that is not upright, and statements of its file that are left out.

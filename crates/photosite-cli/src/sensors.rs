@@ -5,6 +5,7 @@ use serde::Serialize;
 
 use super::print::{print_json, println_out, rounded};
 use photosite_core::spectrum::Spectrum;
+use photosite_core::units::Decibels;
 use photosite_sensor::{Binning, FORMATS, Format, SensorModel, presets};
 
 const EXAMPLES: &str = "\
@@ -140,7 +141,7 @@ fn row(name: &'static str, model: &SensorModel) -> Row {
         cfa: model.cfa.to_string(),
         peak_quantum_efficiency: model.efficiencies().iter().map(Spectrum::max).fold(0.0, f32::max),
         full_well_e: model.full_well.0,
-        read_noise_e: model.noise.read.0,
+        read_noise_e: model.noise.read_out.at(Decibels(0.0)).read.0,
         dark_current_e_per_s: model.noise.dark_current_e_per_s,
         base_iso: model.base_iso(Binning::NONE).map(f64::round),
         bits: model.converter.bits,

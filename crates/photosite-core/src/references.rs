@@ -7,6 +7,10 @@
 //! ## Pbrt4
 //! M. Pharr, W. Jakob, G. Humphreys, *Physically Based Rendering: From Theory to Implementation*, 4th edition (2023).
 //!
+//! ## Wei20
+//! K. Wei, Y. Fu, J. Yang, H. Huang, "A Physics-based Noise Formation Model for Extreme Low-light Raw Denoising", IEEE/CVF
+//! Conference on Computer Vision and Pattern Recognition (2020).
+//!
 //! ## Conrady60
 //! A. E. Conrady, *Applied Optics and Optical Design*, part 2, Dover (1960), chapter 12.
 //!

@@ -35,10 +35,11 @@ pub use model::{
     ChargeDescription, Companding, CompandingCurve, CompandingDescription, Converter, Converters, Counting,
     CountingMode, CurveFile, DarkCurrentLaw, DarkCurrentLawName, Defects, DefectsDescription, DualGain,
     DualGainDescription, FORMATS, FilterDescription, FixedPattern, Flicker, FlickerDescription, FlickerOrder, Format,
-    FrameGrabber, FrameGrabberDescription, ImageLag, ImageLagDescription, Kernel, Logarithmic, LowPass, MaskedPixels,
-    Noise, NoiseDescription, Obstacle, Overscan, Reset, ResetDescription, RowOrder, SensorDescription, SensorKind,
-    SensorModel, Shutter, ShutterDescription, ShutterKind, SignalInterpolation, Spad, SpadDescription, SpectrumSource,
-    TelegraphDescription, TelegraphSignal, UncommonFacts, Use, Video, VideoCurve, VideoDescription, keys,
+    FrameGrabber, FrameGrabberDescription, GainStepDescription, ImageLag, ImageLagDescription, Kernel, Logarithmic,
+    LowPass, MaskedPixels, Noise, NoiseDescription, Obstacle, Overscan, ReadOutNoise, ReadOutNoiseByGain, Reset,
+    ResetDescription, RowOrder, SensorDescription, SensorKind, SensorModel, Shutter, ShutterDescription, ShutterKind,
+    SignalInterpolation, Spad, SpadDescription, SpectrumSource, TelegraphDescription, TelegraphSignal, UncommonFacts,
+    Use, Video, VideoCurve, VideoDescription, keys,
 };
 pub use prediction::{Neighbours, noise_ratio, samples_needed, sensor_noise, smoothed_mean};
 pub use signal::effects::{MapUnit, NoiseMap, Stage, Stages};

@@ -316,7 +316,10 @@ fn a_sensor_is_a_preset_or_a_file_with_changes() {
     };
     let sensor =
         read("[sensor]\npreset = \"sony-imx249-color\"\nresolution_px = [64, 48]\nnoise = { read_noise_e = 0 }");
-    assert_eq!((sensor.name.as_str(), sensor.resolution, sensor.noise.read.0), ("sony-imx249-color", [64, 48], 0.0));
+    assert_eq!(
+        (sensor.name.as_str(), sensor.resolution, sensor.noise.read_out.at(Decibels(0.0)).read.0),
+        ("sony-imx249-color", [64, 48], 0.0)
+    );
     assert_eq!(sensor.full_well, presets::model("sony-imx249-color").expect("listed").full_well);
     let sensor = read("[sensor]\npreset = \"sensors/mine.toml\"");
     assert_eq!((sensor.name.as_str(), sensor.quantum_efficiency[0].eval(550.0)), ("mine", 0.5));

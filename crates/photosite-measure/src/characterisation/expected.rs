@@ -62,12 +62,13 @@ fn exact_points(sensor: &SensorModel, point: &OperatingPoint, shots: &[Shot]) ->
     let efficiency = quantum_efficiency(sensor, point.channel, point.wavelength_nm);
     // Patterns are wider than what they hide; numbers round within a standard deviation of a quiet sensor.
     let (pixels, samples) = (normal_numbers(0.25), normal_numbers(1.0 / 16.0));
+    let dsnu_e = sensor.noise.read_out.at(point.gain).dsnu.total();
     let moments = |photons: f64, time: Seconds| {
         let exposure = point.exposure(time);
         let dark = sensor.noise.dark_electrons(point.temperature, time).0;
         let of_pixel = |deviation: f64| {
             let light = efficiency * photons * (1.0 + sensor.noise.prnu.total() * deviation);
-            let charge = light + dark + sensor.noise.dsnu.total() * deviation;
+            let charge = light + dark + dsnu_e * deviation;
             let noise = sensor.signal_variance(Electrons(light), &exposure).sqrt();
             let number = |z: f64| sensor.number(Electrons(charge + noise * z), point.gain);
             let numbers: Vec<(f64, f64)> = samples.iter().map(|&(z, part)| (number(z), part)).collect();
@@ -117,10 +118,11 @@ fn linear_figures(sensor: &SensorModel, point: &OperatingPoint, spatial_time: Se
         (noise.dark_current_nonuniformity * dark_electrons).powi(2) + part * (2.0 - part) * hot(spatial_time).powi(2);
     // Amplifiers of columns that differ look like columns of pixels that do.
     let converter = &sensor.converter;
+    let own = noise.read_out.at(point.gain).dsnu;
     let dsnu = FixedPattern {
-        pixel: (noise.dsnu.pixel.powi(2) + uneven_dark_current).sqrt(),
-        column: noise.dsnu.column.hypot(converter.column_offset_dn / gain),
-        ..noise.dsnu
+        pixel: (own.pixel.powi(2) + uneven_dark_current).sqrt(),
+        column: own.column.hypot(converter.column_offset_dn / gain),
+        ..own
     };
     let prnu = FixedPattern { column: noise.prnu.column.hypot(converter.column_gain), ..noise.prnu };
     let pattern = |p: &FixedPattern, scale: f64| SpatialFigures {

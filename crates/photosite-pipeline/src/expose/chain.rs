@@ -242,7 +242,9 @@ impl<'a> Chain<'a> {
         };
         let warning = warning.or_else(|| self.saturation_warning(&electrons.mean, &exposure));
         let clipped = self.settings.sensor.clipped_blacks(&exposure, self.settings.exposure.stages);
-        Ok(CollectedElectrons { exposure, electrons, warnings: warning.into_iter().chain(clipped).collect() })
+        let beyond = self.settings.sensor.gain_beyond_steps(&exposure);
+        let warnings = warning.into_iter().chain(clipped).chain(beyond).collect();
+        Ok(CollectedElectrons { exposure, electrons, warnings })
     }
 
     /// Tells where most of an image whose exposure is stated is saturated, and where one that was metered is in more

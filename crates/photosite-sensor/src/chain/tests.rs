@@ -1,10 +1,13 @@
 //! Effects that a sensor has, and those that it has not, judged by its digital numbers.
 
 use photosite_core::image::Planes;
-use photosite_core::units::Seconds;
+use photosite_core::units::{Decibels, Electrons, Seconds};
 
 use super::expose_with_maps;
-use crate::{Exposure, Noise, NoiseKey, NoiseMap, SensorDescription, SensorModel, Stage, Stages, presets};
+use crate::{
+    Exposure, GainStepDescription, Noise, NoiseDescription, NoiseKey, NoiseMap, SensorDescription, SensorModel, Stage,
+    Stages, presets,
+};
 
 const SIZE: [usize; 2] = [96, 64];
 
@@ -91,5 +94,84 @@ fn effects_that_a_sensor_has_not_change_nothing_and_the_others_do() {
         assert!(changing.has(stage), "{stage:?} changes no sensor here");
         let all_have = matches!(stage, Stage::ShotNoise | Stage::FullWell);
         assert_eq!(sensors.iter().all(|sensor| sensor.has_stage(stage)), all_have, "{stage:?}");
+    }
+}
+
+/// Property: a sensor with steps of gain is at each gain the sensor whose noise is what the steps say there, in its numbers,
+/// its maps and all that is predicted of them, whoever reads read noise, lines or dark offsets.
+#[test]
+fn steps_of_gain_are_at_each_gain_a_sensor_without_steps() {
+    let step = |gain_db: f64, factor: f64| GainStepDescription {
+        gain_db,
+        read_noise_e: Some(3.0 * factor),
+        row_noise_e: Some(1.0 * factor),
+        column_noise_e: Some(0.8 * factor),
+        dsnu_e: Some(2.0 * factor),
+        dsnu_row_e: Some(0.5 * factor),
+        dsnu_column_e: Some(0.7 * factor),
+    };
+    for preset in ["sony-imx249-mono", "generic-cmos-color"] {
+        let of = |noise: NoiseDescription| {
+            let mut description: SensorDescription = presets::table(preset).expect("listed").try_into().expect("keys");
+            description.noise = noise;
+            SensorModel::new(preset, &description, presets::library_spectrum).expect("a sensor")
+        };
+        let stepped =
+            of(NoiseDescription { gain_steps: vec![step(0.0, 1.0), step(24.0, 0.5)], ..NoiseDescription::default() });
+        let key = NoiseKey { seed: 5, frame: 0 };
+        let mut noises = Vec::new();
+        for gain_db in [-6.0_f64, 0.0, 6.0, 12.0, 24.0, 30.0] {
+            // log₂ falls by 1 over 24 dB, and ends hold.
+            let factor = 0.5f64.powf((gain_db / 24.0).clamp(0.0, 1.0));
+            let s = step(0.0, factor);
+            let [read_noise_e, row_noise_e, column_noise_e, dsnu_e, dsnu_row_e, dsnu_column_e] =
+                [s.read_noise_e, s.row_noise_e, s.column_noise_e, s.dsnu_e, s.dsnu_row_e, s.dsnu_column_e]
+                    .map(Option::unwrap_or_default);
+            let plain = of(NoiseDescription {
+                read_noise_e,
+                row_noise_e,
+                column_noise_e,
+                dsnu_e,
+                dsnu_row_e,
+                dsnu_column_e,
+                ..NoiseDescription::default()
+            });
+            let exposure = Exposure { gain: Decibels(gain_db), ..Exposure::of(Seconds(0.05)) };
+            let facts = |sensor: &SensorModel| {
+                let clipped = sensor.clipped_blacks(&exposure, Stages::ALL).is_some();
+                let profile = sensor.noise_profile(&exposure).unwrap_or_default();
+                let of_light = [0.0, 100.0].map(|e| sensor.noise_variance(Electrons(e), &exposure));
+                let alone = sensor.signal_variance(Electrons(50.0), &exposure);
+                (clipped, [profile, of_light, [alone, sensor.read_noise(&exposure).0]].concat())
+            };
+            let (found, wanted) = (facts(&stepped), facts(&plain));
+            assert_eq!(found.0, wanted.0);
+            for (a, b) in found.1.iter().zip(&wanted.1) {
+                // Logarithms, powers and sums of f64.
+                assert!((a / b - 1.0).abs() < 1e-12, "{preset} {gain_db} dB: {a} {b}");
+            }
+            noises.push(found.1[5]);
+            let expose = |sensor: &SensorModel| {
+                expose_with_maps(&light(sensor), sensor, &exposure, Stages::ALL, key, &NoiseMap::ALL).expect("exposed")
+            };
+            let ((raw, maps), (wanted_raw, wanted_maps)) = (expose(&stepped), expose(&plain));
+            // A last bit of σ moves a number that lies on the edge of rounding.
+            let moved = raw.data.iter().zip(&wanted_raw.data).filter(|(a, b)| a != b).count();
+            assert!(moved <= raw.data.len() / 1000, "{preset} {gain_db} dB: {moved}");
+            for map in [NoiseMap::ReadNoiseE, NoiseMap::RowNoiseE, NoiseMap::ColumnNoiseE, NoiseMap::DsnuE] {
+                assert_eq!(stepped.has_map(map), plain.has_map(map));
+                let of = |maps: &crate::NoiseMaps| {
+                    let is_map =
+                        |plane: &&photosite_core::image::Channel| plane.name.split('.').next() == Some(map.name());
+                    maps.planes.channels().iter().find(is_map).map(|plane| plane.data.clone())
+                };
+                let (found, wanted) = (of(&maps).expect("a map"), of(&wanted_maps).expect("a map"));
+                assert!(found.iter().zip(&wanted).all(|(a, b)| (a - b).abs() <= 1e-5 * (1.0 + b.abs())), "{map:?}");
+                assert!(found.iter().any(|value| *value != 0.0), "{map:?}");
+            }
+        }
+        assert_eq!((noises[0], noises[5]), (3.0, 1.5));
+        assert!(stepped.gain_beyond_steps(&Exposure { gain: Decibels(30.0), ..Exposure::of(Seconds(1.0)) }).is_some());
+        assert_eq!(stepped.gain_beyond_steps(&Exposure::of(Seconds(1.0))), None);
     }
 }

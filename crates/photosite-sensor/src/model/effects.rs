@@ -14,6 +14,7 @@ impl SensorModel {
         let dual_gain = converter.dual_gain.as_deref();
         let ccd = self.architecture.ccd();
         let is_noisy = |noise: Electrons| noise.0 > 0.0;
+        let read_out = noise.read_out.largest();
         match stage {
             Stage::ShotNoise | Stage::FullWell => true,
             Stage::Crosstalk => self.crosstalk.is_some(),
@@ -38,11 +39,11 @@ impl SensorModel {
                 Reset::Capacitance(farad) => farad > 0.0,
             },
             Stage::Telegraph => noise.telegraph.pixels > 0.0 && is_noisy(noise.telegraph.amplitude),
-            Stage::DarkOffset => noise.dsnu.total() > 0.0,
-            Stage::ReadNoise => is_noisy(noise.read),
+            Stage::DarkOffset => read_out.dsnu.total() > 0.0,
+            Stage::ReadNoise => is_noisy(read_out.read),
             Stage::LowGainReadNoise => dual_gain.is_some_and(|dual| is_noisy(dual.low_read_noise)),
-            Stage::RowNoise => is_noisy(noise.row),
-            Stage::ColumnNoise => is_noisy(noise.column),
+            Stage::RowNoise => is_noisy(read_out.row),
+            Stage::ColumnNoise => is_noisy(read_out.column),
             Stage::AmplifierNonlinearity => !converter.amplifier_nonlinearity.is_empty(),
             Stage::ColumnAmplifiers => {
                 dual_gain.is_none() && (converter.column_gain > 0.0 || converter.column_offset_dn > 0.0)

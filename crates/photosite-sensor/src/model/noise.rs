@@ -8,13 +8,15 @@ use photosite_core::keys::Keys;
 use photosite_core::schema_range::{above, within};
 use photosite_core::units::{Celsius, Electrons, Seconds};
 
-use super::checks::{electrons, finite, in_a_million, not_negative, positive};
+use super::checks::{finite, in_a_million, not_negative, positive};
 use super::defects::{Defects, DefectsDescription};
+use super::fixed_pattern::FixedPattern;
 use super::flicker::{Flicker, FlickerDescription, FlickerOrder};
+use super::gain_steps::{GainStepDescription, ReadOutNoiseByGain, of_all};
 use super::reset_noise::{Reset, ResetDescription};
 use super::telegraph::{TelegraphDescription, TelegraphSignal};
 
-/// Noise sources, all at a gain of 0 dB and referred to electrons. What is left out is not there.
+/// Noise sources, referred to electrons; those that change with gain have gain_steps. What is left out is not there.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(deny_unknown_fields, default)]
 pub struct NoiseDescription {
@@ -72,6 +74,11 @@ pub struct NoiseDescription {
     /// Temporal noise that the pixels of a column share, standard deviation in e⁻.
     #[schemars(transform = within(0.0..))]
     pub column_noise_e: f64,
+    /// Read noise, row and column noise and DSNU that change with the analogue gain, in place of the figures here: for
+    /// each of some gains, in their order, gain_db with read_noise_e, row_noise_e, column_noise_e, dsnu_e, dsnu_row_e or
+    /// dsnu_column_e. Between them log σ goes along a straight line over log K; beyond them the first and the last hold.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub gain_steps: Vec<GainStepDescription>,
     /// Noise of resetting the sense node (kTC).
     pub reset: ResetDescription,
     /// Noise whose power falls with frequency (1/f).
@@ -86,11 +93,11 @@ pub struct NoiseDescription {
 /// Noise sources, referred to electrons.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Noise {
-    /// Standard deviation of the read noise.
-    pub read: Electrons,
+    /// Noise of the read-out at each gain: read noise, row and column noise, DSNU.
+    pub read_out: ReadOutNoiseByGain,
     /// Degrees of freedom of a read noise that follows Student's t distribution, above 2; `None` for a normal one.
     pub read_degrees_of_freedom: Option<f64>,
-    /// Spatial standard deviation of the pixels' read noise over its mean (a ratio), log-normal; `read` is the root
+    /// Spatial standard deviation of the pixels' read noise over its mean (a ratio), log-normal; the read noise is the root
     /// mean square over all pixels.
     pub read_spread: f64,
     /// Dark current at the reference temperature, e⁻/s.
@@ -103,12 +110,6 @@ pub struct Noise {
     pub dark_current_nonuniformity: f64,
     /// Photo response over its mean (PRNU, a ratio: 0.01 is 1 %).
     pub prnu: FixedPattern,
-    /// Dark signal (DSNU), e⁻.
-    pub dsnu: FixedPattern,
-    /// Standard deviation of temporal noise that a row shares.
-    pub row: Electrons,
-    /// Standard deviation of temporal noise that a column shares.
-    pub column: Electrons,
     /// Reset of the sense node.
     pub reset: Reset,
     /// 1/f noise.
@@ -147,34 +148,10 @@ pub enum DarkCurrentLaw {
     },
 }
 
-/// Spatial standard deviations of a pattern that is the same in every image, in a unit of its own. Its parts are
-/// independent.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FixedPattern {
-    /// Standard deviation of the part that differs from pixel to pixel.
-    pub pixel: f64,
-    /// Standard deviation of the part that all pixels of a row share.
-    pub row: f64,
-    /// Standard deviation of the part that all pixels of a column share.
-    pub column: f64,
-}
-
-impl FixedPattern {
-    /// A pattern without rows and columns.
-    pub const fn of_pixels(pixel: f64) -> Self {
-        Self { pixel, row: 0.0, column: 0.0 }
-    }
-
-    /// Standard deviation of the whole pattern, √(pixel² + row² + column²).
-    pub fn total(&self) -> f64 {
-        (self.pixel * self.pixel + self.row * self.row + self.column * self.column).sqrt()
-    }
-}
-
 impl Noise {
     /// Noise of a sensor that has none but that of light itself.
     pub const NONE: Self = Self {
-        read: Electrons(0.0),
+        read_out: ReadOutNoiseByGain::NONE,
         read_degrees_of_freedom: None,
         read_spread: 0.0,
         dark_current_e_per_s: 0.0,
@@ -182,9 +159,6 @@ impl Noise {
         dark_current_law: DarkCurrentLaw::Doubling { interval_k: 8.0 },
         dark_current_nonuniformity: 0.0,
         prnu: FixedPattern::of_pixels(0.0),
-        dsnu: FixedPattern::of_pixels(0.0),
-        row: Electrons(0.0),
-        column: Electrons(0.0),
         reset: Reset::Cancelled,
         flicker: Flicker { noise: Electrons(0.0), exponent: 1.0, order: FlickerOrder::ColumnParallel },
         telegraph: TelegraphSignal { pixels: 0.0, amplitude: Electrons(0.0), high: Seconds(1.0), low: Seconds(1.0) },
@@ -208,8 +182,14 @@ impl Noise {
             return Err(Invalid::new("read_noise_degrees_of_freedom", format!("must be above 2, got {freedom}"))
                 .help("at 2 and below the distribution has no standard deviation; 3 to 10 give heavy tails"));
         }
+        let dsnu = FixedPattern {
+            pixel: not_negative("dsnu_e", d.dsnu_e)?,
+            row: not_negative("dsnu_row_e", d.dsnu_row_e)?,
+            column: not_negative("dsnu_column_e", d.dsnu_column_e)?,
+        };
+        let at_all_gains = of_all([d.read_noise_e, d.row_noise_e, d.column_noise_e], dsnu)?;
         Ok(Self {
-            read: electrons("read_noise_e", d.read_noise_e)?,
+            read_out: ReadOutNoiseByGain::new(at_all_gains, &d.gain_steps)?,
             read_degrees_of_freedom: d.read_noise_degrees_of_freedom,
             read_spread: read_spread(d.read_noise_spread_percent)?,
             dark_current_e_per_s: not_negative("dark_current_e_per_s", d.dark_current_e_per_s)?,
@@ -224,13 +204,6 @@ impl Noise {
                 row: ratio("prnu_row_percent", d.prnu_row_percent)?,
                 column: ratio("prnu_column_percent", d.prnu_column_percent)?,
             },
-            dsnu: FixedPattern {
-                pixel: not_negative("dsnu_e", d.dsnu_e)?,
-                row: not_negative("dsnu_row_e", d.dsnu_row_e)?,
-                column: not_negative("dsnu_column_e", d.dsnu_column_e)?,
-            },
-            row: electrons("row_noise_e", d.row_noise_e)?,
-            column: electrons("column_noise_e", d.column_noise_e)?,
             reset: Reset::new(&d.reset).map_err(|e| e.within("reset"))?,
             flicker: Flicker::new(&d.flicker).map_err(|e| e.within("flicker"))?,
             telegraph: TelegraphSignal::new(&d.telegraph).map_err(|e| e.within("telegraph"))?,

@@ -71,6 +71,32 @@ fn what_no_sensor_can_be_is_refused_by_key() {
         ("dsnu_e = 0.5", "dsnu_e = inf", "noise.dsnu_e"),
         ("dark_current_doubling_k = 8.0, ", "", "noise.dark_current_doubling_k"),
         ("dsnu_e = 0.5", "dsnu_e = 0.5, row_noise_e = -1", "noise.row_noise_e"),
+        (
+            "dsnu_e = 0.5",
+            "dsnu_e = 0.5, gain_steps = [{ gain_db = 0, read_noise_e = -1 }]",
+            "noise.gain_steps[0].read_noise_e",
+        ),
+        (
+            "dsnu_e = 0.5",
+            "dsnu_e = 0.5, gain_steps = [{ gain_db = nan, read_noise_e = 1 }]",
+            "noise.gain_steps[0].gain_db",
+        ),
+        (
+            "dsnu_e = 0.5",
+            "dsnu_e = 0.5, gain_steps = [{ gain_db = 0, row_noise_e = nan }]",
+            "noise.gain_steps[0].row_noise_e",
+        ),
+        ("dsnu_e = 0.5", "dsnu_e = 0.5, gain_steps = [{ gain_db = 3 }]", "noise.gain_steps[0]"),
+        (
+            "dsnu_e = 0.5",
+            "dsnu_e = 0.5, gain_steps = [{ gain_db = 3, read_noise_e = 2 }, { gain_db = 3, read_noise_e = 1 }]",
+            "noise.gain_steps[1].gain_db",
+        ),
+        (
+            "dsnu_e = 0.5",
+            "dsnu_e = 0.5, gain_steps = [{ gain_db = 0, read_noise_e = 2 }, { gain_db = 3, dsnu_e = 1 }]",
+            "noise.gain_steps[0]",
+        ),
         ("dsnu_e = 0.5", "dsnu_e = 0.5, reset = { noise_e = 3, capacitance_ff = 1 }", "noise.reset.capacitance_ff"),
         ("dsnu_e = 0.5", "dsnu_e = 0.5, flicker.exponent = 3", "noise.flicker.exponent"),
         ("dsnu_e = 0.5", "dsnu_e = 0.5, telegraph.high_s = 0", "noise.telegraph.high_s"),
@@ -208,7 +234,10 @@ fn what_is_left_out_is_not_there() {
     assert_eq!(model(&format!("{BARE}noise = {{}}")).expect("valid"), bare);
     // Any one key can stand alone.
     let read = model(&format!("{BARE}noise.read_noise_e = 3")).expect("valid");
-    assert_eq!(read.noise, Noise { read: Electrons(3.0), ..Noise::NONE });
+    assert_eq!(
+        read.noise,
+        Noise { read_out: ReadOutNoise { read: Electrons(3.0), ..ReadOutNoise::NONE }.into(), ..Noise::NONE }
+    );
     let prnu = model(&format!("{BARE}noise.prnu_percent = 1")).expect("valid");
     assert_eq!(prnu.noise, Noise { prnu: FixedPattern::of_pixels(0.01), ..Noise::NONE });
 }

@@ -77,7 +77,7 @@ impl SensorModel {
     /// are added, or averaged, is √n times that of one.
     pub fn read_noise(&self, exposure: &Exposure) -> Electrons {
         let [across, down] = exposure.region.binning.numbers();
-        Electrons(self.noise.read.0 * ((across * down) as f64).sqrt())
+        Electrons(self.noise.read_out.at(exposure.gain).read.0 * ((across * down) as f64).sqrt())
     }
 
     /// Variance at a mean of `mean` photo-electrons before the signal becomes a number, (e⁻)², without binning; with

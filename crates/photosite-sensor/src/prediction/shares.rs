@@ -39,6 +39,7 @@ impl SensorModel {
     pub(crate) fn share(&self, stage: Stage, exposure: &Exposure) -> Share {
         let (noise, temperature, time) = (&self.noise, exposure.temperature, exposure.time);
         let squared = |noise: Electrons| noise.0 * noise.0;
+        let read_out = || noise.read_out.at(exposure.gain);
         match stage {
             Stage::ShotNoise => Share::Light,
             Stage::DarkCurrent => Share::Heat(noise.dark_electrons(temperature, time)),
@@ -46,12 +47,12 @@ impl SensorModel {
             Stage::Flicker => Share::Pixel(squared(noise.flicker.noise)),
             Stage::ResetNoise => Share::Pixel(squared(noise.reset.standard_deviation(temperature))),
             Stage::Telegraph => Share::Pixel(noise.telegraph.variance()),
-            Stage::ReadNoise => Share::Amplifier(squared(noise.read)),
+            Stage::ReadNoise => Share::Amplifier(squared(read_out().read)),
             Stage::LowGainReadNoise => {
                 Share::LowGain(self.converter.dual_gain.as_ref().map_or(0.0, |dual| squared(dual.low_read_noise)))
             }
-            Stage::RowNoise => Share::Row(squared(noise.row)),
-            Stage::ColumnNoise => Share::Column(squared(noise.column)),
+            Stage::RowNoise => Share::Row(squared(read_out().row)),
+            Stage::ColumnNoise => Share::Column(squared(read_out().column)),
             Stage::ConverterNonlinearity => Share::Steps(|converter| dnl_variance_dn2(converter.dnl_dn)),
             Stage::ImageLag | Stage::VerticalTransfer | Stage::HorizontalTransfer => Share::Moved,
             Stage::Crosstalk

@@ -1,5 +1,6 @@
 //! Warnings about sensors that can be, but are hardly meant so.
 
+use photosite_core::math::float::rounded;
 use photosite_core::units::Seconds;
 
 use super::shares::Shares;
@@ -12,7 +13,24 @@ impl SensorModel {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.cell_warnings();
         warnings.extend(self.full_well_out_of_reach());
+        for (key, own, of_steps) in self.noise.read_out.idle_keys() {
+            warnings.push(format!(
+                "sensor.noise.{key} = {own} has no effect: sensor.noise.gain_steps has {} at 0 dB; change the steps, or \
+                 remove it",
+                rounded(of_steps, 4)
+            ));
+        }
         warnings
+    }
+
+    /// Tells where the gain lies outside of the steps for which noise is known, so that the nearest stands for it.
+    pub fn gain_beyond_steps(&self, exposure: &Exposure) -> Option<String> {
+        let [least, most] = self.noise.read_out.beyond(exposure.gain)?.map(|gain| gain.0);
+        Some(format!(
+            "sensor.noise.gain_steps: they go from {least} to {most} dB, and the gain is {} dB; the noise of the nearest \
+             step is taken",
+            rounded(exposure.gain.0, 4)
+        ))
     }
 
     /// Tells where noise of the dark reaches the low end of the converter, which cuts it off and makes black too bright.
@@ -23,7 +41,8 @@ impl SensorModel {
         let noise = &self.noise;
         let pattern = |p: FixedPattern| p.pixel.powi(2) + p.row.powi(2) + p.column.powi(2);
         let shares = Shares::new(self, exposure, stages);
-        let pattern_e2 = if stages.has(Stage::DarkOffset) { pattern(noise.dsnu) } else { 0.0 };
+        let pattern_e2 =
+            if stages.has(Stage::DarkOffset) { pattern(noise.read_out.at(exposure.gain).dsnu) } else { 0.0 };
         let variance_e2 = shares.pixel_e2[0] + shares.shared_e2([1.0; 2]) + pattern_e2;
         let (converter, key) = match &self.converter.dual_gain {
             Some(dual) => (&dual.high, "sensor.adc.dual_gain.black_level_dn"),
@@ -72,9 +91,10 @@ impl SensorModel {
 
 #[cfg(test)]
 mod tests {
+    use crate::ReadOutNoise;
     use crate::prediction::warnings::{Exposure, Seconds, Stage, Stages};
     use crate::presets;
-    use photosite_core::units::Decibels;
+    use photosite_core::units::{Decibels, Electrons};
 
     #[test]
     fn blacks_that_the_converter_clips_are_told() {
@@ -85,7 +105,7 @@ mod tests {
             // 2 σ of 20 DN; a counter without read noise has nothing to clip.
             sensor.converter.black_level_dn = 40;
             sensor.converter.conversion_gain_dn_per_e = 2.0;
-            sensor.noise.read.0 = 10.0;
+            sensor.noise.read_out = ReadOutNoise { read: Electrons(10.0), ..ReadOutNoise::NONE }.into();
             let told = sensor.clipped_blacks(&exposure, Stages::NONE.with(Stage::ReadNoise));
             if sensor.converter.dual_gain.is_none() {
                 let told = told.expect("2 σ");

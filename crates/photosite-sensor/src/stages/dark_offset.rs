@@ -15,7 +15,7 @@ pub(crate) struct DarkOffset {
 impl DarkOffset {
     pub(crate) fn new(frame: &Frame<'_>) -> Option<Self> {
         let streams = frame.fixed(Stage::DarkOffset)?;
-        Some(Self { deviations: Deviations::new(&frame.sensor.noise.dsnu, frame.size[0], streams)? })
+        Some(Self { deviations: Deviations::new(&frame.read_out_noise().dsnu, frame.size[0], streams)? })
     }
 }
 

@@ -70,7 +70,7 @@ impl DualGainDigitiser {
         };
         let low_branch = branch(low, *low_read_noise, Stage::LowGainReadNoise, 1);
         Some(Self {
-            high: branch(high, frame.sensor.noise.read, Stage::ReadNoise, 0),
+            high: branch(high, frame.read_out_noise().read, Stage::ReadNoise, 0),
             range_of_mean_e: frame.is_mean.then(|| [0, low.max_dn()].map(|number| low_branch.electrons(number) as f32)),
             low: low_branch,
             threshold_dn: dual.threshold_dn(),

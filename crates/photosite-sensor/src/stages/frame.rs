@@ -2,7 +2,7 @@
 
 use crate::signal::effects::{Stage, Stages};
 use crate::signal::noise_key::{NoiseKey, Streams};
-use crate::{Exposure, SensorModel};
+use crate::{Exposure, ReadOutNoise, SensorModel};
 
 /// Facts about one image that every stage may know.
 #[derive(Clone, Copy, Debug)]
@@ -18,6 +18,11 @@ pub(crate) struct Frame<'a> {
 }
 
 impl Frame<'_> {
+    /// Noise of the read-out at the gain of the image.
+    pub(crate) fn read_out_noise(&self) -> ReadOutNoise {
+        self.sensor.noise.read_out.at(self.exposure.gain)
+    }
+
     /// Random numbers that are new in each frame, unless the stage is switched off or takes its mean.
     pub(crate) fn temporal(&self, stage: Stage) -> Option<Streams> {
         (self.stages.has(stage) && !self.is_mean).then(|| self.key.temporal(stage))

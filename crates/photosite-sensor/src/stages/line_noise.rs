@@ -18,7 +18,7 @@ pub(crate) struct RowNoise {
 
 impl RowNoise {
     pub(crate) fn new(frame: &Frame<'_>) -> Option<Self> {
-        let standard_deviation_e = frame.sensor.noise.row.0 as f32;
+        let standard_deviation_e = frame.read_out_noise().row.0 as f32;
         let streams = frame.temporal(Stage::RowNoise).filter(|_| standard_deviation_e > 0.0)?;
         Some(Self { standard_deviation_e, streams })
     }
@@ -43,7 +43,7 @@ pub(crate) struct ColumnNoise {
 
 impl ColumnNoise {
     pub(crate) fn new(frame: &Frame<'_>) -> Option<Self> {
-        let standard_deviation_e = frame.sensor.noise.column.0;
+        let standard_deviation_e = frame.read_out_noise().column.0;
         let streams = frame.temporal(Stage::ColumnNoise).filter(|_| standard_deviation_e > 0.0)?;
         Some(Self { of_columns: streams.normals_of_columns(standard_deviation_e, frame.size[0]) })
     }

@@ -51,12 +51,13 @@ struct Tails {
 impl ReadNoise {
     pub(crate) fn new(frame: &Frame<'_>) -> Option<Self> {
         let noise = &frame.sensor.noise;
-        let streams = frame.temporal(Stage::ReadNoise).filter(|_| noise.read.0 > 0.0)?;
+        let standard_deviation_e = frame.read_out_noise().read.0;
+        let streams = frame.temporal(Stage::ReadNoise).filter(|_| standard_deviation_e > 0.0)?;
         let tails = noise.read_degrees_of_freedom.and_then(|freedom| {
             let distribution = StudentT::new(freedom).ok()?;
             Some(Tails { distribution, scale: ((freedom - 2.0) / freedom).sqrt() })
         });
-        Some(Self { standard_deviation_e: noise.read.0, tails, spread: ReadNoiseSpread::new(frame), streams })
+        Some(Self { standard_deviation_e, tails, spread: ReadNoiseSpread::new(frame), streams })
     }
 }
 
