@@ -39,7 +39,8 @@ class CameraFit:
         assumed: keys that a sensor file needs and the images do not tell, with the reason for each value.
         left_out: what the images do not tell, ``figure`` and ``reason`` of each.
         notes: statements about the images, such as light that drifts.
-        report: all that ``photosite fit --json`` prints: the curves and the defective pixels, too.
+        report: all that ``photosite fit --json`` prints: the curves, the defective pixels, and of images at several gains
+            ``gain_steps``, too.
         sensor_file: text of the sensor file.
     """
 

@@ -80,7 +80,12 @@ fn a_twin_takes_the_set_that_it_was_fitted_to() {
 /// Files of the set above as a folder of flats and darks, whose names say what they are.
 fn plain_folder(folder: &Folder) {
     folder.succeed(SET);
-    let descriptor = std::fs::read_to_string(folder.path("set/Y/emva1288.txt")).expect("a descriptor");
+    add_to_plain_folder(folder, "set", "");
+}
+
+/// Adds the files of a set to the folder, with another word in their names.
+fn add_to_plain_folder(folder: &Folder, set: &str, word: &str) {
+    let descriptor = std::fs::read_to_string(folder.path(&format!("{set}/Y/emva1288.txt"))).expect("a descriptor");
     let mut head = (String::new(), String::new());
     for line in descriptor.lines() {
         let words: Vec<&str> = line.split(' ').collect();
@@ -89,9 +94,9 @@ fn plain_folder(folder: &Folder) {
             ["b", ns, _] => head = ("flat".to_owned(), ns.to_owned()),
             ["i", path] => {
                 let name = path.rsplit('\\').next().expect("a name");
-                let bytes = std::fs::read(folder.path(&format!("set/Y/images/{name}"))).expect("an image");
+                let bytes = std::fs::read(folder.path(&format!("{set}/Y/images/{name}"))).expect("an image");
                 let us = head.1.parse::<f64>().expect("a time") / 1000.0;
-                folder.add(&format!("frames/{}_{us}us_{name}", head.0), bytes);
+                folder.add(&format!("frames/{}_{us}us_{word}{name}", head.0), bytes);
             }
             _ => {}
         }
@@ -112,6 +117,36 @@ fn a_folder_of_flats_and_darks_tells_all_but_the_quantum_efficiency() {
     assert!(text.contains("quantum_efficiency = 1.0  # assumed: the number of photons"), "{text}");
     folder.succeed("info b.toml");
     folder.fail("emva1288 b.toml --like frames -o x", 1, &["does not state the photons", "frames.csv"]);
+}
+
+/// Case: a camera whose read noise falls with gain, as images at two gains in one folder, makes a sensor that does so.
+#[test]
+fn images_of_several_gains_become_steps_of_gain() {
+    const CAMERA: &str = "emva1288 sony-imx249-mono --size 64x64 -q --set noise.dsnu_e=4 --set adc.gain_db_range=[0,24] \
+                          --set noise.gain_steps=[{gain_db=0,read_noise_e=20,row_noise_e=8,dsnu_e=16},\
+                          {gain_db=12,read_noise_e=12,row_noise_e=5,dsnu_e=10}]";
+    let folder = Folder::new([]);
+    for gain in [0, 12] {
+        folder.succeed(&format!("{CAMERA} --gain-db {gain} --seed {gain} -o set{gain}"));
+        add_to_plain_folder(&folder, &format!("set{gain}"), &format!("{gain}dB_"));
+    }
+    let report = json(&folder.succeed("fit frames -o twin.toml --json").stdout);
+    let steps = report["gain_steps"].as_array().expect("steps");
+    assert_eq!(steps.iter().map(|step| step["gain_db"].as_f64()).collect::<Vec<_>>(), [Some(0.0), Some(12.0)]);
+    for (step, [read, row]) in steps.iter().zip([[20.0, 8.0], [12.0, 5.0]]) {
+        for (key, wanted) in [("noise.read_noise_e", read), ("noise.row_noise_e", row)] {
+            let parameters = step["parameters"].as_array().expect("parameters");
+            let found = parameters.iter().find(|p| p["key"] == key).unwrap_or_else(|| panic!("{key}: {step}"));
+            let [value, error] = ["value", "standard_error"].map(|part| found[part].as_f64().expect("a number"));
+            // 4 standard errors of a fixed seed, and no error that would let anything pass.
+            assert!((value - wanted).abs() < 4.0 * error && error < 0.1 * wanted, "{key}: {value} ± {error}, {wanted}");
+        }
+    }
+    let info = json(&folder.succeed("info twin.toml --json").stdout);
+    assert_eq!(info["gain_steps"].as_array().map(Vec::len), Some(2), "{info}");
+    // The twin is taken at a gain between.
+    folder.succeed("emva1288 twin.toml --gain-db 6 --size 32x32 -q -o between");
+    folder.fail("emva1288 twin.toml --like frames -o x", 1, &["has images of several gains"]);
 }
 
 #[test]
@@ -144,7 +179,9 @@ fn dark_images_alone_tell_the_dark_noise() {
 #[case::empty("", &["has no images", "DNG"])]
 #[case::one_image("dark_1ms_a", &["no pair of dark images", "two images or more"])]
 #[case::no_kind("holiday_1ms_a holiday_1ms_b", &["does not say whether it is a dark image or a flat", "frames.csv"])]
-#[case::two_gains("dark_1ms_iso100_a dark_1ms_iso100_b dark_1ms_iso800_a dark_1ms_iso800_b", &["has ISO 800", "has ISO 100", "folder of their own"])]
+#[case::two_kinds_of_gain("dark_1ms_iso100_a dark_1ms_iso100_b dark_1ms_12dB_a dark_1ms_12dB_b", &["has ISO 100", "has 12 dB", "in the same way"])]
+#[case::one_gain_unstated("dark_1ms_iso100_a dark_1ms_iso100_b dark_1ms_a dark_1ms_b", &["has no stated gain", "has ISO 100"])]
+#[case::gains_without_scale("dark_1ms_gain1_a dark_1ms_gain1_b dark_1ms_gain9_a dark_1ms_gain9_b", &["nothing tells how many dB gain 9 is above gain 1", "add flats"])]
 #[case::two_sizes("dark_1ms_a dark_1ms_b wide_dark_2ms_a wide_dark_2ms_b", &["20 × 16 pixels instead of 16 × 16"])]
 #[case::two_black_levels("dark_1ms_a dark_1ms_b black90_dark_1ms_c", &["has a mean of 90", "which should be alike"])]
 #[case::falling_darks("dark_2ms_a dark_2ms_b black90_dark_1ms_a black90_dark_1ms_b", &["has a dark level of 64", "do not fall with time"])]

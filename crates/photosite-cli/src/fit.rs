@@ -91,7 +91,7 @@ pub(super) fn run(args: &FitArgs) -> Result<()> {
 
 /// Figures with their standard errors, as text.
 fn text(fitted: &FittedCamera) -> String {
-    let CameraFit { parameters, assumed, left_out, notes, defects, .. } = &fitted.fit;
+    let CameraFit { parameters, assumed, left_out, notes, defects, gain_steps, .. } = &fitted.fit;
     let width = parameters.iter().map(|p| p.key.len()).max().unwrap_or(0);
     let figure = |Parameter { key, unit, measured }: &Parameter| {
         let (value, error) = (rounded(measured.value, 6), rounded(measured.standard_error, 2));
@@ -102,6 +102,10 @@ fn text(fitted: &FittedCamera) -> String {
         format!("{word}{key} = {value}; {reason}")
     };
     let mut lines: Vec<String> = parameters.iter().map(figure).collect();
+    for step in gain_steps {
+        lines.push(format!("at {} dB ({}):", step.gain_db, step.name));
+        lines.extend(step.parameters.iter().map(|parameter| format!("  {}", figure(parameter))));
+    }
     lines.extend(assumed.iter().map(assumption));
     lines.extend(left_out.iter().map(|not| format!("left out: {}; {}", not.figure, not.reason)));
     lines.extend(notes.iter().map(|note| format!("note: {note}")));

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use photosite_core::Result;
+use photosite_core::{Invalid, Result};
 use photosite_files::image_sets::CameraSet;
 use photosite_measure::characterisation::NotMeasured;
 use photosite_measure::characterisation::camera_fit::{
-    Assumption, CameraFit, CameraFrames, Defect, KnownFacts, Measured, Mosaic, Parameter, fit_camera,
+    Assumption, CameraFit, CameraFrames, Defect, FittedGainStep, KnownFacts, Measured, Mosaic, Parameter, fit_camera,
 };
 use photosite_pipeline::{Event, Monitor, go_on};
 
@@ -40,6 +40,8 @@ pub struct FitReport<'a> {
     left_out: &'a [NotMeasured],
     notes: &'a [String],
     defects: &'a [Defect],
+    /// Noise of the read-out by gain, where the images have several.
+    gain_steps: &'a [FittedGainStep],
     photon_transfer: Vec<PointOfReport>,
     dark: Vec<DarkOfReport>,
 }
@@ -67,7 +69,8 @@ struct DarkOfReport {
 impl FittedCamera {
     /// Report for programs.
     pub fn report(&self) -> FitReport<'_> {
-        let CameraFit { size, parameters, assumed, left_out, notes, defects, transfer, dark, .. } = &self.fit;
+        let CameraFit { size, parameters, assumed, left_out, notes, defects, transfer, dark, gain_steps, .. } =
+            &self.fit;
         let points = transfer.points.iter().enumerate().map(|(i, point)| PointOfReport {
             photons: point.photons,
             signal_dn: point.signal,
@@ -89,6 +92,7 @@ impl FittedCamera {
             left_out,
             notes,
             defects,
+            gain_steps,
             photon_transfer: points.collect(),
             dark: of_dark.collect(),
         }
@@ -102,39 +106,94 @@ impl FittedCamera {
 ///
 /// Images that cannot be read, that are not of one camera, or of which none are dark.
 pub fn fit_images(path: &Path, request: &FitRequest, monitor: &dyn Monitor) -> Result<FittedCamera> {
-    let set = CameraSet::find(path, request.channel.as_deref())?;
-    let images: usize = set.groups.iter().map(|group| group.images.len()).sum();
+    let sets = CameraSet::find(path, request.channel.as_deref())?;
+    let images: usize = sets.iter().flat_map(|set| &set.groups).map(|group| group.images.len()).sum();
     monitor.report(Event::SetBegins { images: images as u64 });
     // Images are read again for patterns; progress counts each once.
     let left = std::cell::Cell::new(images);
-    let read = |group: usize, image: usize| {
-        go_on(monitor)?;
-        if left.get() > 0 {
-            left.set(left.get() - 1);
-            monitor.report(Event::ImageEnds(None));
-        }
-        set.image(group, image)
+    let fit_set = |set: &CameraSet, system_gain: Option<f64>| {
+        let read = |group: usize, image: usize| {
+            go_on(monitor)?;
+            if left.get() > 0 {
+                left.set(left.get() - 1);
+                monitor.report(Event::ImageEnds(None));
+            }
+            set.image(group, image)
+        };
+        let frames = CameraFrames { groups: &set.groups, size: set.size, bits: set.bits, read: &read };
+        let stated = set.pixel_pitch_m.map(|pitch| pitch.map(|m| m * 1e6));
+        let known = KnownFacts {
+            system_gain,
+            pixel_pitch_um: request.known.pixel_pitch_um.or(stated),
+            wavelength_nm: request.known.wavelength_nm.or(set.wavelength_nm),
+            ..request.known.clone()
+        };
+        fit_camera(&frames, &known)
     };
-    let frames = CameraFrames { groups: &set.groups, size: set.size, bits: set.bits, read: &read };
-    let stated = set.pixel_pitch_m.map(|pitch| pitch.map(|m| m * 1e6));
-    let known = KnownFacts {
-        pixel_pitch_um: request.known.pixel_pitch_um.or(stated),
-        wavelength_nm: request.known.wavelength_nm.or(set.wavelength_nm),
-        ..request.known.clone()
-    };
-    let fitted = fit_camera(&frames, &known);
+    let fitted = fit_gains(path, &sets, request.known.system_gain, &fit_set);
     monitor.report(Event::SetEnds);
-    let mut fit = fitted?;
+    let (mut fit, set) = (fitted?, &sets[0]);
     if set.bits_are_assumed {
         let reason = "no file states them and no image is saturated".to_owned();
         fit.left_out.push(NotMeasured { figure: "bits of the converter", reason });
     }
     if let Some(gain) = &set.gain {
-        fit.notes.push(format!("all figures are those of {gain}, which the sensor file calls 0 dB"));
+        let figures = if fit.gain_steps.is_empty() { "all figures" } else { "all figures but those of gain steps" };
+        fit.notes.push(format!("{figures} are those of {}, which the sensor file calls 0 dB", gain.name));
     }
-    let mosaic = Mosaic { cfa: set.cfa.to_string(), size: set.whole_size, responses: responses(&set, &fit)? };
+    let mosaic = Mosaic { cfa: set.cfa.to_string(), size: set.whole_size, responses: responses(set, &fit)? };
     let sensor_file = fit.sensor_file(&path.display().to_string(), &mosaic);
     Ok(FittedCamera { fit, sensor_file })
+}
+
+/// Fits the images of each gain, and gathers the noise of the read-out in steps.
+fn fit_gains(
+    path: &Path,
+    sets: &[CameraSet],
+    system_gain: Option<f64>,
+    fit_set: &dyn Fn(&CameraSet, Option<f64>) -> Result<CameraFit>,
+) -> Result<CameraFit> {
+    /// Departure of measured gains from stated ones that is told, dB, where it is no chance either.
+    const TOLD_DB: f64 = 0.1;
+    let mut first = fit_set(&sets[0], system_gain)?;
+    let (Some(lowest), [_, higher @ ..]) = (&sets[0].gain, sets) else { return Ok(first) };
+    let own = first.parameter("adc.conversion_gain_dn_per_e").map(|parameter| parameter.measured.value);
+    let mut others = Vec::new();
+    for set in higher {
+        let Some(gain) = &set.gain else { continue };
+        let stated_db = gain.decibels_over(lowest);
+        let known = stated_db.and_then(|db| Some(own.or(system_gain)? * 10f64.powf(db / 20.0)));
+        let fit = fit_set(set, known)?;
+        let measured_db = fit.gain_over(&first);
+        if let (Some([db, error]), Some(stated_db)) = (measured_db, stated_db)
+            && (db - stated_db).abs() > TOLD_DB.max(3.0 * error)
+        {
+            first.notes.push(format!(
+                "by photon transfer {} is {db:.2} ± {error:.2} dB above {}, and by its name {stated_db:.2} dB",
+                gain.name, lowest.name
+            ));
+        }
+        // Settings in decibels are what a capture names; of others, light tells what they are.
+        let db = match (measured_db, stated_db) {
+            (_, Some(stated)) if gain.is_in_decibels() => stated,
+            (Some([measured, _]), _) => measured,
+            (None, Some(stated)) => stated,
+            (None, None) => {
+                let message = format!("nothing tells how many dB {} is above {}", gain.name, lowest.name);
+                let help = "add flats of both gains, or write gains in dB or as ISO speeds";
+                return Err(Invalid::new("", message).help(help).in_file(path));
+            }
+        };
+        first.notes.extend(fit.notes.iter().map(|note| format!("{}: {note}", gain.name)));
+        others.push((db, gain.name.clone(), fit));
+    }
+    others.sort_by(|(a, ..), (b, ..)| a.total_cmp(b));
+    if let Some((db, name, _)) = others.first().filter(|(db, ..)| *db <= 0.0) {
+        let message = format!("{name} is {db:.2} dB above {}, the lowest gain by its name", lowest.name);
+        return Err(Invalid::new("", message).help("check the gains that the images state").in_file(path));
+    }
+    first.add_gains(&lowest.name, &others);
+    Ok(first)
 }
 
 /// Names of the channels with their responses to the light of the clearest flats over that of the channel that was

@@ -59,7 +59,12 @@ impl SetRequest {
     /// request itself says of wavelength, temperature and size stays.
     pub fn like(self, set: &Path) -> Result<Self> {
         let channel = self.channels.as_deref().and_then(|names| names.first()).map(String::as_str);
-        let CameraSet { groups, size, wavelength_nm, .. } = CameraSet::find(set, channel)?;
+        let mut sets = CameraSet::find(set, channel)?;
+        let CameraSet { groups, size, wavelength_nm, .. } = sets.swap_remove(0);
+        if !sets.is_empty() {
+            let help = "give a folder of one gain: an image set has one";
+            return Err(Invalid::new("", "has images of several gains").help(help).in_file(set));
+        }
         let temperature = groups.iter().find(|group| !group.is_dark()).and_then(|group| group.temperature);
         let of_set: Vec<_> = groups.into_iter().filter(|group| group.temperature == temperature).collect();
         let plan = Plan::like(&of_set).map_err(|invalid| invalid.in_file(set))?;

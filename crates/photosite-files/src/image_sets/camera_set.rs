@@ -11,7 +11,7 @@ use photosite_measure::validation::ComparedImage;
 use photosite_raw::{Cfa, Pixels};
 
 use super::contents::{CONTENTS, ChannelSets, ImageSets};
-use super::frame_folder::{FolderFrame, frames_of};
+use super::frame_folder::{FolderFrames, FrameGain, frames_of};
 use crate::image_file::read_image_file;
 
 /// Bytes per pixel while a sensor is fitted: two stacks of sums and squares, averages and patterns.
@@ -39,32 +39,39 @@ pub struct CameraSet {
     /// Pixel pitch, m, where the files state it.
     pub pixel_pitch_m: Option<[f64; 2]>,
     /// Statement about the gain of the images.
-    pub gain: Option<String>,
+    pub gain: Option<FrameGain>,
     paths: Vec<Vec<PathBuf>>,
 }
 
 impl CameraSet {
-    /// Finds the images of a descriptor (a file) or a folder. `channel` is the channel to evaluate: of the image sets of
+    /// Finds the images of a descriptor (a file) or a folder, those of each gain in a set of their own, the lowest gain
+    /// first. `channel` is the channel to evaluate: of the image sets of
     /// a colour sensor, or of a mosaic.
     ///
     /// # Errors
     ///
-    /// Images without a statement of what they were taken of, of several gains, of different sizes.
-    pub fn find(path: &Path, channel: Option<&str>) -> Result<Self> {
-        let set = if !path.is_dir() {
+    /// Images without a statement of what they were taken of, of gains that are not stated alike, of different sizes.
+    pub fn find(path: &Path, channel: Option<&str>) -> Result<Vec<Self>> {
+        let sets = if !path.is_dir() {
             let descriptor = read_descriptor(path)?;
             let groups = described(path, &descriptor, None);
-            Self::of_descriptors(path, &descriptor, groups)?
+            vec![Self::of_descriptors(path, &descriptor, groups)?]
         } else if path.join(CONTENTS).exists() {
-            Self::of_image_sets(path, channel)?
+            vec![Self::of_image_sets(path, channel)?]
         } else {
-            Self::of_folder(path, channel)?
+            let frames = frames_of(path)?.by_gain()?;
+            frames.into_iter().map(|(gain, frames)| Self::of_frames(&frames, gain, channel)).collect::<Result<_>>()?
         };
-        let [width, height] = set.size;
+        if let Some(other) = sets.iter().find(|set| set.whole_size != sets[0].whole_size) {
+            let [[w, h], [width, height]] = [other.whole_size, sets[0].whole_size];
+            let message = format!("{w} × {h} pixels instead of {width} × {height}");
+            return Err(Invalid::new("", message).in_file(other.groups[0].name.as_ref()));
+        }
+        let [width, height] = sets[0].size;
         let bytes = (width as u64).saturating_mul(height as u64).saturating_mul(PIXEL);
         memory::check(bytes, &format!("fitting a sensor of {width} × {height} pixels"), "use smaller images")
             .map_err(|invalid| invalid.in_file(path))?;
-        Ok(set)
+        Ok(sets)
     }
 
     fn of_descriptors(path: &Path, first: &Descriptor, groups: Vec<(FrameGroup, Vec<PathBuf>)>) -> Result<Self> {
@@ -117,20 +124,12 @@ impl CameraSet {
             // The light of these sets is there for programs that want some.
             groups.extend(of_set.into_iter().filter(|(group, _)| group.is_dark()));
         }
-        let gain = (sets.gain_db != 0.0).then(|| format!("{} dB", sets.gain_db));
+        let gain = (sets.gain_db != 0.0).then(|| FrameGain::new(&format!("{} dB", sets.gain_db)));
         Ok(Self { wavelength_nm: Some(chosen.wavelength_nm), gain, ..Self::of_descriptors(&path, &main, groups)? })
     }
 
-    fn of_folder(folder: &Path, channel: Option<&str>) -> Result<Self> {
-        let frames = frames_of(folder)?;
+    fn of_frames(frames: &FolderFrames, gain: Option<FrameGain>, channel: Option<&str>) -> Result<Self> {
         let first = &frames.frames[0];
-        let gains: Vec<&FolderFrame> = frames.frames.iter().filter(|frame| frame.gain != first.gain).collect();
-        if let Some(other) = gains.first() {
-            let of = |frame: &FolderFrame| frame.gain.clone().unwrap_or_else(|| "no stated gain".to_owned());
-            let message = format!("has {}, and {} has {}", of(other), first.path.display(), of(first));
-            let help = "a sensor file is of one gain: put the images of each into a folder of their own, and fit each";
-            return Err(Invalid::new("", message).help(help).in_file(&other.path));
-        }
         let image = read_plane_image(&first.path)?;
         let whole_size = [image.mean.width(), image.mean.height()];
         let cfa = image.mosaic.clone().unwrap_or_else(Cfa::mono);
@@ -156,7 +155,7 @@ impl CameraSet {
             channel: number,
             wavelength_nm: None,
             pixel_pitch_m: frames.pixel_pitch_m,
-            gain: first.gain.clone(),
+            gain,
         };
         set.bits = match frames.bits {
             Some(bits) => bits,

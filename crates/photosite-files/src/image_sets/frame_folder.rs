@@ -39,6 +39,44 @@ pub(super) struct FolderFrame {
     photons: Option<f64>,
 }
 
+/// Statement about a gain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameGain {
+    /// Statement in words: "12 dB", "ISO 800", "gain 2".
+    pub name: String,
+    /// The words without the number.
+    kind: String,
+    /// Number of the statement; not-a-number of one without.
+    value: f64,
+}
+
+impl FrameGain {
+    pub(super) fn new(name: &str) -> Self {
+        let (numbers, words): (Vec<&str>, Vec<&str>) =
+            name.split_whitespace().partition(|word| word.parse::<f64>().is_ok_and(f64::is_finite));
+        // Of two numbers, or of none, nothing follows but that gains are the same.
+        let (kind, value) = match numbers[..] {
+            [number] => (words.join(" "), number.parse().unwrap_or(0.0)),
+            _ => (name.to_owned(), 0.0),
+        };
+        Self { name: name.to_owned(), kind, value }
+    }
+
+    /// Gain over another one in dB, where the statements tell: of decibels, and of ISO speeds.
+    pub fn decibels_over(&self, first: &Self) -> Option<f64> {
+        match self.kind.to_lowercase().as_str() {
+            "db" => Some(self.value - first.value),
+            "iso" if first.value > 0.0 => Some(20.0 * (self.value / first.value).log10()),
+            _ => None,
+        }
+    }
+
+    /// Whether the statement is in decibels.
+    pub fn is_in_decibels(&self) -> bool {
+        self.kind.eq_ignore_ascii_case("dB")
+    }
+}
+
 /// Finds the images of a folder and of the folders in it.
 pub(super) fn frames_of(folder: &Path) -> Result<FolderFrames> {
     let table = read_table(folder)?;
@@ -71,6 +109,35 @@ pub(super) fn frames_of(folder: &Path) -> Result<FolderFrames> {
 }
 
 impl FolderFrames {
+    /// The images of each gain, the lowest first, with the statement about it.
+    ///
+    /// # Errors
+    ///
+    /// Images of which some state a gain and others none, or another kind of gain.
+    pub(super) fn by_gain(self) -> Result<Vec<(Option<FrameGain>, Self)>> {
+        let Self { frames, bits, pixel_pitch_m } = self;
+        let mut found: Vec<(Option<FrameGain>, Self)> = Vec::new();
+        for frame in frames {
+            let gain = frame.gain.as_deref().map(FrameGain::new);
+            if let Some((first, other)) = found.first()
+                && gain.as_ref().map(|gain| &gain.kind) != first.as_ref().map(|first| &first.kind)
+            {
+                let words = |gain: Option<&str>| gain.unwrap_or("no stated gain").to_owned();
+                let (own, other) = (words(frame.gain.as_deref()), &other.frames[0]);
+                let message = format!("has {own}, and {} has {}", other.path.display(), words(other.gain.as_deref()));
+                let help = format!("write the gains of all images in the same way, in their names or in {FRAME_TABLE}");
+                return Err(Invalid::new("", message).help(help).in_file(&frame.path));
+            }
+            match found.iter_mut().find(|(known, _)| *known == gain) {
+                Some((_, set)) => set.frames.push(frame),
+                None => found.push((gain, Self { frames: vec![frame], bits, pixel_pitch_m })),
+            }
+        }
+        let value = |gain: &Option<FrameGain>| gain.as_ref().map_or(0.0, |gain| gain.value);
+        found.sort_by(|(a, _), (b, _)| value(a).total_cmp(&value(b)));
+        Ok(found)
+    }
+
     /// Images of the same light together, with their paths: those of one kind, time, temperature and folder.
     pub(super) fn groups(&self) -> Vec<(FrameGroup, Vec<PathBuf>)> {
         let mut groups: Vec<(FrameGroup, Vec<PathBuf>)> = Vec::new();

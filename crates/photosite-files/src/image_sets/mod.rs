@@ -19,6 +19,7 @@ mod write;
 
 pub use camera_set::CameraSet;
 pub use contents::{CONTENTS, ChannelSets, ImageSets, SpectralSet, ThermalSet};
+pub use frame_folder::FrameGain;
 pub use frame_table::FRAME_TABLE;
 pub use read::{MeasuredSet, read_set};
 pub use write::{IMAGE_FORMATS, SetWriter};

@@ -8,7 +8,7 @@ use super::defects::{Defect, replacements};
 use super::frame_group::CameraFrames;
 use super::frame_stack::StackStatistics;
 use super::measured::Measured;
-use super::parameters::{Assumption, KnownFacts, Parameter};
+use super::parameters::{Assumption, FittedGainStep, KnownFacts, Parameter};
 use super::patterns::{Averages, MendedFrames, Patterns};
 use super::photon_transfer::{PhotonTransfer, TransferPoint};
 use super::sheet::Sheet;
@@ -38,6 +38,8 @@ pub struct CameraFit {
     pub dark: DarkModel,
     /// Dark currents at the temperatures that were measured, in DN/s.
     pub dark_currents: Vec<(Option<Celsius>, Measured)>,
+    /// Noise of the read-out at several gains, in their order; none of images of one gain.
+    pub gain_steps: Vec<FittedGainStep>,
 }
 
 /// Fits a sensor to images of a camera.
@@ -65,7 +67,20 @@ pub fn fit_camera(frames: &CameraFrames<'_>, known: &KnownFacts) -> Result<Camer
     let Survey { dark, transfer, .. } = survey;
     let Sheet { parameters, assumed, left_out, .. } = sheet;
     let (size, bits) = (frames.size, frames.bits);
-    Ok(CameraFit { size, bits, parameters, assumed, left_out, notes, defects, transfer, dark, dark_currents })
+    let gain_steps = Vec::new();
+    Ok(CameraFit {
+        size,
+        bits,
+        parameters,
+        assumed,
+        left_out,
+        notes,
+        defects,
+        transfer,
+        dark,
+        dark_currents,
+        gain_steps,
+    })
 }
 
 /// Averages of the images that tell the patterns.

@@ -12,6 +12,7 @@
 //! | statistics of all groups, checked for being of one camera | `survey.rs` |
 //! | all of it, in order | `fit.rs` |
 //! | parameters, assumptions, what is left out | `parameters.rs`, `sheet.rs` |
+//! | noise of the read-out at several gains | `gain_steps.rs` |
 //! | the sensor file | `sensor_file.rs` |
 //!
 //! Figures that are not told apart from 0 (three standard errors) are left out by name, with the bound below which they
@@ -22,6 +23,7 @@ mod defects;
 mod fit;
 mod frame_group;
 mod frame_stack;
+mod gain_steps;
 mod lines;
 mod measured;
 mod parameters;
@@ -39,6 +41,6 @@ pub use frame_group::{CameraFrames, FrameGroup, FrameLight};
 pub use frame_stack::{Parts, StackStatistics};
 pub use lines::MeasuredLine;
 pub use measured::Measured;
-pub use parameters::{Assumption, KnownFacts, Parameter};
+pub use parameters::{Assumption, FittedGainStep, KnownFacts, Parameter};
 pub use photon_transfer::{BrightFrames, PhotonTransfer, Saturation, TransferPoint};
 pub use sensor_file::Mosaic;

@@ -17,6 +17,17 @@ pub struct Parameter {
     pub measured: Measured,
 }
 
+/// Noise of the read-out at a gain.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FittedGainStep {
+    /// Gain over that of the first step, dB.
+    pub gain_db: f64,
+    /// Gain as the images state it.
+    pub name: String,
+    /// Figures at that gain, under the keys of `[noise]`.
+    pub parameters: Vec<Parameter>,
+}
+
 /// Key that a sensor file needs and that the images do not tell.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Assumption {

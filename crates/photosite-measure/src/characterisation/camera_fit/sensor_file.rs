@@ -50,6 +50,9 @@ impl CameraFit {
             lines.iter().for_each(|line| {
                 let _ = writeln!(text, "{line}");
             });
+            if table == "noise" {
+                text += &self.text_of_gain_steps();
+            }
         }
         for (name, response) in &mosaic.responses {
             let _ = writeln!(text, "\n[channels.{name}]\n{}", self.efficiency(mosaic, *response));

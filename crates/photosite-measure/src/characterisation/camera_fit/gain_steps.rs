@@ -1,0 +1,134 @@
+//! Noise of the read-out at several gains of a camera, each fitted alone.
+
+use photosite_core::math::float::rounded;
+
+use super::fit::CameraFit;
+use super::parameters::{Assumption, FittedGainStep, Parameter};
+use crate::characterisation::NotMeasured;
+
+/// Figures that may change with gain: their keys, and their names in sentences.
+const FIGURES: [(&str, &str); 6] = [
+    ("noise.read_noise_e", "read noise by gain"),
+    ("noise.row_noise_e", "row noise by gain"),
+    ("noise.column_noise_e", "column noise by gain"),
+    ("noise.dsnu_e", "DSNU of pixels by gain"),
+    ("noise.dsnu_row_e", "DSNU of rows by gain"),
+    ("noise.dsnu_column_e", "DSNU of columns by gain"),
+];
+const GAIN: &str = "adc.conversion_gain_dn_per_e";
+
+impl CameraFit {
+    /// System gain over that of another fit, dB, with its standard error; `None` where not both are measured.
+    pub fn gain_over(&self, other: &Self) -> Option<[f64; 2]> {
+        let [own, first] = [self, other].map(|fit| fit.parameter(GAIN).map(|parameter| parameter.measured));
+        let (own, first) = (own?, first?);
+        let per_part = 20.0 / std::f64::consts::LN_10;
+        let error = per_part * own.relative_error().hypot(first.relative_error());
+        Some([20.0 * (own.value / first.value).log10(), error])
+    }
+
+    /// Adds the noise of the read-out at this gain, called `name`, and at others: those of fits at higher gains, dB,
+    /// with their names. A figure that is not told at each of them stays that of this fit at all gains.
+    pub fn add_gains(&mut self, name: &str, others: &[(f64, String, Self)]) {
+        let at = |fit: &Self, key| fit.parameter(key).cloned();
+        let mut steps = vec![FittedGainStep { gain_db: 0.0, name: name.to_owned(), parameters: Vec::new() }];
+        let step = |(gain_db, name, _): &(f64, String, Self)| FittedGainStep {
+            gain_db: rounded(*gain_db, 6),
+            name: name.clone(),
+            parameters: Vec::new(),
+        };
+        steps.extend(others.iter().map(step));
+        for (key, figure) in FIGURES {
+            let found: Vec<Option<Parameter>> =
+                std::iter::once(at(self, key)).chain(others.iter().map(|(_, _, fit)| at(fit, key))).collect();
+            if found.iter().all(Option::is_none) {
+                continue;
+            }
+            let missing: Vec<&str> =
+                found.iter().zip(&steps).filter(|(found, _)| found.is_none()).map(|(_, step)| &*step.name).collect();
+            if missing.is_empty() {
+                steps.iter_mut().zip(found.into_iter().flatten()).for_each(|(step, p)| step.parameters.push(p));
+            } else {
+                let stands = if missing.contains(&name) { "it is none" } else { "that of the lowest gain stands" };
+                let reason = format!("not told apart from 0 at {}; {stands} at all gains", missing.join(", "));
+                self.left_out.push(NotMeasured { figure, reason });
+            }
+        }
+        if steps[0].parameters.is_empty() {
+            return;
+        }
+        let most = steps.last().map_or(0.0, |step| step.gain_db);
+        self.assumed.push(Assumption {
+            key: "adc.gain_db_range",
+            value: format!("[0.0, {most:?}]"),
+            is_stated: true,
+            reason: format!("the gains of the images, of which {name} is 0 dB"),
+        });
+        self.gain_steps = steps;
+    }
+
+    /// Text of the steps in a sensor file.
+    pub(super) fn text_of_gain_steps(&self) -> String {
+        let mut text = String::new();
+        for FittedGainStep { gain_db, name, parameters } in &self.gain_steps {
+            text +=
+                &format!("\n[[noise.gain_steps]]\ngain_db = {gain_db:?}  # {}\n", name.replace(char::is_control, " "));
+            for Parameter { key, unit, measured } in parameters {
+                let key = key.trim_start_matches("noise.");
+                let (value, error) = (rounded(measured.value, 6), rounded(measured.standard_error, 2));
+                text += &format!("{key} = {value:?}  # ± {error} {unit}\n");
+            }
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::characterisation::camera_fit::{DarkModel, Measured, PhotonTransfer};
+
+    fn fit(parameters: &[(&'static str, f64)]) -> CameraFit {
+        let parameter = |&(key, value): &(&'static str, f64)| Parameter {
+            key,
+            unit: "e-",
+            measured: Measured::new(value, 0.01 * value),
+        };
+        CameraFit {
+            size: [8, 8],
+            bits: 12,
+            parameters: parameters.iter().map(parameter).collect(),
+            assumed: Vec::new(),
+            left_out: Vec::new(),
+            notes: Vec::new(),
+            defects: Vec::new(),
+            transfer: PhotonTransfer::new(&[], &DarkModel::new(Vec::new())),
+            dark: DarkModel::new(Vec::new()),
+            dark_currents: Vec::new(),
+            gain_steps: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn figures_that_all_gains_tell_become_steps_and_others_are_left_out() {
+        let mut first = fit(&[(GAIN, 0.5), ("noise.read_noise_e", 3.0), ("noise.row_noise_e", 1.0)]);
+        let second = fit(&[(GAIN, 2.0), ("noise.read_noise_e", 2.0)]);
+        let [db, error] = second.gain_over(&first).expect("both have K");
+        // 20·log₁₀ 4, and 1 % twice of 8.69 dB.
+        assert!((db - 12.0412).abs() < 1e-4 && (error - 0.1228).abs() < 1e-3, "{db} {error}");
+        first.add_gains("ISO 100", &[(12.0, "ISO 400".to_owned(), second)]);
+        let text = first.text_of_gain_steps();
+        assert_eq!(
+            text,
+            "\n[[noise.gain_steps]]\ngain_db = 0.0  # ISO 100\nread_noise_e = 3.0  # ± 0.03 e-\n\
+             \n[[noise.gain_steps]]\ngain_db = 12.0  # ISO 400\nread_noise_e = 2.0  # ± 0.02 e-\n"
+        );
+        assert_eq!(first.left_out.len(), 1);
+        assert!(
+            first.left_out[0].reason.contains("at ISO 400; that of the lowest gain stands"),
+            "{:?}",
+            first.left_out
+        );
+        assert_eq!(first.assumed[0].value, "[0.0, 12.0]");
+    }
+}
