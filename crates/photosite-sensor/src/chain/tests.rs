@@ -114,6 +114,7 @@ fn steps_of_gain_are_at_each_gain_a_sensor_without_steps() {
         let of = |noise: NoiseDescription| {
             let mut description: SensorDescription = presets::table(preset).expect("listed").try_into().expect("keys");
             description.noise = noise;
+            description.adc.gain_db_range = [-6.0, 30.0];
             SensorModel::new(preset, &description, presets::library_spectrum).expect("a sensor")
         };
         let stepped =
