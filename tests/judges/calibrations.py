@@ -6,6 +6,7 @@ Each lens of each format sees 1,000 points through a camera turned and moved at 
 `photosite project` says of it; both programs may differ by 1e-6 px. Models that photosite has not are refused by name.
 """
 
+import copy
 import subprocess
 import sys
 import tempfile
@@ -128,13 +129,14 @@ class Judge:
         """The camera of a rig whose first is the world, and from an IMU."""
         pose = np.eye(4)
         pose[:3, :3], pose[:3, 3] = self.rotation, self.move
-        matrix = [MATRIX[0, 0], MATRIX[1, 1], MATRIX[0, 2], MATRIX[1, 2]]
+        matrix = [float(x) for x in (MATRIX[0, 0], MATRIX[1, 1], MATRIX[0, 2], MATRIX[1, 2])]
         for name, camera, model, coefficients, opencv, xi in [
             ("none", "pinhole", "none", [], "calib3d", None), ("radtan", "pinhole", "radtan", SHORT, "calib3d", None),
             ("equidistant", "pinhole", "equidistant", FISHEYE, "fisheye", None), ("omni", "omni", "radtan", SHORT, "omnidir", 1.1)]:
-            one = dict(camera_model=camera, intrinsics=([xi] if xi else []) + [float(x) for x in matrix], distortion_model=model,
+            one = dict(camera_model=camera, intrinsics=([xi] if xi else []) + matrix, distortion_model=model,
                        distortion_coeffs=coefficients, resolution=list(SIZE), rostopic="/c", T_cam_imu=np.eye(4).tolist())
-            two = dict(one, T_cn_cnm1=pose.tolist(), T_cam_imu=pose.tolist())
+            # A copy: PyYAML writes what two tables share as an anchor, which Kalibr's files do not have.
+            two = copy.deepcopy(dict(one, T_cn_cnm1=pose.tolist(), T_cam_imu=pose.tolist()))
             for flow in (False, None):
                 (self.folder / "camchain.yaml").write_text(yaml.safe_dump(dict(cam0=one, cam1=two), default_flow_style=flow))
                 wanted = self.by_opencv(opencv, coefficients or [0.0] * 4, xi)
