@@ -25,6 +25,11 @@ fn read(more: &str) -> Capture {
     files(more).read(&[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// Warnings but for those of the room, whose materials nothing describes.
+fn warnings(capture: &Capture) -> Vec<String> {
+    capture.warnings().iter().filter(|words| !words.contains("nothing describes")).map(ToString::to_string).collect()
+}
+
 #[test]
 fn a_camera_is_that_of_its_calibration() {
     let capture = read(&format!(
@@ -39,7 +44,8 @@ fn a_camera_is_that_of_its_calibration() {
     // A point of cam0 is 0.1 m farther left in cam1: that stands to the right of it.
     let wanted = DAffine3::from_translation(DVec3::new(0.1, 0.0, 0.0));
     assert!(capture.camera_to_world().abs_diff_eq(wanted, 1e-15), "{:?}", capture.camera_to_world());
-    assert!(capture.is_placed_by_calibration() && capture.warnings().is_empty(), "{:?}", capture.warnings());
+    assert!(capture.is_placed_by_calibration());
+    assert_eq!(warnings(&capture), [""; 0]);
 }
 
 #[test]
@@ -74,7 +80,7 @@ fn a_calibration_of_the_delivered_image_is_taken_to_the_sensor() {
             "[lens]\ncalibration = 'camchain.yaml'\ncalibration_camera = 'cam0'\n[sensor]\npreset = 'sony-imx249-mono'\n\
              resolution_px = [1920, 1200]\npixel_pitch_um = [2.5, 2.5]\n[exposure]\ntime_s = 0.01\n{exposure}"
         ));
-        assert!(capture.warnings().is_empty(), "{:?}", capture.warnings());
+        assert_eq!(warnings(&capture), [""; 0]);
         capture.lens().intrinsics.expect("a matrix")
     };
     let same = |a: Intrinsics, b: Intrinsics| {
@@ -105,11 +111,11 @@ fn contradictions_are_told() {
             "is of 640 × 480 pixels, and the sensor has 1280 × 960",
         ),
     ] {
-        let warnings = read(&more).warnings();
+        let warnings = warnings(&read(&more));
         assert!(warnings.len() == 1 && warnings[0].contains(said), "{warnings:?}");
     }
     // Rounded as names of lenses are.
-    assert!(read(&format!("{lens}focal_length_mm = 4.1\n{SENSOR}")).warnings().is_empty());
+    assert_eq!(warnings(&read(&format!("{lens}focal_length_mm = 4.1\n{SENSOR}"))), [""; 0]);
     let half = read(&format!("{lens}{}", SENSOR.replace("[640, 480]", "[320, 240]")));
     let Intrinsics { fx, cx, .. } = half.lens().intrinsics.expect("a matrix");
     assert!((fx - 400.0).abs() < 1e-12 && (cx - 160.0).abs() < 1e-12);
