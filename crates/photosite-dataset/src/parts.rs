@@ -8,7 +8,7 @@ use serde_json::Value;
 use super::identity::{IDENTITY, OF_PART, of_part, read_identity};
 use super::image_folder::image;
 use photosite_core::{Error, Invalid, Result};
-use photosite_pipeline::{FormerDevice, difference};
+use photosite_pipeline::{DEVICE, FormerDevice, difference};
 use photosite_transport::integrator::Device;
 
 /// Folder of parts of images.
@@ -52,7 +52,7 @@ impl PartFolder {
 
     /// Device that traced the parts; `None` for the processor.
     pub fn device(&self) -> Option<Arc<dyn Device>> {
-        FormerDevice::of(&self.identity)
+        FormerDevice::of(self.identity.get(DEVICE))
     }
 
     /// Refuses parts of another data set.

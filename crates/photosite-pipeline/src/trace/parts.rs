@@ -59,11 +59,10 @@ pub fn check_samples(samples: &Range<u32>, capture: &Capture) -> Result<()> {
 pub struct FormerDevice(String);
 
 impl FormerDevice {
-    /// The device of parts by its name in their provenance, or in the identity of their data set; `None` where the
+    /// The device of parts by [`DEVICE`] of their provenance, or of the identity of their data set; `None` where the
     /// processor traced them.
-    pub fn of(provenance: &Value) -> Option<Arc<dyn Device>> {
-        let name = provenance.get(DEVICE)?.as_str()?;
-        Some(Arc::new(Self(name.to_owned())))
+    pub fn of(device: Option<&Value>) -> Option<Arc<dyn Device>> {
+        Some(Arc::new(Self(device?.as_str()?.to_owned())))
     }
 }
 
@@ -134,7 +133,7 @@ impl Parts {
 
     /// A capture on the device that traced the parts, which traces nothing more: it stands in the provenance of both.
     pub fn on_their_device(&self, capture: Capture) -> Capture {
-        match FormerDevice::of(&Value::Object(self.first().provenance.clone())) {
+        match FormerDevice::of(self.first().provenance.get(DEVICE)) {
             Some(device) => capture.on_device(device),
             None => capture,
         }
