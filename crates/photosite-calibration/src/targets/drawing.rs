@@ -35,7 +35,7 @@ pub struct Ink {
 /// A part of the sheet in another ink.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// Its edge.
+    /// Edge of the shape.
     pub outline: Outline,
     /// Index of its ink.
     pub ink: usize,
@@ -48,7 +48,7 @@ pub enum Outline {
     Polygon(Vec<DVec2>),
     /// A disc.
     Disc {
-        /// Its middle.
+        /// Middle of the shape.
         centre: DVec2,
         /// m.
         radius: f64,

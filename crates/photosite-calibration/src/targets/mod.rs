@@ -83,7 +83,7 @@ macro_rules! kinds {
             /// All of them.
             pub const ALL: &'static [Self] = &[$(Self::$variant),*];
 
-            /// Its name in files.
+            /// Name of the kind in files.
             pub fn name(self) -> &'static str {
                 match self { $(Self::$variant => $name,)* }
             }
@@ -100,7 +100,7 @@ macro_rules! kinds {
         }
 
         impl TargetDescription {
-            /// Which kind it is.
+            /// Kind of the target.
             pub fn kind(&self) -> TargetKind {
                 match self { $(Self::$variant(_) => TargetKind::$variant,)* }
             }

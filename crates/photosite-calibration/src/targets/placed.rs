@@ -7,7 +7,7 @@ use super::{Target, TargetDescription};
 /// A target in the world.
 #[derive(Clone, Debug)]
 pub struct PlacedTarget {
-    /// Its name in the capture file; its materials are called NAME-INK.
+    /// Name in the capture file; materials of the target are called NAME-INK.
     pub name: String,
     /// What it is.
     pub description: TargetDescription,

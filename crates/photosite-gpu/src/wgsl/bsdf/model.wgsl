@@ -11,7 +11,7 @@ struct Bsdf {
     /// Extinction coefficient k; transmittance; specular reflectance.
     second: vec4<f32>,
     is_dispersive: bool,
-    /// Of glTF's material, whose facets reflect `second` at normal incidence.
+    /// Material of glTF, whose facets reflect `second` at normal incidence.
     metallic: f32,
     specular: f32,
 }
