@@ -38,8 +38,9 @@ class Chosen:
 
 
 class Table:
-    def __init__(self, path: Path = ROOT / ".ci/steps.toml") -> None:
+    def __init__(self, path: Path = ROOT / ".ci/steps.toml", turn: "int | None" = None) -> None:
         table = tomllib.loads(path.read_text())
+        self.turn = turn_of_commit() if turn is None else turn
         self.rows = [Row(pattern, asks) for pattern, asks in table["changes"].items()]
         self.groups: "dict[str, list[str]]" = table["groups"]
         self.steps: "dict[str, dict]" = table["steps"]
@@ -66,11 +67,17 @@ class Table:
                 return row, match.groupdict()
         return None
 
+    def everything(self) -> "list[str]":
+        """All steps; of those with the same number of turns, the one whose turn it is."""
+        rare = [name for name, step in self.steps.items() if "turns" in step]
+        off = {name for i, name in enumerate(rare) if (self.turn + i) % self.steps[name]["turns"]}
+        return [name for name in self.steps if name not in off]
+
     def cases(self, asked: str) -> "list[tuple[str, str]]":
         """Steps with one case each that a value of a row stands for."""
         name, _, case = asked.partition(":")
         if asked == "everything":
-            return [(step, BY_TURN) for step in self.steps]
+            return [(step, BY_TURN) for step in self.everything()]
         if name == "lock":
             return [(step, BY_TURN) for step in self.steps if case == "tools" or case in self.locks_of(step)]
         if name in self.groups:
@@ -102,7 +109,7 @@ class Table:
         return self.with_needs(chosen)
 
     def all_steps(self, why: str) -> "dict[str, Chosen]":
-        return {name: Chosen({BY_TURN}, [why]) for name in self.steps}
+        return self.with_needs({name: Chosen({BY_TURN}, [why]) for name in self.everything()})
 
     def all_cases(self, why: str) -> "dict[str, Chosen]":
         return {name: Chosen({ALL}, [why]) for name in self.steps}
@@ -128,6 +135,6 @@ def changed_since(commit: str) -> "list[str] | None":
     return sorted(set(filter(None, changed.split("\0"))))
 
 
-def turn() -> int:
-    """Number of the commit's files by which steps choose some of their cases."""
+def turn_of_commit() -> int:
+    """Number of the commit's files by which some of all steps, and some of their cases, are chosen."""
     return int(git("rev-parse", "HEAD^{tree}")[:8], 16)

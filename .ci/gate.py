@@ -5,7 +5,8 @@
     .ci/run --list           prints what would run, and why
     .ci/run STEP[:CASE]...   these steps, and what they need
 
-Where the commit in .ci/passed is not in the clone or no ancestor, all steps run, with some of their cases.
+Where the commit in .ci/passed is not in the clone or no ancestor, all steps run, with some of their cases, and of the longest
+steps (`turns`) some.
 """
 
 import argparse
@@ -22,7 +23,7 @@ CI = Path(__file__).resolve().parent
 ROOT = CI.parent
 sys.path.insert(0, str(CI))
 sys.dont_write_bytecode = True
-from choose import Chosen, Table, changed_since, git, turn  # noqa: E402
+from choose import Chosen, Table, changed_since, git  # noqa: E402
 
 
 def arguments() -> argparse.Namespace:
@@ -102,7 +103,7 @@ class Run:
             SCRATCH=str(self.scratch),
             CI_ROOT=str(ROOT),
             CI_CASES=self.chosen[name].cases_text(),
-            CI_TURN=str(turn()),
+            CI_TURN=str(self.table.turn),
             CARGO_TERM_COLOR="never",
             PYTHONDONTWRITEBYTECODE="1",
         )

@@ -51,7 +51,7 @@ class Rows(unittest.TestCase):
 
 class Steps(unittest.TestCase):
     def test_steps_are_whole(self) -> None:
-        keys = {"says", "run", "needs", "debian", "beside", "always"}
+        keys = {"says", "run", "needs", "debian", "beside", "always", "turns"}
         before: "set[str]" = set()
         for name, step in TABLE.steps.items():
             self.assertLessEqual(set(step), keys, name)
@@ -65,7 +65,7 @@ class Steps(unittest.TestCase):
     def test_needs_and_locks_are_read_from_commands(self) -> None:
         self.assertEqual(TABLE.needs("emva1288-python"), ["build", "wheel"])
         self.assertEqual(TABLE.locks_of("emva1288-python"), {"package", "emva1288"})
-        self.assertEqual((TABLE.needs("build"), TABLE.needs("wheel"), TABLE.needs("fmt")), ([], ["build"], []))
+        self.assertEqual((TABLE.needs("build"), TABLE.needs("fmt"), TABLE.needs("types")), ([], [], ["wheel"]))
 
     def test_files_are_those_of_steps(self) -> None:
         names = {path.stem for path in (ROOT / ".ci/steps").glob("*.sh")}
@@ -91,7 +91,19 @@ class Choices(unittest.TestCase):
 
     def test_what_cannot_be_told_runs_everything(self) -> None:
         for path in ("somewhere/new.rs", "crates/photosite-new/src/lib.rs", "tests/judges/new.py", "Cargo.lock"):
-            self.assertEqual(set(self.steps(path)), set(TABLE.steps), path)
+            self.assertEqual(set(self.steps(path)), set(TABLE.everything()), path)
+
+    def test_each_step_has_its_turn_where_everything_is_asked(self) -> None:
+        turns = {step["turns"] for step in TABLE.steps.values() if "turns" in step}
+        for number in turns:
+            chosen = [name for turn in range(number) for name in Table(turn=turn).choose(["Cargo.lock"])]
+            seldom = {name for name, step in TABLE.steps.items() if step.get("turns") == number}
+            self.assertEqual({name: chosen.count(name) for name in seldom}, dict.fromkeys(seldom, 1))
+            self.assertTrue(all(chosen.count(name) == number for name in TABLE.steps if "turns" not in TABLE.steps[name]))
+
+    def test_steps_that_are_named_run_whosever_turn_it_is(self) -> None:
+        for turn in range(6):
+            self.assertIn("faults", Table(turn=turn).choose(["tests/faults.py"]))
 
     def test_locks_ask_for_the_steps_that_use_them(self) -> None:
         self.assertLessEqual({"emva1288", "emva1288-python"}, set(self.steps(".ci/locks/emva1288.lock")))

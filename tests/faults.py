@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Whether the tests notice faults: `python3 tests/faults.py [--cargo-profile PROFILE] [NAME...]`, or `--list`.
+"""Whether the tests notice faults: `python3 tests/faults.py [NAME...]`, or `--list`.
 
 Each fault below is one change of the program that is plausibly a slip: a square forgotten, a sign turned, a rounding left
-out. The program is copied to a folder of its own, the change is made there, and the tests that watch over that step are run.
-They must compile and fail. Without names all are tried, which takes long. That each text to change still stands in the
-sources, once, is looked up for all of them every time, and by `--check` alone.
+out. A copy of the program has all of them, and PHOTOSITE_FAULT chooses one, so that it is compiled once. The tests that
+watch over a step must pass without a fault and fail with it. Without names all faults are tried. That each text to change
+still stands in the sources, once, is looked up for all of them every time, and by `--check` alone.
 """
 
 import argparse
+import json
 import os
 import subprocess
 import sys
@@ -20,7 +21,8 @@ ROOT = Path(__file__).resolve().parent.parent
 
 @dataclass
 class Fault:
-    """`right` in the sources becomes `wrong`; of the tests of `target` those whose names have `names` must fail."""
+    """The expression `right` in the sources is `wrong` where the fault is chosen; of the tests of `target`, a crate or a
+    file of tests, those whose names have `names` must fail."""
 
     right: str
     wrong: str
@@ -28,11 +30,11 @@ class Fault:
     names: str
 
 
-PHYSICS = "-p photosite --test physics"
+PHYSICS = "physics"
 
 
 def crate(name: str) -> str:
-    return f"-p photosite-{name} --lib"
+    return f"photosite_{name}"
 
 
 FAULTS = {
@@ -50,8 +52,8 @@ FAULTS = {
         "bsdf_sampling::",
     ),
     "glass-seen-from-within-as-from-outside": Fault(
-        "if wo.z < 0.0 { (1.0 / eta, mirrored(wo)) }",
-        "if wo.z < 0.0 { (eta, mirrored(wo)) }",
+        "(1.0 / eta, mirrored(wo))",
+        "(eta, mirrored(wo))",
         PHYSICS,
         "bsdf_",
     ),
@@ -114,8 +116,8 @@ FAULTS = {
     ),
     # Measures and truth
     "dark-noise-with-that-of-rounding": Fault(
-        "dark_noise_e: (dark_variance - 1.0 / 12.0).sqrt() / gain",
-        "dark_noise_e: dark_variance.sqrt() / gain",
+        "(dark_variance - 1.0 / 12.0).sqrt() / gain",
+        "dark_variance.sqrt() / gain",
         crate("measure"),
         "characterisation::",
     ),
@@ -172,26 +174,75 @@ def copy_of_the_program(to: Path) -> None:
     (to / "all.tar").unlink()
 
 
-def is_noticed(name: str, profile: str) -> bool:
-    fault = FAULTS[name]
-    with tempfile.TemporaryDirectory(prefix="fault-") as folder:
-        copy_of_the_program(Path(folder))
-        path = place(name, Path(folder))
-        path.write_text(path.read_text().replace(fault.right, fault.wrong))
-        # Dependencies are those that the program has been built with.
-        environment = dict(os.environ, CARGO_TARGET_DIR=os.environ.get("CARGO_TARGET_DIR", str(ROOT / "target")))
-        cargo = ["cargo", "test", "--quiet", "--locked", "--profile", profile]
-        target, names = fault.target.split(), fault.names
-        # A fault that does not compile would be noticed by the compiler, not by a test.
-        build = [*cargo, "--no-run", *target]
-        command = [*cargo, *target, names]
-        if subprocess.run(build, cwd=folder, env=environment).returncode:
-            sys.exit(f"{name}: the changed program does not compile")
-        tests = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
-        failed = [line for line in tests.stdout.splitlines() if line.startswith("    ") and "::" in line]
-        some = ", ".join(sorted(set(map(str.strip, failed)))[:3])
-        print(f"{name}: noticed by {some}" if tests.returncode else f"{name}: NOT NOTICED", flush=True)
-        return tests.returncode != 0
+# What each crate of the copy gets: the number of the fault that is chosen.
+CHOSEN = """
+#[allow(missing_docs)]
+fn planted(number: u32) -> bool {
+    static CHOSEN: std::sync::LazyLock<u32> =
+        std::sync::LazyLock::new(|| std::env::var("PHOTOSITE_FAULT").map_or(0, |text| text.parse().expect("a number")));
+    *CHOSEN == number
+}
+"""
+
+
+def plant(names: list[str], folder: Path) -> None:
+    """Brings faults into a copy of the program; their numbers count from 1."""
+    crates = set()
+    for number, name in enumerate(names, 1):
+        fault, path = FAULTS[name], place(name, folder)
+        both = f"(if crate::planted({number}) {{ {fault.wrong} }} else {{ {fault.right} }})"
+        path.write_text(path.read_text().replace(fault.right, both))
+        crates.add(next(above for above in path.parents if above.name == "src"))
+    for source in crates:
+        with open(source / "lib.rs", "a") as file:
+            file.write(CHOSEN)
+
+
+def programs(targets: set[str], folder: Path) -> dict[str, Path]:
+    """Compiles tests of a copy; returns the programs by their targets."""
+    # The same choice as in `cargo test`, so that what the crates stand on is what the program has been built with.
+    kinds = ["--lib", *(["--test", PHYSICS] if PHYSICS in targets else [])]
+    environment = dict(os.environ, CARGO_TARGET_DIR=os.environ.get("CARGO_TARGET_DIR", str(ROOT / "target")))
+    command = ["cargo", "test", "--release", "--locked", "--no-run", "--message-format=json-render-diagnostics", *kinds]
+    packages = [word for target in sorted(targets - {PHYSICS}) for word in ("-p", target.replace("_", "-"))]
+    if PHYSICS in targets:
+        packages += ["-p", "photosite"]
+    built = subprocess.run([*command, *packages], cwd=folder, env=environment, stdout=subprocess.PIPE, text=True)
+    # A fault that does not compile would be noticed by the compiler, not by a test.
+    if built.returncode:
+        sys.exit("the changed program does not compile")
+    made = [json.loads(line) for line in built.stdout.splitlines()]
+    return {unit["target"]["name"]: Path(unit["executable"]) for unit in made if unit.get("executable")}
+
+
+def failed(program: Path, names: str, number: int, folder: Path) -> list[str] | None:
+    """Tests that fail with the fault of a number; None where all pass."""
+    # As cargo does: tests look for their files from the folder of their package.
+    crate = folder / "crates" / program.name.rsplit("-", 1)[0].replace("_", "-")
+    environment = dict(os.environ, PHOTOSITE_FAULT=str(number))
+    tests = subprocess.run([program, names], cwd=crate if crate.exists() else folder, env=environment, capture_output=True, text=True)
+    lines = [line for line in tests.stdout.splitlines() if line.startswith("    ") and "::" in line]
+    return sorted(set(map(str.strip, lines))) if tests.returncode else None
+
+
+def missed(names: list[str]) -> list[str]:
+    """Faults that no test notices."""
+    faults = {name: FAULTS[name] for name in names}
+    missed = []
+    with tempfile.TemporaryDirectory(prefix="faults-") as temporary:
+        folder = Path(temporary)
+        copy_of_the_program(folder)
+        plant(names, folder)
+        found = programs({fault.target for fault in faults.values()}, folder)
+        for target, some in sorted({(fault.target, fault.names) for fault in faults.values()}):
+            if (without := failed(found[target], some, 0, folder)) is not None:
+                sys.exit(f"{target} {some}: without a fault, too, there fail {', '.join(without[:3])}")
+        for number, (name, fault) in enumerate(faults.items(), 1):
+            noticed = failed(found[fault.target], fault.names, number, folder)
+            print(f"{name}: NOT NOTICED" if noticed is None else f"{name}: noticed by {', '.join(noticed[:3])}", flush=True)
+            if noticed is None:
+                missed.append(name)
+    return missed
 
 
 def main() -> None:
@@ -200,7 +251,6 @@ def main() -> None:
     parser.add_argument("--list", action="store_true", help="print the names and end")
     parser.add_argument("--check", action="store_true", help="look up the texts to change and end")
     parser.add_argument("--quick", action="store_true", help="with --list: those that unit tests of one crate find")
-    parser.add_argument("--cargo-profile", default="release", help="profile to build with (default: release)")
     arguments = parser.parse_args()
     if arguments.list:
         print("\n".join(name for name, fault in FAULTS.items() if not (arguments.quick and fault.target == PHYSICS)))
@@ -212,9 +262,8 @@ def main() -> None:
         place(name, ROOT)
     if arguments.check:
         return
-    missed = [name for name in arguments.names or FAULTS if not is_noticed(name, arguments.cargo_profile)]
-    if missed:
-        sys.exit(f"{len(missed)} faults that no test noticed: {', '.join(missed)}")
+    if unnoticed := missed(arguments.names or list(FAULTS)):
+        sys.exit(f"{len(unnoticed)} faults that no test noticed: {', '.join(unnoticed)}")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,15 @@
-# With what is compiled already, in a copy, as our crates stand in another folder there, and would be compiled again here.
-mkdir -p "$SCRATCH/target/release"
-cp -a target/release/{.fingerprint,build,deps} "$SCRATCH/target/release"
-CARGO_TARGET_DIR="$SCRATCH/target" python tools -m maturin build --release --sdist -o "$SCRATCH/wheels"
-rm -r "$SCRATCH/target"
+# Of the tree, so that the crates are not compiled again in another folder. That the source distribution has every file that its
+# crates are made of is checked without making code; --full makes a wheel of it, as pip does.
+python tools -m maturin build --release --locked --out "$SCRATCH/wheels"
+python tools -m maturin sdist --out "$SCRATCH/sdist"
+tar -xzf "$SCRATCH"/sdist/photosite-*.tar.gz -C "$SCRATCH/sdist"
+source=$(echo "$SCRATCH"/sdist/photosite-*/)
+if [[ $CI_CASES == '*' ]]; then
+    (cd "$source" && python tools -m maturin build --release --locked --out "$SCRATCH/sdist/wheels")
+    rm -r "$source/target"
+else
+    CARGO_TARGET_DIR=$PWD/target cargo check --quiet --release --locked --features gpu --manifest-path "$source/crates/photosite-py/Cargo.toml"
+fi
 ls -l "$SCRATCH/wheels"
 wheel=$(echo "$SCRATCH"/wheels/*.whl)
 [[ $wheel == *-cp39-abi3-* && $(stat -c %s "$wheel") -le 25000000 ]]
