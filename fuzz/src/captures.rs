@@ -67,11 +67,16 @@ fn schema() -> &'static Schema {
 
 /// The keys of a capture.
 #[derive(Debug)]
-pub struct Captures(Table);
+pub(crate) struct Captures(Table);
 
 impl Captures {
+    /// Captures of any bytes; `None` where there are too few.
+    pub(crate) fn of(data: &[u8]) -> Option<Self> {
+        Self::arbitrary_take_rest(Unstructured::new(data)).ok()
+    }
+
     /// As a file has them.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         self.0.to_string()
     }
 }
@@ -156,7 +161,7 @@ fn lay_over(below: &mut Table, above: &Table) {
 
 /// Lays a capture over that of `files/capture.toml`, and renders what can be read: 8 × 8 pixels, one sample each, developed to 9 × 7. A raw
 /// image that comes out is whole.
-pub fn render(capture: &Captures) {
+pub(crate) fn render(capture: &Captures) {
     let mut table: Table = include_str!("../files/capture.toml").parse().expect("a table");
     lay_over(&mut table, &capture.0);
     let small = ["sensor.resolution_px=[8, 8]", "develop.resize_px=[9, 7]", "render.samples_per_pixel=1"];

@@ -1,0 +1,14 @@
+//! Lens files of photosite's own, as TOML.
+
+use std::path::Path;
+
+use photosite_lens::files;
+
+pub(crate) fn target(data: &[u8]) {
+    if let Ok(reading) = files::read(data, Path::new("lens.toml")) {
+        // What was read is written, and read again.
+        let toml = files::to_toml(&reading.prescription);
+        let again = files::read(toml.as_bytes(), Path::new("again.toml"));
+        assert!(again.is_ok(), "{again:?}\n{toml}");
+    }
+}
