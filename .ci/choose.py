@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+TABLE = ".ci/steps.toml"
 # Cases of a step: some of them, by the commit, and all.
 BY_TURN, ALL = "by-turn", "*"
 
@@ -38,13 +39,15 @@ class Chosen:
 
 
 class Table:
-    def __init__(self, path: Path = ROOT / ".ci/steps.toml", turn: "int | None" = None) -> None:
+    def __init__(self, path: Path = ROOT / TABLE, turn: "int | None" = None) -> None:
         table = tomllib.loads(path.read_text())
         self.turn = turn_of_commit() if turn is None else turn
         self.rows = [Row(pattern, asks) for pattern, asks in table["changes"].items()]
         self.groups: "dict[str, list[str]]" = table["groups"]
         self.steps: "dict[str, dict]" = table["steps"]
         self.locks: "dict[str, list[str]]" = table["locks"]
+        # The same of the commit that passed, where it is known
+        self.before: "dict[str, dict] | None" = None
 
     def commands(self, step: str) -> str:
         return self.steps[step].get("run") or (ROOT / f".ci/steps/{step}.sh").read_text()
@@ -86,8 +89,16 @@ class Table:
             raise SystemExit(f".ci/steps.toml: there is no step and no group {name!r}")
         return [(name, case or BY_TURN)]
 
+    def steps_that_differ(self, before: "dict[str, dict]") -> "list[tuple[str, str]]":
+        """Steps whose row in this file, or whose lock, is another than in a table of before."""
+        found = [(name, BY_TURN) for name, step in self.steps.items() if step != before["steps"].get(name)]
+        locks = [name for name, sources in self.locks.items() if sources != before["locks"].get(name)]
+        return found + [case for name in locks for case in self.cases(f"lock:{name}")]
+
     def asked_by(self, path: str) -> "tuple[str, list[tuple[str, str]]]":
         """Reason and steps of a path that has changed."""
+        if path == TABLE and self.before:
+            return f"{path}, rows of steps", self.steps_that_differ(self.before)
         found = self.row(path)
         if found is None:
             return f"{path}, which no row names", self.cases("everything")

@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -23,7 +24,8 @@ CI = Path(__file__).resolve().parent
 ROOT = CI.parent
 sys.path.insert(0, str(CI))
 sys.dont_write_bytecode = True
-from choose import Chosen, Table, changed_since, git  # noqa: E402
+import dependencies  # noqa: E402
+from choose import TABLE, Chosen, Table, changed_since, git  # noqa: E402
 
 
 def arguments() -> argparse.Namespace:
@@ -54,6 +56,8 @@ def choice(table: Table, options: argparse.Namespace) -> "dict[str, Chosen]":
     changed = changed_since(passed)
     if changed is None:
         return table.all_steps(f"{passed or 'the commit of .ci/passed'} is no ancestor in this clone")
+    if TABLE in changed and git("ls-tree", passed, TABLE):
+        table.before = tomllib.loads(git("show", f"{passed}:{TABLE}"))
     return table.choose(changed)
 
 
@@ -184,9 +188,13 @@ def main() -> int:
         signal.signal(ignored, signal.SIG_DFL)
     # A signal ends the run as an exception does, so that no step outlives it.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
+    dependencies.restore()
     with tempfile.TemporaryDirectory(prefix="photosite-ci-") as scratch:
         run = Run(table, chosen, Path(scratch))
-        run.all(options.keep_going)
+        try:
+            run.all(options.keep_going)
+        finally:
+            dependencies.keep()
         run.report()
     if run.failed:
         print(f"Failed: {', '.join(run.failed)}")

@@ -101,6 +101,16 @@ class Choices(unittest.TestCase):
             self.assertEqual({name: chosen.count(name) for name in seldom}, dict.fromkeys(seldom, 1))
             self.assertTrue(all(chosen.count(name) == number for name in TABLE.steps if "turns" not in TABLE.steps[name]))
 
+    def test_a_changed_table_runs_the_steps_whose_rows_have_changed(self) -> None:
+        before = {"steps": dict(TABLE.steps), "locks": dict(TABLE.locks)}
+        before["steps"]["meshes"] = dict(TABLE.steps["meshes"], says="something else")
+        del before["steps"]["stereo"], before["locks"]["trainers"]
+        table = Table()
+        table.before = before
+        chosen = set(table.choose([".ci/steps.toml"]))
+        self.assertEqual(chosen, {"small", "fmt", "build", "wheel", "meshes", "stereo", "trainers"})
+        self.assertEqual(self.steps(".ci/gate.py"), self.steps("CONTRIBUTING.md"))
+
     def test_steps_that_are_named_run_whosever_turn_it_is(self) -> None:
         for turn in range(6):
             self.assertIn("faults", Table(turn=turn).choose(["tests/faults.py"]))
