@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::DAffine3;
+use glam::{DAffine3, DVec2};
 
 use super::super::tables::spectra::Finder;
 use super::super::tables::{CameraTable, LensTable};
@@ -20,6 +20,7 @@ use photosite_transport::optics::{Intrinsics, Projection};
 
 const KEY: &str = "calibration";
 const CAMERA: &str = "calibration_camera";
+const AREA: &str = "calibration_area_px";
 const POSE: &str = "calibration_pose";
 /// Focal lengths, and shapes of pixels, that differ by more than this are told: that of a lens by its name is rounded by
 /// up to 5 %.
@@ -30,6 +31,8 @@ const ROUNDED: f64 = 0.05;
 pub(crate) struct Calibrated {
     pub(crate) intrinsics: Intrinsics,
     pub(crate) projection: Projection,
+    /// Area of the sensor that the calibration's image shows, where it is not all of it: x, y, width and height, px.
+    pub(crate) area_px: Option<[f64; 4]>,
     /// Camera → the frame of the pose that is asked for.
     pub(crate) pose: Option<DAffine3>,
     /// Files that were read besides the one that the capture names.
@@ -48,10 +51,11 @@ impl Calibrated {
     ) -> Result<Option<Self>, Invalid> {
         let in_lens = |invalid: Invalid| invalid.within("lens");
         let Some(name) = &lens.calibration else {
-            return match (&lens.calibration_camera, &camera.calibration_pose) {
-                (Some(_), _) => Err(in_lens(without_file(CAMERA))),
-                (None, Some(_)) => Err(without_file(POSE).within("camera")),
-                (None, None) => Ok(None),
+            return match (&lens.calibration_camera, lens.calibration_area_px, &camera.calibration_pose) {
+                (Some(_), _, _) => Err(in_lens(without_file(CAMERA))),
+                (None, Some(_), _) => Err(in_lens(without_file(AREA))),
+                (None, None, Some(_)) => Err(without_file(POSE).within("camera")),
+                (None, None, None) => Ok(None),
             };
         };
         refuse_others(lens).map_err(in_lens)?;
@@ -71,9 +75,13 @@ impl Calibrated {
         for words in &chosen.warnings {
             warnings.once(format!("{shown}: {words}"));
         }
-        let intrinsics = on_sensor(chosen, &shown, sensor, read_out, warnings).map_err(in_lens)?;
+        let area_px = match lens.calibration_area_px {
+            Some(area) => Some(checked_area(area, sensor).map_err(in_lens)?),
+            None => shown_area(chosen, &shown, sensor, read_out, warnings).map_err(in_lens)?,
+        };
+        let intrinsics = on_sensor(chosen, area_px);
         warn_of_contradictions(&intrinsics, &shown, lens, sensor, warnings);
-        Ok(Some(Self { intrinsics, projection: chosen.projection, pose, files }))
+        Ok(Some(Self { intrinsics, projection: chosen.projection, area_px, pose, files }))
     }
 }
 
@@ -159,27 +167,38 @@ fn pose(camera: &Calibration, name: &str) -> Result<DAffine3, Invalid> {
     Err(Invalid::new(POSE, message).help(help))
 }
 
-/// Camera matrix on the pixels of the whole sensor: of a calibration of all of them, of those that region and binning
-/// leave, or of as many at another scale.
-fn on_sensor(
+/// Area of a sensor that a capture states for its calibration.
+fn checked_area(area: [f64; 4], sensor: &SensorModel) -> Result<[f64; 4], Invalid> {
+    let [x, y, width, height] = area;
+    let [columns, rows] = sensor.resolution.map(|n| n as f64);
+    if width > 0.0 && height > 0.0 && x >= 0.0 && y >= 0.0 && x + width <= columns && y + height <= rows {
+        return Ok(area);
+    }
+    let message = format!("must lie on the sensor's {columns} × {rows} pixels, got {area:?}");
+    Err(Invalid::new(AREA, message).help(format!("all of them are [0, 0, {columns}, {rows}]")))
+}
+
+/// Area of the sensor that the image of a calibration shows by its number of pixels: what region and binning leave, or
+/// `None` for all of the sensor, at its own scale or another.
+fn shown_area(
     camera: &Calibration,
     shown: &str,
     sensor: &SensorModel,
     read_out: &ImageGrid,
     warnings: &mut Warnings,
-) -> Result<Intrinsics, Invalid> {
+) -> Result<Option<[f64; 4]>, Invalid> {
     let whole = sensor.resolution.map(|n| n as u32);
     let Some(size) = camera.resolution else {
         warnings.once(format!("{shown}: does not say of how many pixels it is; taken for all of the sensor's"));
-        return Ok(camera.intrinsics);
+        return Ok(None);
     };
     if size == whole {
-        return Ok(camera.intrinsics);
+        return Ok(None);
     }
     let [width, height] = whole;
     if size == read_out.resolution {
-        let (first, per_pixel) = (read_out.first, read_out.per_pixel);
-        return Ok(camera.intrinsics.on_grid((-first / per_pixel).to_array(), per_pixel.recip().to_array()));
+        let extent = read_out.per_pixel * DVec2::from(size.map(f64::from));
+        return Ok(Some([read_out.first.x, read_out.first.y, extent.x, extent.y]));
     }
     let [of_width, of_height] = [0, 1].map(|axis| f64::from(size[axis]) / f64::from(whole[axis]));
     if of_width == of_height {
@@ -188,14 +207,23 @@ fn on_sensor(
              had been resized",
             size[0], size[1],
         ));
-        return Ok(camera.intrinsics.on_grid([0.0; 2], [of_width, of_height]));
+        return Ok(Some([0.0, 0.0, f64::from(width), f64::from(height)]));
     }
     let message =
         format!("is of {} × {} pixels, and the sensor has {width} × {height}, of another shape", size[0], size[1]);
     let [w, h] = size;
     Err(Invalid::new(KEY, message).help(format!(
-        "write [sensor] resolution_px = [{w}, {h}] with its pixel_pitch_um, or [exposure] region_px = [x, y, {w}, {h}]"
+        "write [sensor] resolution_px = [{w}, {h}] with its pixel_pitch_um, [exposure] region_px = [x, y, {w}, {h}], or \
+         [lens] {AREA} = [x, y, width, height], the area of the sensor that it is of"
     )))
+}
+
+/// Camera matrix on the pixels of the whole sensor, of a calibration whose image shows an area of it.
+fn on_sensor(camera: &Calibration, area_px: Option<[f64; 4]>) -> Intrinsics {
+    let Some([x, y, width, height]) = area_px else { return camera.intrinsics };
+    // Pixels of the calibration per pixel of the sensor; without a number of its own the calibration has the area's.
+    let [across, down] = camera.resolution.map_or([1.0; 2], |[w, h]| [f64::from(w) / width, f64::from(h) / height]);
+    camera.intrinsics.on_grid([-x * across, -y * down], [across, down])
 }
 
 /// Warns of what contradicts sensor or lens: pixels of another shape, another focal length.

@@ -107,6 +107,10 @@ impl StoredCapture {
 
     fn assemble(mut source: CaptureSource, calibrated: Option<Calibrated>) -> Result<Self> {
         refuse_unknown_sections(&source)?;
+        // Region and binning, which would tell, may be others now.
+        if let Some(area) = calibrated.as_ref().and_then(|calibrated| calibrated.area_px) {
+            source.set_default("lens", "calibration_area_px", &json!(area));
+        }
         let merged = read_sensor(&mut source, Path::new(""))?;
         let lens: LensTable = source.read("lens")?.unwrap_or_default();
         let render: RenderSettings = source.read("render")?.unwrap_or_default();

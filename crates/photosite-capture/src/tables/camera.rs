@@ -125,6 +125,10 @@ pub(crate) struct LensTable {
     /// Camera of the calibration: its name there, such as "cam1" of Kalibr, or its number, "2" of COLMAP. Left out: the
     /// only one, or that of calibration_pose.
     pub(crate) calibration_camera: Option<String>,
+    /// Area of the sensor that the calibration's image shows, px: x and y of its first corner, width and height; its
+    /// pixels may be binned or scaled. Left out: what region_px and binning leave, where the calibration has as many
+    /// pixels, else all of the sensor.
+    pub(crate) calibration_area_px: Option<[f64; 4]>,
 }
 
 /// Kinds of lenses.

@@ -94,6 +94,52 @@ fn a_calibration_of_the_delivered_image_is_taken_to_the_sensor() {
     );
 }
 
+/// The report of light that is exposed anew, read as a capture, has the camera matrix of the light.
+#[rstest]
+fn a_stored_capture_rendered_anew_has_the_matrix_of_its_light(
+    #[values("", "region_px = [100, 40, 640, 480]", "region_px = [100, 40, 1280, 960]\nbinning = [2, 2]")] light: &str,
+    #[values(
+        "exposure.region_px=[0, 0, 640, 480]",
+        "exposure.region_px=[8, 100, 320, 240]",
+        "exposure.binning=[2, 2]"
+    )]
+    exposed: &str,
+) {
+    let size = if light.is_empty() { "[640, 480]" } else { "[1920, 1200]" };
+    let files = files(&format!(
+        "[lens]\ncalibration = 'camchain.yaml'\ncalibration_camera = 'cam0'\n[sensor]\npreset = 'sony-imx249-mono'\n\
+         resolution_px = {size}\npixel_pitch_um = [2.5, 2.5]\n[exposure]\ntime_s = 0.01\n{light}"
+    ));
+    let of_light = files.read(&[]).unwrap_or_else(|error| panic!("{error}"));
+    let stored = of_light.for_traced_light(&[exposed.to_owned()]).unwrap_or_else(|error| panic!("{error}"));
+    let keys = stored.to_json(files.0.path()).expect("keys");
+    files.add("anew.toml", toml::to_string(&keys).expect("TOML").as_bytes());
+    let anew = Capture::load(files.0.path().join("anew.toml")).unwrap_or_else(|error| panic!("{error}"));
+    let matrices = [of_light.lens(), stored.lens(), anew.lens()].map(|lens| lens.intrinsics.expect("a matrix"));
+    for matrix in &matrices[1..] {
+        let pairs = [(matrix.fx, matrices[0].fx), (matrix.cx, matrices[0].cx), (matrix.cy, matrices[0].cy)];
+        assert!(pairs.iter().all(|(a, b)| (a - b).abs() < 1e-9), "{matrices:?}");
+    }
+}
+
+#[test]
+fn a_stated_area_is_that_of_the_calibration() {
+    let of = |area: &str| {
+        files(&format!(
+            "[lens]\ncalibration = 'camchain.yaml'\ncalibration_camera = 'cam0'\n{area}[sensor]\n\
+             preset = 'sony-imx249-mono'\nresolution_px = [1920, 1200]\npixel_pitch_um = [2.5, 2.5]\n"
+        ))
+        .read(&[])
+    };
+    let capture = of("calibration_area_px = [100, 40, 1280, 960]\n").unwrap_or_else(|error| panic!("{error}"));
+    let Intrinsics { fx, cx, cy, .. } = capture.lens().intrinsics.expect("a matrix");
+    assert!((fx - 1600.0).abs() < 1e-9 && (cx - 740.0).abs() < 1e-9 && (cy - 520.0).abs() < 1e-9);
+    for area in ["[100, 40, 1900, 960]", "[0, 0, 0, 480]", "[-1, 0, 640, 480]"] {
+        let error = of(&format!("calibration_area_px = {area}\n")).expect_err(area).to_string();
+        assert!(error.contains("lens.calibration_area_px: must lie on the sensor's 1920 × 1200 pixels"), "{error}");
+    }
+}
+
 #[test]
 fn contradictions_are_told() {
     let lens = "[lens]\ncalibration = 'camchain.yaml'\ncalibration_camera = 'cam0'\n";
@@ -133,6 +179,7 @@ fn contradictions_are_told() {
 #[case("[lens]\ncalibration = 'none.yaml'", "lens.calibration: cannot read")]
 #[case("[lens]\ncalibration = 'room.obj'", "room.obj: is no calibration that photosite reads")]
 #[case("[lens]\ncalibration_camera = 'cam0'", "lens.calibration_camera: needs lens.calibration")]
+#[case("[lens]\ncalibration_area_px = [0, 0, 1, 1]", "lens.calibration_area_px: needs lens.calibration")]
 #[case("[camera]\ncalibration_pose = 'cam0'", "camera.calibration_pose: needs lens.calibration")]
 #[case(
     "[camera]\ncalibration_pose = 'imu'\n[lens]\ncalibration = 'camchain.yaml'\ncalibration_camera = 'cam1'",

@@ -75,9 +75,10 @@ fn alternatives(table: &str, key: &str, value: &str) -> &'static [&'static str] 
 
 /// Keys of `[lens]` that describe a lens without its glass. A zoom's focal length and the sensor's distance are those
 /// of the lens before, too.
-const OTHER_THAN_GLASS: [&str; 18] = [
+const OTHER_THAN_GLASS: [&str; 19] = [
     "calibration",
     "calibration_camera",
+    "calibration_area_px",
     "type",
     "focal_length_mm",
     "horizontal_fov_deg",
