@@ -207,10 +207,10 @@ def programs(targets: set[str], folder: Path) -> dict[str, Path]:
     packages = [word for target in sorted(targets - {PHYSICS}) for word in ("-p", target.replace("_", "-"))]
     if PHYSICS in targets:
         packages += ["-p", "photosite"]
-    built = subprocess.run([*command, *packages], cwd=folder, env=environment, stdout=subprocess.PIPE, text=True)
+    built = subprocess.run([*command, *packages], cwd=folder, env=environment, capture_output=True, text=True)
     # A fault that does not compile would be noticed by the compiler, not by a test.
     if built.returncode:
-        sys.exit("the changed program does not compile")
+        sys.exit(f"{built.stderr}\nthe changed program does not compile")
     made = [json.loads(line) for line in built.stdout.splitlines()]
     return {unit["target"]["name"]: Path(unit["executable"]) for unit in made if unit.get("executable")}
 

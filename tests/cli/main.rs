@@ -47,6 +47,7 @@ mod mtf;
 mod mtl;
 mod noise;
 mod noise_add;
+mod noise_model;
 mod noise_target;
 mod outputs;
 mod place;

@@ -48,3 +48,47 @@ pub(super) fn parse_range(text: &str) -> Result<Range<u32>, String> {
 pub(super) fn positive(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "write a number above 0".to_owned())
 }
+
+/// Evenly spaced values: first, last and step, `380..1000:10`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Steps([f64; 3]);
+
+impl Steps {
+    /// First, last, and what lies between them.
+    pub(super) fn values(self) -> Vec<f64> {
+        let [first, last, step] = self.0;
+        // The last value belongs to it, whatever rounding makes of the division.
+        let count = ((last - first) / step * (1.0 + 1e-12)).floor() as u32;
+        (0..=count).map(|i| first + f64::from(i) * step).collect()
+    }
+}
+
+/// Largest number of evenly spaced values.
+const MOST_VALUES: f64 = 10_000.0;
+
+/// Parses evenly spaced values, `first..last:step`.
+pub(super) fn parse_steps(text: &str) -> Result<Steps, String> {
+    let wrong = || "write first, last and step, for example 380..1000:10".to_owned();
+    let (ends, step) = text.split_once(':').ok_or_else(wrong)?;
+    let (first, last) = ends.split_once("..").ok_or_else(wrong)?;
+    let number = |text: &str| text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(wrong);
+    let steps = [number(first)?, number(last)?, number(step)?];
+    let [first, last, step] = steps;
+    if step > 0.0 && last >= first && (last - first) / step < MOST_VALUES { Ok(Steps(steps)) } else { Err(wrong()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn evenly_spaced_values_hold_both_ends() {
+        let sweep = parse_steps("380..1000:10").expect("steps").values();
+        assert_eq!((sweep.len(), sweep[0], sweep[62]), (63, 380.0, 1000.0));
+        assert_eq!(parse_steps("-0.3..0.3:0.1").expect("steps").values().len(), 7);
+        assert_eq!(parse_steps("25..25:5").expect("steps").values(), [25.0]);
+        for wrong in ["380..1000", "380-1000:10", "1000..380:10", "0..1:0", "0..inf:1", "0..1e9:1e-3"] {
+            assert!(parse_steps(wrong).is_err(), "{wrong}");
+        }
+    }
+}

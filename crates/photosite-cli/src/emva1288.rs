@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use photosite_core::counted;
 
-use super::arguments::positive;
+use super::arguments::{Steps, parse_steps, positive};
 use super::figures_text::expected_text;
 use super::monitor::TerminalMonitor;
 use super::print::{print_json, println_text};
@@ -58,11 +58,11 @@ pub(super) struct Emva1288Args {
     #[arg(long, value_name = "S", value_parser = positive)]
     saturation_time_s: Option<f64>,
     /// Measure the quantum efficiency at these wavelengths, too, for example 380..1000:10.
-    #[arg(long, value_name = "NM", value_parser = range)]
-    sweep: Option<Range>,
+    #[arg(long, value_name = "NM", value_parser = parse_steps)]
+    sweep: Option<Steps>,
     /// Measure the dark current at these temperatures, too, for example 15..55:10.
-    #[arg(long, value_name = "CELSIUS", value_parser = range, allow_hyphen_values = true)]
-    temperatures: Option<Range>,
+    #[arg(long, value_name = "CELSIUS", value_parser = parse_steps, allow_hyphen_values = true)]
+    temperatures: Option<Steps>,
     /// Temperature of the sensor [default: 25, or that of --like].
     #[arg(long, value_name = "CELSIUS", allow_hyphen_values = true)]
     temperature_c: Option<f64>,
@@ -89,22 +89,6 @@ pub(super) struct Emva1288Args {
     quiet: bool,
 }
 
-/// Range of values: first, last and step, `380..1000:10`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Range([f64; 3]);
-
-impl Range {
-    fn values(self) -> Vec<f64> {
-        let [first, last, step] = self.0;
-        // The last value belongs to it, whatever rounding makes of the division.
-        let count = ((last - first) / step * (1.0 + 1e-12)).floor() as u32;
-        (0..=count).map(|i| first + f64::from(i) * step).collect()
-    }
-}
-
-/// Largest number of values in a range.
-const MOST_VALUES: f64 = 10_000.0;
-
 pub(super) fn run(args: &Emva1288Args, sandbox: &Sandbox) -> Result<()> {
     trust(args.sensor.as_ref());
     let NamedSensor { model: sensor, warnings, .. } = read_named_sensor(sandbox, &args.sensor, &args.overrides)?;
@@ -117,8 +101,8 @@ pub(super) fn run(args: &Emva1288Args, sandbox: &Sandbox) -> Result<()> {
         steps: args.steps,
         spatial: args.spatial,
         saturation_time: args.saturation_time_s.map(Seconds),
-        sweep_nm: args.sweep.map_or_else(Vec::new, Range::values),
-        temperatures_c: args.temperatures.map_or_else(Vec::new, Range::values),
+        sweep_nm: args.sweep.map_or_else(Vec::new, Steps::values),
+        temperatures_c: args.temperatures.map_or_else(Vec::new, Steps::values),
         temperature: args.temperature_c.map(Celsius),
         gain: Decibels(args.gain_db),
         size: args.size,
@@ -156,30 +140,4 @@ fn wavelength(text: &str) -> Result<f64, String> {
 fn size(text: &str) -> Result<[usize; 2], String> {
     let parts = text.split_once('x').and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     parts.ok_or_else(|| "write width and height, for example 512x512".to_owned())
-}
-
-fn range(text: &str) -> Result<Range, String> {
-    let wrong = || "write first, last and step, for example 380..1000:10".to_owned();
-    let (ends, step) = text.split_once(':').ok_or_else(wrong)?;
-    let (first, last) = ends.split_once("..").ok_or_else(wrong)?;
-    let number = |text: &str| text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(wrong);
-    let range = [number(first)?, number(last)?, number(step)?];
-    let [first, last, step] = range;
-    if step > 0.0 && last >= first && (last - first) / step < MOST_VALUES { Ok(Range(range)) } else { Err(wrong()) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ranges_hold_both_ends() {
-        let sweep = range("380..1000:10").expect("a range").values();
-        assert_eq!((sweep.len(), sweep[0], sweep[62]), (63, 380.0, 1000.0));
-        assert_eq!(range("-0.3..0.3:0.1").expect("a range").values().len(), 7);
-        assert_eq!(range("25..25:5").expect("a range").values(), [25.0]);
-        for wrong in ["380..1000", "380-1000:10", "1000..380:10", "0..1:0", "0..inf:1", "0..1e9:1e-3"] {
-            assert!(range(wrong).is_err(), "{wrong}");
-        }
-    }
 }

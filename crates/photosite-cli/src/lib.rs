@@ -38,6 +38,7 @@ mod merge_hdr;
 mod monitor;
 mod noise;
 mod noise_add;
+mod noise_model;
 mod noise_series;
 mod print;
 mod project;
@@ -227,7 +228,7 @@ fn run_subcommand(cli: &Cli, sandbox: &Sandbox) -> Result<u8> {
         Command::Fit(args) => fit::run(args),
         Command::Info(args) => info::run(args, sandbox),
         Command::Init(args) => init::run(args, sandbox),
-        Command::Noise(args) => noise::run(args),
+        Command::Noise(args) => noise::run(args, sandbox),
         Command::Project(args) => project::run(args, sandbox),
         Command::Camera(args) => camera::run(args, sandbox),
         Command::Sensors(args) => sensors::run(args),

@@ -1,4 +1,4 @@
-//! `photosite noise`: estimates of the noise of images; and `noise add`.
+//! `photosite noise`: estimates of the noise of images; and `noise add`, `noise model`.
 
 use std::path::{Path, PathBuf};
 
@@ -8,10 +8,11 @@ use photosite_core::counted;
 use super::arguments::positive;
 use super::log::{say, warning};
 use super::noise_add::{self, NoiseAddArgs};
+use super::noise_model::{self, NoiseModelArgs};
 use super::noise_series::{NoiseSeries, sigma_map_format, write_sigma_map};
 use super::print::{print_json, println_text, refuse_existing, write_result};
 use photosite_core::output::{Sink, create_folders};
-use photosite_core::{Error, Result};
+use photosite_core::{Error, Result, Sandbox};
 use photosite_measure::characterisation::noise::{Request, figures};
 use photosite_measure::characterisation::report::{NoiseReport, PlaneNoise};
 use photosite_raw::Pixels;
@@ -19,9 +20,10 @@ use photosite_raw::Pixels;
 const EXAMPLES: &str = "\
 Examples:
   photosite noise out/raw.dng --patch 100,100,64,64
-  photosite noise add photo.png -o noisy.png --set gaussian.sigma=4";
+  photosite noise add photo.png -o noisy.png --set gaussian.sigma=4
+  photosite noise model twin.toml --gains 0..24:6 -o noise.csv";
 
-/// Estimate the noise of images, or add noise to one.
+/// Estimate or add noise of images, or tabulate a sensor's.
 ///
 /// From several images of the same scene: temporal noise, over all pixels and for each, and the fixed pattern beneath.
 /// From one image: the spread in an even patch, the residual of a patch with linear shading after fitting a plane, and
@@ -40,6 +42,7 @@ pub(super) struct NoiseArgs {
 #[derive(Subcommand)]
 enum NoiseCommand {
     Add(NoiseAddArgs),
+    Model(NoiseModelArgs),
 }
 
 #[derive(Args)]
@@ -84,9 +87,10 @@ struct EstimateArgs {
     json: bool,
 }
 
-pub(super) fn run(args: &NoiseArgs) -> Result<()> {
+pub(super) fn run(args: &NoiseArgs, sandbox: &Sandbox) -> Result<()> {
     match &args.command {
         Some(NoiseCommand::Add(add)) => noise_add::run(add),
+        Some(NoiseCommand::Model(model)) => noise_model::run(model, sandbox),
         None => run_estimate(&args.estimate),
     }
 }

@@ -113,7 +113,7 @@ impl ReadOutNoiseByGain {
     }
 
     /// Steps over the noise that holds for figures which no step has. Keys of errors are those of `[noise]`.
-    pub(super) fn new(of_all: ReadOutNoise, steps: &[GainStepDescription]) -> Result<Self, Invalid> {
+    pub(crate) fn new(of_all: ReadOutNoise, steps: &[GainStepDescription]) -> Result<Self, Invalid> {
         let mut found: Vec<(Decibels, ReadOutNoise)> = Vec::new();
         for (i, step) in steps.iter().enumerate() {
             let at = |invalid: Invalid| invalid.within(&format!("gain_steps[{i}]"));
