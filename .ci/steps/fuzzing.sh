@@ -2,4 +2,4 @@ names=$(fuzz/run --list)
 mapfile -t targets <<<"$names"
 chosen=$(share 8 "${targets[@]}")
 # shellcheck disable=SC2086 # names without blanks
-fuzz/run --quick --jobs 2 --seconds 20 $chosen
+fuzz/run --quick --jobs 2 --seconds 10 $chosen
