@@ -5,10 +5,11 @@ python tools -m maturin sdist --out "$SCRATCH/sdist"
 tar -xzf "$SCRATCH"/sdist/photosite-*.tar.gz -C "$SCRATCH/sdist"
 source=$(echo "$SCRATCH"/sdist/photosite-*/)
 if [[ $CI_CASES == '*' ]]; then
-    (cd "$source" && python tools -m maturin build --release --locked --out "$SCRATCH/sdist/wheels")
+    (cd "$source" && python tools -m maturin build --release --out "$SCRATCH/sdist/wheels")
     rm -r "$source/target"
 else
-    CARGO_TARGET_DIR=$PWD/target cargo check --quiet --release --locked --features gpu --manifest-path "$source/crates/photosite-py/Cargo.toml"
+    # Not --locked: the lock that it has is that of all crates, of which some are not in it.
+    CARGO_TARGET_DIR=$PWD/target cargo check --quiet --release --features gpu --manifest-path "$source/crates/photosite-py/Cargo.toml"
 fi
 ls -l "$SCRATCH/wheels"
 wheel=$(echo "$SCRATCH"/wheels/*.whl)
