@@ -90,8 +90,10 @@ class Table:
         return [(name, case or BY_TURN)]
 
     def steps_that_differ(self, before: "dict[str, dict]") -> "list[tuple[str, str]]":
-        """Steps whose row in this file, or whose lock, is another than in a table of before."""
-        found = [(name, BY_TURN) for name, step in self.steps.items() if step != before["steps"].get(name)]
+        """Steps that do something else than in a table of before, or whose lock is another."""
+        counts = lambda step: {key: value for key, value in step.items() if key not in ("says", "turns")}
+        known = {name: counts(step) for name, step in before["steps"].items()}
+        found = [(name, BY_TURN) for name, step in self.steps.items() if counts(step) != known.get(name)]
         locks = [name for name, sources in self.locks.items() if sources != before["locks"].get(name)]
         return found + [case for name in locks for case in self.cases(f"lock:{name}")]
 

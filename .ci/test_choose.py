@@ -103,7 +103,8 @@ class Choices(unittest.TestCase):
 
     def test_a_changed_table_runs_the_steps_whose_rows_have_changed(self) -> None:
         before = {"steps": dict(TABLE.steps), "locks": dict(TABLE.locks)}
-        before["steps"]["meshes"] = dict(TABLE.steps["meshes"], says="something else")
+        before["steps"]["meshes"] = dict(TABLE.steps["meshes"], run="something else")
+        before["steps"]["objects"] = dict(TABLE.steps["objects"], says="something else", turns=7)
         del before["steps"]["stereo"], before["locks"]["trainers"]
         table = Table()
         table.before = before
