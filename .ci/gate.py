@@ -5,7 +5,7 @@
     .ci/run --list           prints what would run, and why
     .ci/run STEP[:CASE]...   these steps, and what they need
 
-Where the commit in .ci/passed is not in the clone or no ancestor, all steps run, with some of their cases, and of the longest
+Where the commit in .ci/passed is not in the clone or no ancestor, all steps run, with some of their cases, and of the longer
 steps (`turns`) some.
 """
 
