@@ -71,7 +71,7 @@ class Table:
         return None
 
     def everything(self) -> "list[str]":
-        """All steps; of those with the same number of turns, the one whose turn it is."""
+        """All steps; of those that have turns, the ones whose turn it is."""
         rare = [name for name, step in self.steps.items() if "turns" in step]
         off = {name for i, name in enumerate(rare) if (self.turn + i) % self.steps[name]["turns"]}
         return [name for name in self.steps if name not in off]

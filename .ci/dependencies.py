@@ -55,17 +55,27 @@ def copy(names: "set[str]", source: Path, to: Path) -> None:
                     made.rename(whole)
 
 
+def copied(names: "set[str]", source: Path, to: Path) -> bool:
+    """Whether entries could be copied: a full disk, or another gate beside this one, is no reason to fail, as cargo compiles
+    what is not there."""
+    try:
+        copy(names, source, to)
+    except OSError as error:
+        print(f"warning: compiled dependencies are not all copied to {to}: {error}", flush=True)
+        return False
+    return True
+
+
 def restore() -> None:
     """Fills the target folder of a clone that has none."""
-    if not target().exists() and (names := entries(kept())):
-        copy(names, kept(), target())
+    if not target().exists() and (names := entries(kept())) and copied(names, kept(), target()):
         print(f"{len(names)} units of dependencies are there already, from {kept()}", flush=True)
 
 
 def keep() -> None:
     """Keeps what has been compiled, and removes what fits other versions."""
     new = kept()
-    copy(entries(target()) - entries(new), target(), new)
+    copied(entries(target()) - entries(new), target(), new)
     for old in CACHE.glob("dependencies-*"):
         if old != new:
             shutil.rmtree(old, ignore_errors=True)

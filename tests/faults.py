@@ -200,7 +200,6 @@ def plant(names: list[str], folder: Path) -> None:
 
 def programs(targets: set[str], folder: Path) -> dict[str, Path]:
     """Compiles tests of a copy; returns the programs by their targets."""
-    # The same choice as in `cargo test`, so that what the crates stand on is what the program has been built with.
     kinds = ["--lib", *(["--test", PHYSICS] if PHYSICS in targets else [])]
     environment = dict(os.environ, CARGO_TARGET_DIR=os.environ.get("CARGO_TARGET_DIR", str(ROOT / "target")))
     command = ["cargo", "test", "--release", "--locked", "--no-run", "--message-format=json-render-diagnostics", *kinds]

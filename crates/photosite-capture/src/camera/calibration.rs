@@ -76,7 +76,12 @@ impl Calibrated {
             warnings.once(format!("{shown}: {words}"));
         }
         let area_px = match lens.calibration_area_px {
-            Some(area) => Some(checked_area(area, sensor).map_err(in_lens)?),
+            Some(area) => {
+                if chosen.resolution.is_none() {
+                    warnings.once(format!("{shown}: does not say of how many pixels it is; taken for those of {AREA}"));
+                }
+                Some(checked_area(area, sensor).map_err(in_lens)?)
+            }
             None => shown_area(chosen, &shown, sensor, read_out, warnings).map_err(in_lens)?,
         };
         let intrinsics = on_sensor(chosen, area_px);
