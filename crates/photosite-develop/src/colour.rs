@@ -112,7 +112,7 @@ pub(super) fn camera_to_rgb(
 ) -> Result<Option<Vec<DVec3>>, Invalid> {
     let Some(matrices) = CameraMatrices::new(metadata)? else { return Ok(None) };
     let wrong = || {
-        let message = format!("its matrices and the response to white {neutral:?} do not give a colour");
+        let message = format!("with the response to white {neutral:?} gives no colour");
         Invalid::new("ColorMatrix1", message).help("the file is damaged, or its camera cannot tell colours apart")
     };
     if matrices.channels() != neutral.len() {

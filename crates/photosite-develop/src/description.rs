@@ -102,11 +102,31 @@ impl RawDescription {
         }
         Ok(Cow::Owned(raw))
     }
+
+    /// Error about a fact of a file, under the key that stated the fact in place of the file.
+    pub(super) fn blamed(&self, invalid: Invalid) -> Invalid {
+        let [neutral, matrix] = [self.as_shot_neutral.is_some(), self.colour_matrix_d65.is_some()];
+        let (key, help) = match invalid.key.as_str() {
+            "AsShotNeutral" if neutral => ("as_shot_neutral", "give numbers above 0, for example [0.5, 1, 0.7]"),
+            "AsShotNeutral" | "ColorMatrix1" if matrix => (
+                "colour_matrix_d65",
+                "give rows that tell the colours of three channels at least apart, or leave it out",
+            ),
+            "ColorMatrix1" if neutral => ("as_shot_neutral", "give what the camera of the file responds to white"),
+            _ => return invalid,
+        };
+        Invalid { key: key.to_owned(), ..invalid }.help(help).within("raw")
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    use rstest::rstest;
+
     use super::*;
+    use crate::{DevelopSettings, develop_linear};
+
+    const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
     #[test]
     fn what_is_given_holds_and_what_cannot_be_is_refused() {
@@ -142,5 +162,29 @@ mod tests {
             RawDescription { black_level_dn: Some(f32::NAN), ..given }.validate().expect_err("none").key,
             "black_level_dn"
         );
+    }
+
+    #[rstest]
+    #[case::one_channel("mono", None, vec![[1.0, 0.5, 0.2]], "raw.colour_matrix_d65")]
+    #[case::alike("RGGB", None, vec![[1.0; 3]; 3], "raw.colour_matrix_d65")]
+    #[case::blind("RGGB", None, vec![[0.0; 3]; 3], "raw.colour_matrix_d65")]
+    #[case::no_number("RGGB", None, vec![[f64::NAN; 3]; 3], "raw.colour_matrix_d65")]
+    #[case::no_response("RGGB", Some(vec![0.0; 3]), IDENTITY.to_vec(), "raw.as_shot_neutral")]
+    #[case::negative("RGGB", Some(vec![-1.0; 3]), IDENTITY.to_vec(), "raw.as_shot_neutral")]
+    fn facts_that_give_no_colour_are_refused_by_the_key_that_stated_them(
+        #[case] cfa: &str,
+        #[case] as_shot_neutral: Option<Vec<f64>>,
+        #[case] matrix: Vec<[f64; 3]>,
+        #[case] key: &str,
+    ) {
+        let raw = RawImage { width: 16, height: 16, data: vec![100; 256], ..RawImage::default() };
+        let given = RawDescription {
+            cfa: Some(cfa.to_owned()),
+            as_shot_neutral,
+            colour_matrix_d65: Some(matrix),
+            ..RawDescription::default()
+        };
+        let settings = DevelopSettings { raw: given, ..DevelopSettings::default() };
+        assert_eq!(develop_linear(&raw, &settings).expect_err(key).key, key);
     }
 }

@@ -60,7 +60,7 @@ pub fn develop_linear(raw: &RawImage, settings: &DevelopSettings) -> Result<(Pla
     let raw = linearisation::apply(&raw, settings.linearisation);
     let raw = if raw.active_area.is_some() { Cow::Owned(raw.cropped()) } else { raw };
     let signal = black_level::subtract(&raw, settings.black_level);
-    develop_signal(signal, &raw, settings)
+    develop_signal(signal, &raw, settings).map_err(|invalid| settings.raw.blamed(invalid))
 }
 
 /// Refuses what needs rows whose pixels stand in columns.

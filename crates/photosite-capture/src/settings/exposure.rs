@@ -1,6 +1,6 @@
 //! Settings of the exposure, from the table `[exposure]`.
 
-use super::super::tables::ExposureTable;
+use super::super::tables::{ExposureTable, LONGEST_STEP_EV};
 use super::super::tree::numbers::positive_number;
 use photosite_core::Invalid;
 use photosite_core::units::{Celsius, Decibels, Seconds};
@@ -223,6 +223,9 @@ fn bracket(table: &ExposureTable, sensor: &SensorModel) -> Result<Option<Bracket
         return Err(wrong(format!("contains {twice} twice")));
     }
     if table.bracket_ev.is_some() {
+        if let Some(step) = values.iter().find(|step| step.abs() > LONGEST_STEP_EV) {
+            return Err(wrong(format!("must lie from -{LONGEST_STEP_EV} to {LONGEST_STEP_EV}, got {step}")));
+        }
         return Ok(Some(Bracket::Steps(values.clone())));
     }
     if let Some(time) = values.iter().find(|time| **time <= 0.0) {

@@ -46,7 +46,8 @@ pub(crate) use object::{MaterialChoice, ObjectTable, ScaleSource, UpAxis};
 pub(crate) use scene::{EnvironmentSource, EnvironmentTable, SceneTable, SkyTable};
 pub use settings::RawFormat;
 pub(crate) use settings::{
-    ExposureTable, IrradianceSource, NextSource, NoiseSource, OutputTable, PartnerSource, PartnerTable, TruthSource,
+    ExposureTable, IrradianceSource, LONGEST_STEP_EV, NextSource, NoiseSource, OutputTable, PartnerSource,
+    PartnerTable, TruthSource,
 };
 pub(crate) use surroundings::{BackdropTable, GroundSource, GroundTable};
 pub(crate) use target::{PlacementTable, TargetTable};

@@ -13,6 +13,9 @@ use photosite_files::truth::TruthFormat;
 use photosite_raw::DngCompression;
 use photosite_sensor::{BinningMethod, NoiseMap, Stage};
 
+/// Longest step of a bracket, EV: as from a microsecond to an hour.
+pub(crate) const LONGEST_STEP_EV: f64 = 32.0;
+
 /// Exposure time, gain and temperature.
 #[derive(Debug, Default, Deserialize, JsonSchema, Keys)]
 #[serde(deny_unknown_fields)]
@@ -61,6 +64,7 @@ pub(crate) struct ExposureTable {
     pub(crate) temperature_c: Option<f64>,
     /// Exposures of the same light at these steps in EV from the time, such as [-4, 0, 4], each a raw file of its own
     /// with noise of its own; hdr.exr merges them.
+    #[schemars(transform = within(-LONGEST_STEP_EV..=LONGEST_STEP_EV))]
     pub(crate) bracket_ev: Option<Vec<f64>>,
     /// Exposure times of a bracket, s, in place of bracket_ev and time_s; the one in the middle stands for time_s.
     #[schemars(transform = above(0.0..))]
