@@ -4,7 +4,7 @@
     fitted_sensors.py PHOTOSITE [--seeds N] [--size PX]
 
 For each of N seeds (40 by default) and three sensors (a CMOS sensor with noise of rows and columns, a CCD with hot pixels,
-a CMOS sensor at 12 dB) `photosite emva1288` takes a set with another serial number and `photosite fit` reads it. Every
+a CMOS sensor of unequal, heavy-tailed pixels at 12 dB) `photosite emva1288` takes a set with another serial number and `photosite fit` reads it. Every
 parameter that the fit tells is compared with what the images were made of. Exit status 0 where
 
 - the truth lies within two standard errors in 95.45 % of all cases, give or take four standard deviations of that count;
@@ -69,6 +69,8 @@ SENSORS = {
             "adc.conversion_gain_dn_per_e": 0.366,
             "adc.black_level_dn": 100,
             "noise.read_noise_e": 2.2,
+            "noise.read_noise_spread_percent": 30.0,
+            "noise.read_noise_degrees_of_freedom": 6.0,
             "noise.row_noise_e": 0.3,
             "noise.dsnu_e": 0.9,
             "noise.dsnu_column_e": 0.5,

@@ -61,6 +61,10 @@ struct Report<'a> {
     temperature_c: f64,
     gains: &'a [NoiseAtGain],
     lines: Lines,
+    /// Degrees of freedom of read noise that follows Student's t distribution; `null` of a normal one.
+    read_noise_degrees_of_freedom: Option<f64>,
+    /// Spatial standard deviation of the pixels' read noise over its mean, %.
+    read_noise_spread_percent: f64,
     warnings: &'a [String],
 }
 
@@ -116,6 +120,8 @@ pub(super) fn run(args: &NoiseModelArgs, sandbox: &Sandbox) -> Result<()> {
         temperature_c: args.temperature_c,
         gains: &rows,
         lines: Lines::of(&rows),
+        read_noise_degrees_of_freedom: sensor.noise.read_degrees_of_freedom,
+        read_noise_spread_percent: 100.0 * sensor.noise.read_spread,
         warnings: &warnings,
     };
     if let Some(path) = &args.output {
@@ -213,7 +219,21 @@ fn text(report: &Report<'_>) -> String {
         let GainLine { slope, intercept, scatter } = line?;
         Some(format!("{name}: ln σ = {slope:.4} ln K {intercept:+.4}, scatter {scatter:.4}"))
     });
-    lines.into_iter().chain(fits).collect::<Vec<_>>().join("\n")
+    lines.into_iter().chain(fits).chain([shape(report)]).collect::<Vec<_>>().join("\n")
+}
+
+/// Distribution of the read noise.
+fn shape(report: &Report<'_>) -> String {
+    let of_pixel = match report.read_noise_degrees_of_freedom {
+        Some(freedom) => {
+            format!("Student's t distribution with {} degrees of freedom", five_digits(freedom))
+        }
+        None => "a normal distribution".to_owned(),
+    };
+    match report.read_noise_spread_percent {
+        0.0 => format!("read noise: {of_pixel}, the same in all pixels"),
+        percent => format!("read noise: {of_pixel}, pixels differ by {} %", five_digits(percent)),
+    }
 }
 
 /// A number to five digits.

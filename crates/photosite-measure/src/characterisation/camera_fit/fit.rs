@@ -11,6 +11,7 @@ use super::measured::Measured;
 use super::parameters::{Assumption, FittedGainStep, KnownFacts, Parameter};
 use super::patterns::{Averages, MendedFrames, Patterns};
 use super::photon_transfer::{PhotonTransfer, TransferPoint};
+use super::read_noise_shape::{FEWEST_IMAGES, OtherNoise, ReadNoiseShape};
 use super::sheet::Sheet;
 use super::survey::Survey;
 use crate::characterisation::NotMeasured;
@@ -48,19 +49,20 @@ pub struct CameraFit {
 ///
 /// Images that cannot be read, that are of another size or another camera, or of which none are dark.
 pub fn fit_camera(frames: &CameraFrames<'_>, known: &KnownFacts) -> Result<CameraFit> {
-    let whole = MendedFrames { frames, replacements: Vec::new() };
-    let mut survey = Survey::new(&whole)?;
-    let averages = averages(&whole, &survey)?;
+    let mut mended = MendedFrames { frames, replacements: Vec::new() };
+    let mut survey = Survey::new(&mended)?;
+    let averages = averages(&mended, &survey)?;
     let (defects, hot) = averages.defects(frames.size[0]);
     let mut patterns = averages.patterns(frames.size);
     if !defects.is_empty() {
-        let mended = MendedFrames { frames, replacements: replacements(&defects, frames.size[0]) };
+        mended.replacements = replacements(&defects, frames.size[0]);
         survey = Survey::new(&mended)?;
         patterns = self::averages(&mended, &survey)?.patterns(frames.size);
     }
     let notes = survey.notes(frames);
     let mut sheet = Sheet::new(known, &survey);
-    sheet.fill(&survey, &patterns, &defects, hot, frames);
+    let shape = read_noise_shape(&mended, &survey, sheet.gain.value)?;
+    sheet.fill(&survey, shape, &patterns, &defects, hot, frames);
     let Patterns { response, dark, .. } = &patterns;
     sheet.tell_shading(dark, response.as_ref());
     let dark_currents = survey.dark_currents();
@@ -81,6 +83,21 @@ pub fn fit_camera(frames: &CameraFrames<'_>, known: &KnownFacts) -> Result<Camer
         dark_currents,
         gain_steps,
     })
+}
+
+/// Shape of the read noise in the dark images of which there are most, where these are enough.
+fn read_noise_shape(frames: &MendedFrames<'_>, survey: &Survey, system_gain: f64) -> Result<Option<ReadNoiseShape>> {
+    let reference = survey.dark_reference();
+    let DarkFrames { time, statistics } = &survey.dark.frames()[reference];
+    if statistics.images < FEWEST_IMAGES {
+        return Ok(None);
+    }
+    let of_dark_current = match (*time, survey.dark.variance) {
+        (Some(time), Some(line)) => (line.slope.value * time.0).max(0.0),
+        _ => 0.0,
+    };
+    let other = OtherNoise::ROUNDING.plus(OtherNoise::of_dark_current(of_dark_current, system_gain));
+    ReadNoiseShape::of(frames, survey.dark_groups[reference], other).map(Some)
 }
 
 /// Averages of the images that tell the patterns.

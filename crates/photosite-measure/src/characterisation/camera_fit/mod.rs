@@ -9,6 +9,7 @@
 //! | photon transfer: gain, responsivity, saturation | `photon_transfer.rs` |
 //! | patterns of averaged images, without shading | `pattern.rs`, `patterns.rs` |
 //! | pixels that are no part of them | `defects.rs` |
+//! | unequal pixels and heavy tails of the read noise | `read_noise_shape.rs` |
 //! | statistics of all groups, checked for being of one camera | `survey.rs` |
 //! | all of it, in order | `fit.rs` |
 //! | parameters, assumptions, what is left out | `parameters.rs`, `sheet.rs` |
@@ -30,6 +31,7 @@ mod parameters;
 mod pattern;
 mod patterns;
 mod photon_transfer;
+mod read_noise_shape;
 mod sensor_file;
 mod sheet;
 mod survey;

@@ -16,7 +16,8 @@ pub(super) struct MendedFrames<'a> {
 }
 
 impl MendedFrames<'_> {
-    fn image(&self, group: usize, image: usize) -> Result<Vec<u16>> {
+    /// Numbers of an image.
+    pub(super) fn image(&self, group: usize, image: usize) -> Result<Vec<u16>> {
         let mut numbers = (self.frames.read)(group, image)?;
         mend(&mut numbers, &self.replacements);
         Ok(numbers)

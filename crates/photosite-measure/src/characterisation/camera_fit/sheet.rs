@@ -11,6 +11,7 @@ use super::parameters::{Assumption, KnownFacts, Parameter};
 use super::pattern::Pattern;
 use super::patterns::Patterns;
 use super::photon_transfer::Saturation;
+use super::read_noise_shape::ReadNoiseShape;
 use super::survey::Survey;
 use crate::characterisation::NotMeasured;
 
@@ -20,7 +21,7 @@ pub(super) struct Sheet {
     pub(super) assumed: Vec<Assumption>,
     pub(super) left_out: Vec<NotMeasured>,
     /// K, DN/e⁻; 1 where nobody knows it.
-    gain: Measured,
+    pub(super) gain: Measured,
     /// Whether electrons are known, or DN stand for them.
     in_electrons: bool,
     known: KnownFacts,
@@ -28,7 +29,10 @@ pub(super) struct Sheet {
 
 /// Least variance of numbers that quantisation leaves to be seen, DN², as EMVA 1288 has it.
 const LEAST_VARIANCE: f64 = 0.24;
+/// Variance of rounding to whole numbers, DN².
 const QUANTISATION: f64 = 1.0 / 12.0;
+/// Least variance of noise whose distribution rounding leaves to be seen, DN².
+const LEAST_VARIANCE_OF_A_SHAPE: f64 = 1.0;
 
 impl Sheet {
     pub(super) fn new(known: &KnownFacts, survey: &Survey) -> Self {
@@ -64,6 +68,7 @@ impl Sheet {
     pub(super) fn fill(
         &mut self,
         survey: &Survey,
+        shape: Option<ReadNoiseShape>,
         patterns: &Patterns,
         defects: &[Defect],
         hot: Result<[Measured; 2], usize>,
@@ -72,6 +77,7 @@ impl Sheet {
         self.efficiency(survey, patterns);
         self.black_level(survey, patterns);
         self.dark_noise(survey);
+        self.read_noise_shape(survey, shape);
         let dark_current = self.dark_current(survey, patterns);
         let uneven = self.uneven_dark_current(patterns, dark_current, survey);
         self.dark_pattern(patterns, uneven);
@@ -175,6 +181,39 @@ impl Sheet {
                 "read noise at no exposure time",
                 "dark images of two exposure times would tell it; that of the shortest stands for it",
             );
+        }
+    }
+
+    /// Tells how unequal the pixels' read noise is, and how heavy its tails are.
+    fn read_noise_shape(&mut self, survey: &Survey, shape: Option<ReadNoiseShape>) {
+        const NAME: &str = "shape of the read noise";
+        const STANDS: &str = "a normal distribution, the same in all pixels, stands for it";
+        let is_hidden = survey.dark_variances().pixel.value < LEAST_VARIANCE_OF_A_SHAPE;
+        let ReadNoiseShape { squared_spread, tails } = match shape {
+            Some(shape) if !is_hidden => shape,
+            Some(_) => return self.leave(NAME, &format!("quantisation hides it: {STANDS}")),
+            None => {
+                let reason = format!("four dark images of one exposure time would tell it: {STANDS}");
+                return self.leave(NAME, &reason);
+            }
+        };
+        let percent = Measured::new(0.01, 0.0);
+        self.tell_root(
+            "noise.read_noise_spread_percent",
+            "differences of the pixels' read noise",
+            "%",
+            squared_spread,
+            percent,
+        );
+        if tails.value > 3.0 * tails.standard_error && tails.value > 0.0 {
+            self.tell("noise.read_noise_degrees_of_freedom", "", Measured::new(1.0, 0.0).over(tails));
+        } else {
+            let most = tails.value.max(0.0) + 1.645 * tails.standard_error;
+            let reason = format!(
+                "not told apart from those of a normal distribution: more than {} degrees of freedom at 95 %",
+                rounded(1.0 / most, 2)
+            );
+            self.leave("tails of the read noise", &reason);
         }
     }
 
@@ -350,7 +389,6 @@ impl Sheet {
             Some([x, y]) => self.state(KEY, format!("[{x:?}, {y:?}]"), "as stated"),
             None => self.assume(KEY, "[5.0, 5.0]".to_owned(), "images do not tell it: write the pitch of your pixels"),
         }
-        self.leave("heavy tails of the read noise", "taken for normal");
         self.leave("split of the read noise", "reset noise, 1/f noise and telegraph signals count as read noise");
     }
 

@@ -1,0 +1,341 @@
+//! Shape of the read noise: how unequal the pixels are, and how heavy their tails.
+//!
+//! Of a stack of dark images, differences D of pairs are taken, without what rows and columns share. A pixel of the
+//! standard deviation σ·f has ⟨|D|⟩ = c·σ·f, where c depends on the distribution alone. So the covariance of |D| of two
+//! pairs over the pixels, divided by the squared mean, is the variance of f over its squared mean, whatever the tails:
+//!
+//! s² = Cov(|D₁|, |D₂|)/⟨|D|⟩²
+//!
+//! and what is left of ⟨|D|⟩ against √⟨D²⟩ tells the degrees of freedom ν of Student's t distribution. Both moments
+//! are finite where ν > 2, while the kurtosis is infinite up to ν = 4. Rounding and the noise of the dark current, of all
+//! pixels alike, are added to the expected moments by their variance V_o and fourth cumulant κ: a normal number of the variance V with
+//! them has ⟨|D|⟩ = √(2V/π)·(1 − κ/(24·V²)), the Gram–Charlier series to its second term.
+
+use rand::RngExt;
+
+use photosite_core::Result;
+use photosite_core::math::philox::Philox;
+
+use super::measured::Measured;
+use super::patterns::MendedFrames;
+
+/// Fewest images of two pairs.
+pub(super) const FEWEST_IMAGES: usize = 4;
+/// Degrees of freedom of the heaviest tails that are looked for: at 2 there is no standard deviation.
+const FEWEST_FREEDOM: f64 = 2.05;
+/// Largest spread that is looked for, the largest that a sensor file may state.
+const MOST_SPREAD: f64 = 10.0;
+
+/// Shape of the read noise, each figure 0 for pixels that are alike and normally distributed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ReadNoiseShape {
+    /// s², squared spatial standard deviation of the pixels' read noise over its mean.
+    pub(super) squared_spread: Measured,
+    /// 1/ν, reciprocal degrees of freedom of Student's t distribution.
+    pub(super) tails: Measured,
+}
+
+/// Noise of a number beside the read noise, the same in all pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct OtherNoise {
+    /// DN².
+    pub(super) variance: f64,
+    /// DN⁴.
+    pub(super) fourth_cumulant: f64,
+}
+
+impl OtherNoise {
+    /// None.
+    #[cfg(test)]
+    pub(super) const NONE: Self = Self { variance: 0.0, fourth_cumulant: 0.0 };
+    /// Even noise of a step of the converter.
+    pub(super) const ROUNDING: Self = Self { variance: 1.0 / 12.0, fourth_cumulant: -1.0 / 120.0 };
+
+    /// Noise of the dark current: electrons of a Poisson distribution, whose variance in DN² is known, times K.
+    pub(super) fn of_dark_current(variance: f64, system_gain: f64) -> Self {
+        Self { variance, fourth_cumulant: variance * system_gain.powi(2) }
+    }
+
+    /// The sum of two independent noises.
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self { variance: self.variance + other.variance, fourth_cumulant: self.fourth_cumulant + other.fourth_cumulant }
+    }
+}
+
+/// Means over all pixels of moments of |D|, DN and DN².
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Moments {
+    /// ⟨|D|⟩.
+    absolute: f64,
+    /// ⟨D²⟩.
+    square: f64,
+    /// ⟨|D₁|·|D₂|⟩ of two pairs.
+    product: f64,
+}
+
+impl ReadNoiseShape {
+    /// Shape in the images of a group, of which there must be [`FEWEST_IMAGES`], with other noise beside the read noise.
+    pub(super) fn of(frames: &MendedFrames<'_>, group: usize, other: OtherNoise) -> Result<Self> {
+        let [width, height] = frames.frames.size;
+        let mut sums = vec![[0f32; 2]; width * height];
+        let pairs = frames.frames.groups[group].images.len() / 2;
+        for pair in 0..pairs {
+            let [first, second] = [2 * pair, 2 * pair + 1];
+            let difference = difference(&frames.image(group, first)?, &frames.image(group, second)?, width, pair);
+            sums.iter_mut().zip(&difference).for_each(|(sums, d)| {
+                sums[0] += d.abs();
+                sums[1] += d * d;
+            });
+        }
+        Ok(Self::of_sums(&sums, pairs, other.plus(OtherNoise::ROUNDING)))
+    }
+
+    /// Shape from Σ|D| and Σ D² over the pairs of each pixel.
+    fn of_sums(sums: &[[f32; 2]], pairs: usize, other: OtherNoise) -> Self {
+        let [n, k] = [sums.len(), pairs].map(|count| count as f64);
+        let of_pixel = |&[absolute, square]: &[f32; 2]| {
+            let [absolute, square] = [absolute, square].map(f64::from);
+            [absolute / k, square / k, (absolute * absolute - square) / (k * (k - 1.0))]
+        };
+        let (mut means, mut products) = ([0.0; 3], [[0.0; 3]; 3]);
+        for values in sums.iter().map(of_pixel) {
+            for i in 0..3 {
+                means[i] += values[i];
+                (0..3).for_each(|j| products[i][j] += values[i] * values[j]);
+            }
+        }
+        let means = means.map(|sum| sum / n);
+        let covariance = |i: usize, j: usize| (products[i][j] / n - means[i] * means[j]) / n;
+        let solve = |means: [f64; 3]| Moments::from(means).shape(other);
+        // Errors of the figures by those of the moments: gᵀ·C·g, with derivatives over two standard errors.
+        let gradient: [[f64; 2]; 3] = std::array::from_fn(|i| {
+            let step = covariance(i, i).max(0.0).sqrt().max(f64::MIN_POSITIVE);
+            let at = |sign: f64| solve(std::array::from_fn(|j| means[j] + if i == j { sign * step } else { 0.0 }));
+            let [above, below] = [at(1.0), at(-1.0)];
+            std::array::from_fn(|figure| (above[figure] - below[figure]) / (2.0 * step))
+        });
+        let value = solve(means);
+        let [squared_spread, tails] = std::array::from_fn(|figure| {
+            let pairs = (0..9).map(|ij| (ij / 3, ij % 3));
+            let variance =
+                pairs.map(|(i, j)| gradient[i][figure] * covariance(i, j) * gradient[j][figure]).sum::<f64>();
+            Measured::new(value[figure], variance.max(0.0).sqrt())
+        });
+        Self { squared_spread, tails }
+    }
+}
+
+impl From<[f64; 3]> for Moments {
+    fn from([absolute, square, product]: [f64; 3]) -> Self {
+        Self { absolute, square, product }
+    }
+}
+
+impl Moments {
+    /// s² and 1/ν that give these moments, with other noise beside the read noise. Where chance makes pixels
+    /// more than alike or tails less than normal, the figures are below 0.
+    fn shape(self, other: OtherNoise) -> [f64; 2] {
+        let noise = Noise { variance: (self.square / 2.0 - other.variance).max(0.0), other };
+        let covariance = self.product / self.absolute.powi(2) - 1.0;
+        let spread_of = |tails| {
+            let scales = Scales::of(tails);
+            rising_root([0.0, MOST_SPREAD], |spread| noise.moments(spread, &scales).1 - covariance)
+        };
+        let (mut spread, mut tails) = (spread_of(0.0), 0.0);
+        // The spread hardly depends on the tails, so that few rounds do.
+        for _ in 0..3 {
+            let missing = |tails| 1.0 - noise.moments(spread, &Scales::of(tails)).0 / self.absolute;
+            tails = rising_root([0.0, 1.0 / FEWEST_FREEDOM], missing);
+            if tails == 0.0 {
+                // ⟨|D|⟩ falls by the excess kurtosis of D over 24, which for small 1/ν is 3/ν.
+                tails = -8.0 * missing(0.0);
+                break;
+            }
+            spread = spread_of(tails);
+        }
+        [if spread == 0.0 { covariance.min(0.0) } else { spread * spread }, tails]
+    }
+}
+
+/// Noise of a pixel, DN².
+#[derive(Clone, Copy)]
+struct Noise {
+    /// Mean square of the read noise over all pixels.
+    variance: f64,
+    other: OtherNoise,
+}
+
+impl Noise {
+    /// ⟨|D|⟩ in DN, and Cov(|D₁|, |D₂|)/⟨|D|⟩² over the pixels. The logarithm of the pixels' factors f is normal with
+    /// the variance t² = ln(1 + s²), ⟨f²⟩ = 1.
+    fn moments(self, spread: f64, scales: &Scales) -> (f64, f64) {
+        // Trapezoids over a smooth function that ends in zeros converge faster than any power of the step.
+        const STEP: f64 = 0.5;
+        const REACH: i32 = 12;
+        let t = (spread * spread).ln_1p().sqrt();
+        let (mut weights, mut mean, mut square) = (0.0, 0.0, 0.0);
+        for i in -REACH..=REACH {
+            let n = f64::from(i) * STEP;
+            let weight = (-0.5 * n * n).exp();
+            let of_pixel = self.variance * (2.0 * t * n - 2.0 * t * t).exp();
+            let absolute = scales.mean_root(of_pixel, self.other);
+            weights += weight;
+            mean += weight * absolute;
+            square += weight * absolute * absolute;
+        }
+        let (mean, square) = (mean / weights, square / weights);
+        // Of a normal number, ⟨|x|⟩ = √(2/π)·σ.
+        (mean * std::f64::consts::FRAC_2_PI.sqrt(), square / (mean * mean) - 1.0)
+    }
+}
+
+/// Student's t distribution of standard deviation 1 as a mixture of normal ones: variances of the difference of two
+/// numbers, with their weights.
+struct Scales(Vec<(f64, f64)>);
+
+impl Scales {
+    /// Scales for reciprocal degrees of freedom; 0 and below are normal.
+    fn of(tails: f64) -> Self {
+        if tails < 1e-3 {
+            return Self(vec![(2.0, 1.0)]);
+        }
+        // t = n/√g with g = e^u following χ²/ν, whose density over u goes with exp(ν/2·(u − e^u)).
+        let freedom = 1.0 / tails;
+        let log_weight = |u: f64| 0.5 * freedom * (u - u.exp() + 1.0);
+        let step = 0.5 * (2.0 * tails).sqrt().min(1.0);
+        // A root of 1/g goes to infinity as g goes to 0, and its weight to 0 faster.
+        let is_part = |u: f64| log_weight(u) + (-0.5 * u).max(0.0) > -16.0;
+        let points = |sign: f64| (0..).map(move |i| sign * step * f64::from(i)).take_while(|&u| is_part(u));
+        let variances: Vec<(f64, f64)> = points(-1.0)
+            .chain(points(1.0).skip(1))
+            .map(|u| ((1.0 - 2.0 * tails) / u.exp(), log_weight(u).exp()))
+            .collect();
+        let total: f64 = variances.iter().map(|(_, weight)| weight).sum();
+        let mut pairs = Vec::new();
+        for (i, (first, weight)) in variances.iter().enumerate() {
+            for (j, (second, other)) in variances[..=i].iter().enumerate() {
+                let times = if i == j { 1.0 } else { 2.0 };
+                pairs.push((first + second, times * weight * other / (total * total)));
+            }
+        }
+        Self(pairs)
+    }
+
+    /// √(π/2)·⟨|D|⟩ of the difference of two numbers with read noise of this variance and other noise.
+    fn mean_root(&self, variance: f64, other: OtherNoise) -> f64 {
+        let of = |&(scale, weight): &(f64, f64)| {
+            let all = variance * scale + 2.0 * other.variance;
+            weight * (all.sqrt() - 2.0 * other.fourth_cumulant / (24.0 * all.powf(1.5)))
+        };
+        self.0.iter().map(of).sum()
+    }
+}
+
+/// Place where a rising function is 0; the end that is nearer where it is nowhere.
+fn rising_root([mut low, mut high]: [f64; 2], of: impl Fn(f64) -> f64) -> f64 {
+    if of(low) >= 0.0 {
+        return low;
+    }
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if of(middle) < 0.0 { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// Difference of two images without what their rows and columns share. Even noise of a step is added to each, without
+/// which the mean of |D| would hang on where between two whole numbers the difference of their rows and columns lies.
+fn difference(first: &[u16], second: &[u16], width: usize, pair: usize) -> Vec<f32> {
+    let mut random = Philox::new(pair as u64, 0x7a11);
+    let mut dithered = |y: u16| f32::from(y) + random.random::<f32>();
+    let mut difference: Vec<f32> = first.iter().zip(second).map(|(&a, &b)| dithered(a) - dithered(b)).collect();
+    let mean = |sum: f64, count: usize| (sum / count as f64) as f32;
+    let height = difference.len() / width;
+    let mut columns = vec![0f64; width];
+    for line in difference.chunks_exact_mut(width) {
+        let of_row = mean(line.iter().map(|&d| f64::from(d)).sum(), width);
+        line.iter_mut().zip(&mut columns).for_each(|(d, column)| {
+            *d -= of_row;
+            *column += f64::from(*d);
+        });
+    }
+    for line in difference.chunks_exact_mut(width) {
+        line.iter_mut().zip(&columns).for_each(|(d, &column)| *d -= mean(column, height));
+    }
+    difference
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_distr::{Distribution, StandardNormal, StudentT};
+    use rstest::rstest;
+
+    use super::*;
+    use crate::characterisation::camera_fit::frame_group::{CameraFrames, FrameGroup, FrameLight};
+
+    const SIZE: [usize; 2] = [256, 200];
+
+    /// Numbers of an image: read noise of 3 DN, normal noise of 0.2 DN², noise of rows and columns, rounding.
+    fn image(image: usize, spread: f64, freedom: Option<f64>) -> Vec<u16> {
+        let mut random = Philox::new(image as u64, 1);
+        let mut pixels = Philox::new(0, 2);
+        let mut normal = |sigma: f64| sigma * random.sample::<f64, _>(StandardNormal);
+        let [rows, columns] = [SIZE[1], SIZE[0]].map(|count| (0..count).map(|_| normal(1.3)).collect::<Vec<_>>());
+        let t = (spread * spread).ln_1p().sqrt();
+        let tails =
+            freedom.map(|freedom| (StudentT::new(freedom).expect("above 0"), ((freedom - 2.0) / freedom).sqrt()));
+        let pixel = |(row, column): (&f64, &f64)| {
+            let factor = (t * pixels.sample::<f64, _>(StandardNormal) - t * t).exp();
+            let own: f64 = match tails {
+                Some((distribution, scale)) => scale * distribution.sample(&mut random),
+                None => random.sample(StandardNormal),
+            };
+            let other = 0.2f64.sqrt() * random.sample::<f64, _>(StandardNormal);
+            (200.0 + row + column + 3.0 * factor * own + other).round().max(0.0) as u16
+        };
+        rows.iter().flat_map(|row| columns.iter().map(move |column| (row, column))).map(pixel).collect()
+    }
+
+    /// The shape that the noise was made with is found within five standard errors, which are small.
+    #[rstest]
+    #[case::alike(0.0, None, 8)]
+    #[case::unequal(0.3, None, 4)]
+    #[case::very_unequal(0.8, None, 8)]
+    #[case::light_tails(0.0, Some(15.0), 8)]
+    #[case::heavy_tails(0.0, Some(4.0), 8)]
+    #[case::both(0.3, Some(6.0), 9)]
+    #[case::without_kurtosis(0.5, Some(3.0), 8)]
+    fn unequal_pixels_are_told_from_heavy_tails(
+        #[case] spread: f64,
+        #[case] freedom: Option<f64>,
+        #[case] images: usize,
+    ) {
+        let group = FrameGroup {
+            name: String::new(),
+            time: None,
+            light: FrameLight::Dark,
+            temperature: None,
+            images: vec![String::new(); images],
+        };
+        let read = |_, number| Ok(image(number, spread, freedom));
+        let frames = CameraFrames { groups: &[group], size: SIZE, bits: 12, read: &read };
+        let mended = MendedFrames { frames: &frames, replacements: Vec::new() };
+        let other = OtherNoise::ROUNDING.plus(OtherNoise { variance: 0.2, fourth_cumulant: 0.0 });
+        let found = ReadNoiseShape::of(&mended, 0, other).expect("images");
+        let wanted = [spread * spread, freedom.map_or(0.0, f64::recip)];
+        for (found, wanted) in [found.squared_spread, found.tails].into_iter().zip(wanted) {
+            let Measured { value, standard_error } = found;
+            assert!((value - wanted).abs() < 5.0 * standard_error, "{found:?} {wanted}");
+            assert!(standard_error < 0.02 + 0.1 * wanted, "{found:?}");
+        }
+    }
+
+    /// ⟨|D|⟩ of Student's t distribution with three degrees of freedom, by its characteristic function
+    /// (1 + √3·u)·exp(−√3·u): (2/π)∫(1 − (1 + √3·u)²·exp(−2√3·u))/u² du = 3√3/π, with the standard deviation √3.
+    #[test]
+    fn mixtures_have_the_moments_of_the_distribution() {
+        let of = |tails: f64| Scales::of(tails).mean_root(1.0, OtherNoise::NONE) * std::f64::consts::FRAC_2_PI.sqrt();
+        assert!((of(0.0) - 2.0 / std::f64::consts::PI.sqrt()).abs() < 1e-12);
+        assert!((of(1.0 / 3.0) - 3.0 / std::f64::consts::PI).abs() < 1e-6, "{}", of(1.0 / 3.0));
+    }
+}
