@@ -98,11 +98,15 @@ class Judge:
                 file.write("distortion_coefficients", np.array(coefficients))
                 file.write("rotation", self.rotation)
                 file.write("translation_m", self.move)
+                # As OpenCV's sample has the views; the first is another.
+                view = np.concatenate([cv2.Rodrigues(self.rotation)[0].ravel(), self.move.ravel()])
+                file.write("extrinsic_parameters", np.array([np.linspace(0.1, 0.6, 6), view]))
                 if xi is not None:
                     file.write("xi", xi)
                 file.release()
-                self.compare(f"opencv {ending} {name}", self.by_opencv(model, coefficients, xi), f"camera.{ending}",
-                             "calibration_pose = 'world'")
+                wanted = self.by_opencv(model, coefficients, xi)
+                self.compare(f"opencv {ending} {name}", wanted, f"camera.{ending}", "calibration_pose = 'world'")
+                self.compare(f"opencv {ending} {name} view", wanted, f"camera.{ending}", "calibration_pose = 'view 1'")
         tilted = dict(camera_matrix=MATRIX.tolist(), dist=[[*CALIB3D["thin prism"], 0.01, 0.02]], image_size=list(SIZE))
         (self.folder / "tilted.yaml").write_text(yaml.safe_dump(tilted))
         self.refused("opencv tilted sensor", "tilted.yaml", "position_m = [0, 0, 0]\nlook_at_m = [0, 0, 1]", says="tilted")

@@ -5,7 +5,7 @@
 //! | format | models | poses |
 //! |---|---|---|
 //! | Kalibr `camchain.yaml` | pinhole or omni with radtan or none, pinhole with equidistant | of each camera, of the IMU |
-//! | OpenCV YAML, XML, JSON (`cv::FileStorage`, or lists) | `calib3d`, `fisheye`, `omnidir` | world, first of a pair |
+//! | OpenCV YAML, XML, JSON (`cv::FileStorage`, or lists) | `calib3d`, `fisheye`, `omnidir` | world, views, first of a pair |
 //! | ROS `camera_info` YAML | `plumb_bob`, `rational_polynomial`, `equidistant` | – |
 //! | COLMAP `cameras.txt` | all with a rectilinear, equidistant or division model | of each of `images.txt` |
 //! | EuRoC `sensor.yaml` | pinhole with radial-tangential or equidistant | body |

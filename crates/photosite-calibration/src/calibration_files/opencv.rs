@@ -28,7 +28,7 @@ const SIZE: [&[&str]; 2] = [
     &["image_height", "image_Height", "imageHeight", "height"],
 ];
 /// Keys of how the calibration was made, and of what follows from others.
-const WITHOUT_MEANING: [&str; 27] = [
+const WITHOUT_MEANING: [&str; 26] = [
     "calibration_time",
     "camera_names",
     "camera_model",
@@ -55,7 +55,6 @@ const WITHOUT_MEANING: [&str; 27] = [
     "H1",
     "H2",
     "Q",
-    "extrinsic_parameters",
 ];
 
 /// Models of OpenCV's three modules.
@@ -76,10 +75,7 @@ pub(super) fn cameras(file: &Table<'_>) -> Result<Vec<Calibration>, Fault> {
     let mut camera = camera(file, name, matrix, file.get_any(&COEFFICIENTS), module)?;
     camera.warnings.extend(assumption.filter(|_| ambiguous(file)));
     camera.poses.extend(pose(file, "world", ["rotation", "rotation_matrix"], ["translation_m", "translation"])?);
-    if file.has_any(&["extrinsic_parameters"]) {
-        let views = "extrinsic_parameters, the poses of the views, are not used: write rotation and translation_m";
-        camera.warnings.push(views.to_owned());
-    }
+    camera.poses.extend(views(file)?);
     camera.warnings.extend(unused(&file.unread(&WITHOUT_MEANING)));
     Ok(vec![camera])
 }
@@ -185,6 +181,23 @@ fn camera(
         poses: Vec::new(),
         warnings: Vec::new(),
     })
+}
+
+/// Poses of the views of a calibration, of the target in each: a row of rotation vector and translation, as OpenCV's samples write
+/// them.
+fn views(file: &Table<'_>) -> Result<Vec<StatedPose>, Fault> {
+    let Some(rows) = file.get("extrinsic_parameters") else { return Ok(Vec::new()) };
+    let numbers = rows.numbers()?;
+    if numbers.len() % 6 != 0 {
+        let message = format!("expected six numbers a view, rotation vector and translation, found {}", numbers.len());
+        return Err(rows.fault(message));
+    }
+    let view = |(number, row): (usize, &[f64])| {
+        let [turn, shift] = [&row[..3], &row[3..]].map(DVec3::from_slice);
+        let from_target = DAffine3::from_rotation_translation(DQuat::from_scaled_axis(turn), shift);
+        StatedPose { name: format!("view {number}"), to_frame: to_frame(&from_target) }
+    };
+    Ok(numbers.chunks_exact(6).enumerate().map(view).collect())
 }
 
 /// Pose of a rotation, a matrix or a vector, and a translation: x_camera = R·x + t.
