@@ -93,8 +93,8 @@ fn read_noise_shape(frames: &MendedFrames<'_>, survey: &Survey, system_gain: f64
         return Ok(None);
     }
     let of_dark_current = match (*time, survey.dark.variance) {
-        (Some(time), Some(line)) => (line.slope.value * time.0).max(0.0),
-        _ => 0.0,
+        (Some(time), Some(line)) if line.slope.value > 0.0 => line.slope.times(time.0),
+        _ => Measured::default(),
     };
     let other = OtherNoise::ROUNDING.plus(OtherNoise::of_dark_current(of_dark_current, system_gain));
     ReadNoiseShape::of(frames, survey.dark_groups[reference], other).map(Some)

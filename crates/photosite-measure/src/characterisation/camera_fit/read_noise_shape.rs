@@ -40,6 +40,8 @@ pub(super) struct ReadNoiseShape {
 pub(super) struct OtherNoise {
     /// DN².
     pub(super) variance: f64,
+    /// Standard error of the variance, DN².
+    pub(super) error: f64,
     /// DN⁴.
     pub(super) fourth_cumulant: f64,
 }
@@ -47,18 +49,28 @@ pub(super) struct OtherNoise {
 impl OtherNoise {
     /// None.
     #[cfg(test)]
-    pub(super) const NONE: Self = Self { variance: 0.0, fourth_cumulant: 0.0 };
+    pub(super) const NONE: Self = Self { variance: 0.0, error: 0.0, fourth_cumulant: 0.0 };
     /// Even noise of a step of the converter.
-    pub(super) const ROUNDING: Self = Self { variance: 1.0 / 12.0, fourth_cumulant: -1.0 / 120.0 };
+    pub(super) const ROUNDING: Self = Self { variance: 1.0 / 12.0, error: 0.0, fourth_cumulant: -1.0 / 120.0 };
 
     /// Noise of the dark current: electrons of a Poisson distribution, whose variance in DN² is known, times K.
-    pub(super) fn of_dark_current(variance: f64, system_gain: f64) -> Self {
-        Self { variance, fourth_cumulant: variance * system_gain.powi(2) }
+    pub(super) fn of_dark_current(variance: Measured, system_gain: f64) -> Self {
+        let Measured { value, standard_error } = variance;
+        Self { variance: value, error: standard_error, fourth_cumulant: value * system_gain.powi(2) }
     }
 
     /// The sum of two independent noises.
     pub(super) fn plus(self, other: Self) -> Self {
-        Self { variance: self.variance + other.variance, fourth_cumulant: self.fourth_cumulant + other.fourth_cumulant }
+        Self {
+            variance: self.variance + other.variance,
+            error: self.error.hypot(other.error),
+            fourth_cumulant: self.fourth_cumulant + other.fourth_cumulant,
+        }
+    }
+
+    /// The noise with a variance that is wrong by its standard error.
+    fn off_by_an_error(self) -> Self {
+        Self { variance: self.variance + self.error, ..self }
     }
 }
 
@@ -87,11 +99,19 @@ impl ReadNoiseShape {
                 sums[1] += d * d;
             });
         }
-        Ok(Self::of_sums(&sums, pairs, other.plus(OtherNoise::ROUNDING)))
+        let shared = 1.0 / width as f64 + 1.0 / height as f64;
+        Ok(Self::of_sums(&sums, pairs, shared, other.plus(OtherNoise::ROUNDING)))
     }
 
-    /// Shape from Σ|D| and Σ D² over the pairs of each pixel.
-    fn of_sums(sums: &[[f32; 2]], pairs: usize, other: OtherNoise) -> Self {
+    /// Relative standard error of the mean square over so many pixels, which are some of those that the sensor could have:
+    /// of the log-normal factors, ⟨f⁴⟩ = (1 + s²)⁴.
+    pub(super) fn error_of_sample(&self, pixels: usize) -> f64 {
+        (((1.0 + self.squared_spread.value.max(0.0)).powi(4) - 1.0) / pixels as f64).sqrt()
+    }
+
+    /// Shape from Σ|D| and Σ D² over the pairs of each pixel. `shared` is the part a of a pixel's variance that went off with the
+    /// means of its row and column.
+    fn of_sums(sums: &[[f32; 2]], pairs: usize, shared: f64, other: OtherNoise) -> Self {
         let [n, k] = [sums.len(), pairs].map(|count| count as f64);
         let of_pixel = |&[absolute, square]: &[f32; 2]| {
             let [absolute, square] = [absolute, square].map(f64::from);
@@ -106,8 +126,9 @@ impl ReadNoiseShape {
         }
         let means = means.map(|sum| sum / n);
         let covariance = |i: usize, j: usize| (products[i][j] / n - means[i] * means[j]) / n;
-        let solve = |means: [f64; 3]| Moments::from(means).shape(other);
-        // Errors of the figures by those of the moments: gᵀ·C·g, with derivatives over two standard errors.
+        let solve = |means: [f64; 3]| Moments::from(means).shape(other, shared);
+        // Errors of the figures by those of the moments: gᵀ·C·g, with derivatives over two standard errors; and by that of
+        // the other noise.
         let gradient: [[f64; 2]; 3] = std::array::from_fn(|i| {
             let step = covariance(i, i).max(0.0).sqrt().max(f64::MIN_POSITIVE);
             let at = |sign: f64| solve(std::array::from_fn(|j| means[j] + if i == j { sign * step } else { 0.0 }));
@@ -115,11 +136,13 @@ impl ReadNoiseShape {
             std::array::from_fn(|figure| (above[figure] - below[figure]) / (2.0 * step))
         });
         let value = solve(means);
+        let off = Moments::from(means).shape(other.off_by_an_error(), shared);
         let [squared_spread, tails] = std::array::from_fn(|figure| {
             let pairs = (0..9).map(|ij| (ij / 3, ij % 3));
             let variance =
                 pairs.map(|(i, j)| gradient[i][figure] * covariance(i, j) * gradient[j][figure]).sum::<f64>();
-            Measured::new(value[figure], variance.max(0.0).sqrt())
+            let of_other = off[figure] - value[figure];
+            Measured::new(value[figure], variance.max(0.0).sqrt().hypot(of_other))
         });
         Self { squared_spread, tails }
     }
@@ -134,8 +157,20 @@ impl From<[f64; 3]> for Moments {
 impl Moments {
     /// s² and 1/ν that give these moments, with other noise beside the read noise. Where chance makes pixels
     /// more than alike or tails less than normal, the figures are below 0.
-    fn shape(self, other: OtherNoise) -> [f64; 2] {
-        let noise = Noise { variance: (self.square / 2.0 - other.variance).max(0.0), other };
+    ///
+    /// Of the variance V_p of a pixel's D, with the mean V over all, taking off the means of rows and columns leaves
+    /// (1 − a)²·V_p and adds a·(1 − a)·V of the other pixels.
+    fn shape(self, other: OtherNoise, shared: f64) -> [f64; 2] {
+        let own = 1.0 - shared;
+        let all = self.square / 2.0 / own;
+        let noise = Noise {
+            variance: (all - other.variance).max(0.0) * own * own,
+            other: OtherNoise {
+                variance: other.variance * own * own + shared * own * all,
+                fourth_cumulant: other.fourth_cumulant * own.powi(4),
+                ..other
+            },
+        };
         let covariance = self.product / self.absolute.powi(2) - 1.0;
         let spread_of = |tails| {
             let scales = Scales::of(tails);
@@ -320,7 +355,7 @@ mod tests {
         let read = |_, number| Ok(image(number, spread, freedom));
         let frames = CameraFrames { groups: &[group], size: SIZE, bits: 12, read: &read };
         let mended = MendedFrames { frames: &frames, replacements: Vec::new() };
-        let other = OtherNoise::ROUNDING.plus(OtherNoise { variance: 0.2, fourth_cumulant: 0.0 });
+        let other = OtherNoise::ROUNDING.plus(OtherNoise { variance: 0.2, ..OtherNoise::NONE });
         let found = ReadNoiseShape::of(&mended, 0, other).expect("images");
         let wanted = [spread * spread, freedom.map_or(0.0, f64::recip)];
         for (found, wanted) in [found.squared_spread, found.tails].into_iter().zip(wanted) {

@@ -76,7 +76,7 @@ impl Sheet {
     ) {
         self.efficiency(survey, patterns);
         self.black_level(survey, patterns);
-        self.dark_noise(survey);
+        self.dark_noise(survey, shape, frames.size);
         self.read_noise_shape(survey, shape);
         let dark_current = self.dark_current(survey, patterns);
         let uneven = self.uneven_dark_current(patterns, dark_current, survey);
@@ -162,7 +162,7 @@ impl Sheet {
         self.tell("adc.black_level_dn", "DN", black);
     }
 
-    fn dark_noise(&mut self, survey: &Survey) {
+    fn dark_noise(&mut self, survey: &Survey, shape: Option<ReadNoiseShape>, [width, height]: [usize; 2]) {
         let Parts { pixel, row, column } = survey.dark_variances();
         if pixel.value < LEAST_VARIANCE {
             let bound = rounded((LEAST_VARIANCE - QUANTISATION).sqrt() / self.gain.value, 3);
@@ -171,7 +171,11 @@ impl Sheet {
                 &format!("quantisation hides it: all that is known is that it is below {bound} e-"),
             );
         } else {
-            let variance = Measured::new(pixel.value - QUANTISATION, pixel.standard_error);
+            let mut variance = Measured::new(pixel.value - QUANTISATION, pixel.standard_error);
+            if let Some(shape) = shape.filter(|shape| shape.squared_spread.root().is_ok()) {
+                let of_sample = variance.value * shape.error_of_sample(width * height);
+                variance.standard_error = variance.standard_error.hypot(of_sample);
+            }
             self.tell_root("noise.read_noise_e", "read noise", "e-", variance, self.gain);
         }
         self.tell_root("noise.row_noise_e", "row noise", "e-", row, self.gain);
