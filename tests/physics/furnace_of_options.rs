@@ -4,13 +4,12 @@ use std::fs;
 use std::path::Path;
 
 use photosite::capture::capture_schema;
-use photosite::math::philox::Philox;
 use photosite::pipeline::Prepared;
 use photosite::{Capture, Error, Options};
-use rand::seq::IndexedRandom;
 use serde_json::{Value, json};
 
-use crate::option_pairs::{BALL, Draw};
+use crate::drawn_options::Draw;
+use crate::option_pairs::BALL;
 
 const MATERIALS: u64 = 120;
 
@@ -47,12 +46,10 @@ fn electrons(values: &Value, folder: &Path) -> Result<[f64; 2], Error> {
 }
 
 /// A material of one of the types of the schema.
-fn material(draw: &mut Draw<'_>, without: &[&str]) -> Value {
+fn material(draw: Draw<'_>, path: &str, without: &[&str]) -> Value {
     let all = draw.schema["$defs"]["TypedMaterialTable"]["oneOf"].as_array().expect("types");
-    let is_wanted = |of: &&Value| !without.iter().any(|name| of["properties"]["type"]["const"] == *name);
-    let all: Vec<&Value> = all.iter().filter(is_wanted).collect();
-    let of = *all.choose(&mut draw.random).expect("a type");
-    let mut material = draw.value("material", of);
+    let is_wanted = |of: &Value| !without.iter().any(|name| of["properties"]["type"]["const"] == *name);
+    let mut material = draw.value_of(path, "material", all, is_wanted);
     LEFT_OUT.iter().for_each(|key| drop(material.as_object_mut().expect("a table").remove(*key)));
     material
 }
@@ -68,11 +65,11 @@ fn materials_of_any_options_give_back_no_more_than_arrives() {
     let [arrives, _] = electrons(&empty, folder.path()).expect("an empty scene");
     let (mut told, mut taken) = (Vec::new(), 0);
     for seed in 0..MATERIALS {
-        let mut draw = Draw { schema: &schema, random: Philox::new(seed, 0xf0a3) };
+        let draw = Draw::new(&schema, seed);
         let mut values = scene.clone();
-        let drawn = material(&mut draw, &[]);
+        let drawn = material(draw, "/material", &[]);
         if drawn["type"] == "mix" {
-            values["materials"] = json!({ "a": material(&mut draw, &["mix"]), "b": material(&mut draw, &["mix"]) });
+            values["materials"] = json!({ "a": material(draw, "/a", &["mix"]), "b": material(draw, "/b", &["mix"]) });
         }
         values["materials"]["ball"] = drawn;
         let case = format!("{seed}: {}", values["materials"]);

@@ -18,6 +18,7 @@ mod chain;
 mod characterisation;
 mod develop_colour;
 mod develop_neutral;
+mod drawn_options;
 mod furnace_of_options;
 mod lamps;
 mod lens;

@@ -9,13 +9,12 @@ use std::path::Path;
 
 use photosite::calibration::truth::{TruthLayer, TruthObject, View};
 use photosite::capture::capture_schema;
-use photosite::math::philox::Philox;
-use photosite::pipeline::{Prepared, Silent, image_grid};
+use photosite::pipeline::{LensSeen, Prepared, Silent, image_grid};
 use photosite::report::ObjectsReport;
 use photosite::{Capture, Error, Options};
-use rand::RngExt;
-use rand::seq::IndexedRandom;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
+
+use crate::drawn_options::Draw;
 
 const PAIRS: u64 = 400;
 
@@ -57,125 +56,6 @@ const PRESETS: [&str; 3] = ["generic-cmos-color", "sony-imx249-mono", "textbook-
 /// An octahedron of 0.3 m about the origin.
 pub(crate) const BALL: &str = "v .3 0 0\nv -.3 0 0\nv 0 .3 0\nv 0 -.3 0\nv 0 0 .3\nv 0 0 -.3\nusemtl ball\nf 1 3 5\nf 3 2 5\nf 2 4 5\n\
                     f 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\nf 1 4 6\n";
-
-/// Names that strings may be, by the end of their key.
-const NAMES: [(&str, &[&str]); 10] = [
-    ("glass", &["BK7"]),
-    ("metal", &["Au", "Al"]),
-    ("first", &["a"]),
-    ("second", &["b"]),
-    (
-        "preset",
-        &["generic-cmos-color", "onsemi-kai-02170-mono", "swissspad2", "automotive-hdr-color", "sony-imx250-mono"],
-    ),
-    ("prescription", &["cooke-triplet", "double-gauss"]),
-    ("cfa", &["mono", "RGGB", "quad-bayer", "x-trans", "full:RGB", "rgbw"]),
-    ("format", &["2/3", "aps-c"]),
-    ("transmittance", &["no-such-spectrum"]),
-    ("name", &["mine"]),
-];
-
-/// Kinds that are not drawn, as one image takes seconds: images of points by waves, which have tests of their own.
-const SLOW: [&str; 1] = ["wave"];
-
-/// Values at random of what the schema describes.
-pub(crate) struct Draw<'a> {
-    pub(crate) schema: &'a Value,
-    pub(crate) random: Philox,
-}
-
-impl<'a> Draw<'a> {
-    fn resolved(&self, of: &'a Value) -> &'a Value {
-        match of.get("$ref").and_then(Value::as_str) {
-            Some(name) => self.resolved(self.schema.pointer(name.trim_start_matches('#')).expect("a definition")),
-            None => of,
-        }
-    }
-
-    /// A key and what it may be: of a table, or of one within it.
-    fn option(&mut self) -> (String, Value) {
-        let table = *TABLES.choose(&mut self.random).expect("tables");
-        let mut path = format!("/{table}");
-        let mut of = self.resolved(&self.schema["properties"][table]);
-        loop {
-            let properties = of["properties"].as_object().expect("keys");
-            let keys: Vec<&String> = properties.keys().collect();
-            let key = *keys.choose(&mut self.random).expect("a key");
-            path = format!("{path}/{key}");
-            of = self.resolved(&properties[key]);
-            // Half of the tables are gone into, so that their keys come beside those of the base and its preset.
-            if of.get("properties").is_none() || self.random.random::<bool>() {
-                return (path, self.value(key, of));
-            }
-        }
-    }
-
-    pub(crate) fn value(&mut self, key: &str, of: &'a Value) -> Value {
-        let of = self.resolved(of);
-        if let Some(only) = of.get("const") {
-            return only.clone();
-        }
-        for alternatives in ["oneOf", "anyOf", "enum"] {
-            if let Some(all) = of.get(alternatives).and_then(Value::as_array) {
-                let quick: Vec<&Value> = all
-                    .iter()
-                    .filter(|one| !SLOW.iter().any(|slow| one.to_string().contains(&format!("\"{slow}\""))))
-                    .collect();
-                let one = *quick.choose(&mut self.random).expect("an alternative");
-                return if alternatives == "enum" { one.clone() } else { self.value(key, one) };
-            }
-        }
-        let kind = match of["type"].as_array() {
-            Some(kinds) => kinds.choose(&mut self.random).and_then(Value::as_str).expect("a type"),
-            None => of["type"].as_str().unwrap_or("string"),
-        };
-        match kind {
-            "boolean" => json!(self.random.random::<bool>()),
-            "integer" => json!(self.number(of, 8.0).round() as i64),
-            "number" => json!(self.number(of, 1e3)),
-            "string" => json!(self.name(key)),
-            "array" => {
-                let least = of["minItems"].as_u64().unwrap_or(1);
-                let count = self.random.random_range(least..=of["maxItems"].as_u64().unwrap_or(least.max(2)));
-                let items = of.get("items").unwrap_or(&Value::Null);
-                (0..count).map(|_| self.value(key, items)).collect()
-            }
-            "object" => {
-                let required: BTreeSet<&str> =
-                    of["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-                let mut table = Map::new();
-                for (key, of) in of["properties"].as_object().into_iter().flatten() {
-                    if required.contains(key.as_str()) || self.random.random_range(0..3) == 0 {
-                        table.insert(key.clone(), self.value(key, of));
-                    }
-                }
-                Value::Object(table)
-            }
-            other => panic!("{key}: what is a {other}?"),
-        }
-    }
-
-    /// A number in its range: at an end, or between them by its order of magnitude. Whole numbers are small, as they count
-    /// pixels and samples.
-    fn number(&mut self, of: &Value, most: f64) -> f64 {
-        let bound = |keys: [&str; 2]| keys.iter().find_map(|key| of.get(*key).and_then(Value::as_f64));
-        let low = bound(["minimum", "exclusiveMinimum"]);
-        let high = bound(["maximum", "exclusiveMaximum"]).unwrap_or(most).min(most.max(low.unwrap_or(0.0)));
-        match self.random.random_range(0..4) {
-            0 => of["minimum"].as_f64().unwrap_or(1.0),
-            1 if most > 8.0 => low.unwrap_or(-1.0) + 10f64.powf(self.random.random_range(-6.0..3.0)),
-            _ => {
-                let low = low.unwrap_or(0.0);
-                low + (high - low) * self.random.random::<f64>().powi(3)
-            }
-        }
-    }
-
-    fn name(&mut self, key: &str) -> &'static str {
-        let names = NAMES.iter().find(|(of, _)| *of == key).map_or(&["no-such-name"][..], |(_, names)| *names);
-        names.choose(&mut self.random).copied().expect("a name")
-    }
-}
 
 /// Puts a value at a place, into tables that are made where they are missing.
 fn put(document: &mut Value, path: &str, value: Value) {
@@ -219,7 +99,11 @@ fn broken(values: &Value, folder: &Path) -> Result<Option<String>, Error> {
     if capture.output().image {
         let image = shot.develop(capture.develop())?;
         let of_image = [image.linear.width() as u32, image.linear.height() as u32];
-        if of_image != of_truth {
+        // An image that is freed of a distortion has pixels of its own, and a warning tells so.
+        let exposure = capture.exposure();
+        let seen = LensSeen::new(capture.lens(), &camera, capture.sensor(), &exposure.region, exposure.stages);
+        let is_straightened = seen.resampling(capture.develop()).is_some_and(|resampling| resampling.undistorts());
+        if of_image != of_truth && !is_straightened {
             return Ok(Some(format!("the image has {of_image:?} pixels, truth {of_truth:?}")));
         }
         if !image.linear.channels().iter().all(|channel| channel.data.iter().all(|v| v.is_finite())) {
@@ -274,11 +158,11 @@ fn pairs_of_options_are_refused_by_name_or_give_a_whole_image() {
     // More of them, by hand.
     let count = std::env::var("PAIRS").map_or(PAIRS, |n| n.parse().expect("a number"));
     for seed in 0..count {
-        let mut draw = Draw { schema: &schema, random: Philox::new(seed, 0x0b71) };
+        let draw = Draw::new(&schema, seed);
         let preset = PRESETS[seed as usize % PRESETS.len()];
         let base: toml::Table = BASE.replace("PRESET", preset).parse().expect("TOML");
         let mut values = serde_json::to_value(base).expect("JSON");
-        let options = [draw.option(), draw.option()];
+        let options = [0, 1].map(|number| draw.option(number, &TABLES));
         for (path, value) in &options {
             put(&mut values, path, value.clone());
         }
