@@ -87,3 +87,17 @@ fn what_a_table_does_not_tell_is_a_warning() {
     let said = Folder::new([]).succeed(&format!("noise model sony-imx249-mono {telegraph}")).stderr;
     assert!(said.contains("tails heavier"), "{said}");
 }
+
+/// Tails and unequal pixels are in no number of a gain, and stand below the table; a sensor without read noise has no shape.
+#[rstest]
+#[case("sony-imx249-mono", "a normal distribution, the same in all pixels")]
+#[case(
+    "sony-imx249-mono --set noise.read_noise_degrees_of_freedom=6 --set noise.read_noise_spread_percent=30",
+    "Student's t distribution with 6 degrees of freedom, pixels differ by 30 %"
+)]
+#[case("swissspad2", "")]
+fn the_shape_of_the_read_noise_stands_below(#[case] sensor: &str, #[case] shape: &str) {
+    let said = Folder::new([]).succeed(&format!("noise model {sensor}")).stdout;
+    let last = said.lines().rfind(|line| line.starts_with("read noise: ") && !line.contains("ln σ"));
+    assert_eq!(last.map_or("", |line| line.trim_start_matches("read noise: ")), shape, "{said}");
+}

@@ -219,21 +219,24 @@ fn text(report: &Report<'_>) -> String {
         let GainLine { slope, intercept, scatter } = line?;
         Some(format!("{name}: ln σ = {slope:.4} ln K {intercept:+.4}, scatter {scatter:.4}"))
     });
-    lines.into_iter().chain(fits).chain([shape(report)]).collect::<Vec<_>>().join("\n")
+    lines.into_iter().chain(fits).chain(shape(report)).collect::<Vec<_>>().join("\n")
 }
 
-/// Distribution of the read noise.
-fn shape(report: &Report<'_>) -> String {
+/// Distribution of the read noise, where there is any.
+fn shape(report: &Report<'_>) -> Option<String> {
+    if report.gains.iter().all(|row| row.read_noise_dn == 0.0) {
+        return None;
+    }
     let of_pixel = match report.read_noise_degrees_of_freedom {
         Some(freedom) => {
             format!("Student's t distribution with {} degrees of freedom", five_digits(freedom))
         }
         None => "a normal distribution".to_owned(),
     };
-    match report.read_noise_spread_percent {
+    Some(match report.read_noise_spread_percent {
         0.0 => format!("read noise: {of_pixel}, the same in all pixels"),
         percent => format!("read noise: {of_pixel}, pixels differ by {} %", five_digits(percent)),
-    }
+    })
 }
 
 /// A number to five digits.
