@@ -88,7 +88,8 @@ fn what_a_table_does_not_tell_is_a_warning() {
     assert!(said.contains("tails heavier"), "{said}");
 }
 
-/// Tails and unequal pixels are in no number of a gain, and stand below the table; a sensor without read noise has no shape.
+/// Tails and unequal pixels are in no number of a gain, and stand below the table; a sensor without read noise has no
+/// shape.
 #[rstest]
 #[case("sony-imx249-mono", "a normal distribution, the same in all pixels")]
 #[case(

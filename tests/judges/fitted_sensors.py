@@ -4,8 +4,9 @@
     fitted_sensors.py PHOTOSITE [--seeds N] [--size PX]
 
 For each of N seeds (40 by default) and three sensors (a CMOS sensor with noise of rows and columns, a CCD with hot pixels,
-a CMOS sensor of unequal, heavy-tailed pixels at 12 dB) `photosite emva1288` takes a set with another serial number and `photosite fit` reads it. Every
-parameter that the fit tells is compared with what the images were made of. Exit status 0 where
+a CMOS sensor of unequal, heavy-tailed pixels at 12 dB) `photosite emva1288` takes a set with another serial number and
+`photosite fit` reads it. Every parameter that the fit tells is compared with what the images were made of. Exit status 0
+where
 
 - the truth lies within two standard errors in 95.45 % of all cases, give or take four standard deviations of that count;
 - no case lies beyond six;

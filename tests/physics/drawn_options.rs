@@ -50,8 +50,8 @@ impl<'a> Draw<'a> {
         path.bytes().fold(self.seed, |hash, byte| hash64(hash, u64::from(byte)))
     }
 
-    /// The one of some names that has the largest number at a path: a new name takes its share, and leaves the other draws as
-    /// they were.
+    /// The one of some names that has the largest number at a path: a new name takes its share, and leaves the other
+    /// draws as they were.
     fn chosen<T>(&self, path: &str, of: impl IntoIterator<Item = T>, name: impl Fn(&T) -> String) -> T {
         let number = |one: &T| self.hash(&format!("{path}/{}", name(one)));
         of.into_iter().max_by_key(number).expect("one of some")

@@ -183,8 +183,8 @@ fn camera(
     })
 }
 
-/// Poses of the views of a calibration, of the target in each: a row of rotation vector and translation, as OpenCV's samples write
-/// them.
+/// Poses of the views of a calibration, from the target of each: a row of rotation vector and translation, as OpenCV's
+/// samples write them.
 fn views(file: &Table<'_>) -> Result<Vec<StatedPose>, Fault> {
     let Some(rows) = file.get("extrinsic_parameters") else { return Ok(Vec::new()) };
     let numbers = rows.numbers()?;

@@ -7,9 +7,9 @@
 //! s² = Cov(|D₁|, |D₂|)/⟨|D|⟩²
 //!
 //! and what is left of ⟨|D|⟩ against √⟨D²⟩ tells the degrees of freedom ν of Student's t distribution. Both moments
-//! are finite where ν > 2, while the kurtosis is infinite up to ν = 4. Rounding and the noise of the dark current, of all
-//! pixels alike, are added to the expected moments by their variance V_o and fourth cumulant κ: a normal number of the variance V with
-//! them has ⟨|D|⟩ = √(2V/π)·(1 − κ/(24·V²)), the Gram–Charlier series to its second term.
+//! are finite where ν > 2, while the kurtosis is infinite up to ν = 4. Rounding and the noise of the dark current, the
+//! same in all pixels, count in the expected moments by their variance and fourth cumulant κ: with a normal number, to
+//! the variance V together, they have ⟨|D|⟩ = √(2V/π)·(1 − κ/(24·V²)), the Gram–Charlier series to its second term.
 
 use rand::RngExt;
 
@@ -109,8 +109,8 @@ impl ReadNoiseShape {
         (((1.0 + self.squared_spread.value.max(0.0)).powi(4) - 1.0) / pixels as f64).sqrt()
     }
 
-    /// Shape from Σ|D| and Σ D² over the pairs of each pixel. `shared` is the part a of a pixel's variance that went off with the
-    /// means of its row and column.
+    /// Shape from Σ|D| and Σ D² over the pairs of each pixel. `shared` is the part a of a pixel's variance that went off
+    /// with the means of its row and column.
     fn of_sums(sums: &[[f32; 2]], pairs: usize, shared: f64, other: OtherNoise) -> Self {
         let [n, k] = [sums.len(), pairs].map(|count| count as f64);
         let of_pixel = |&[absolute, square]: &[f32; 2]| {
