@@ -75,7 +75,11 @@ pub(super) fn cameras(file: &Table<'_>) -> Result<Vec<Calibration>, Fault> {
     let mut camera = camera(file, name, matrix, file.get_any(&COEFFICIENTS), module)?;
     camera.warnings.extend(assumption.filter(|_| ambiguous(file)));
     camera.poses.extend(pose(file, "world", ["rotation", "rotation_matrix"], ["translation_m", "translation"])?);
-    camera.poses.extend(views(file)?);
+    match file.get("extrinsic_parameters").map(|rows| views(&rows)) {
+        Some(Ok(views)) => camera.poses.extend(views),
+        Some(Err(warning)) => camera.warnings.push(warning),
+        None => {}
+    }
     camera.warnings.extend(unused(&file.unread(&WITHOUT_MEANING)));
     Ok(vec![camera])
 }
@@ -184,20 +188,19 @@ fn camera(
 }
 
 /// Poses of the views of a calibration, from the target of each: a row of rotation vector and translation, as OpenCV's
-/// samples write them.
-fn views(file: &Table<'_>) -> Result<Vec<StatedPose>, Fault> {
-    let Some(rows) = file.get("extrinsic_parameters") else { return Ok(Vec::new()) };
-    let numbers = rows.numbers()?;
-    if numbers.len() % 6 != 0 {
-        let message = format!("expected six numbers a view, rotation vector and translation, found {}", numbers.len());
-        return Err(rows.fault(message));
-    }
-    let view = |(number, row): (usize, &[f64])| {
-        let [turn, shift] = [&row[..3], &row[3..]].map(DVec3::from_slice);
-        let from_target = DAffine3::from_rotation_translation(DQuat::from_scaled_axis(turn), shift);
-        StatedPose { name: format!("view {number}"), to_frame: to_frame(&from_target) }
+/// samples write them. `Err` says that they are of another form; the camera can do without.
+fn views(rows: &Item<'_>) -> Result<Vec<StatedPose>, String> {
+    let of_row = |(number, row): (usize, Vec<f64>)| {
+        let [x, y, z, shift @ ..] = <[f64; 6]>::try_from(row).ok().filter(|row| row.iter().all(|x| x.is_finite()))?;
+        let turn = DQuat::from_scaled_axis(DVec3::new(x, y, z));
+        let from_target = DAffine3::from_rotation_translation(turn, DVec3::from_array(shift));
+        Some(StatedPose { name: format!("view {number}"), to_frame: to_frame(&from_target) })
     };
-    Ok(numbers.chunks_exact(6).enumerate().map(view).collect())
+    let poses = rows.rows().ok().and_then(|rows| rows.into_iter().enumerate().map(of_row).collect());
+    poses.ok_or_else(|| {
+        "extrinsic_parameters are not used: expected rows of six numbers, rotation vector and translation of a view"
+            .to_owned()
+    })
 }
 
 /// Pose of a rotation, a matrix or a vector, and a translation: x_camera = R·x + t.

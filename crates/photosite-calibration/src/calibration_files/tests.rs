@@ -234,7 +234,6 @@ const MATRIX: &str = "camera_matrix: [500, 0, 320, 0, 500, 240, 0, 0, 1]\ndistor
 #[case("a.yaml", format!("{MATRIX}image_width: 640\n"), "the key `image_height` is missing")]
 #[case("a.yaml", format!("{MATRIX}distortion_model: thin_prism\nprojection_matrix: [1]\n"), "photosite has no distortion model of ROS \"thin_prism\"")]
 #[case("a.yaml", format!("{MATRIX}distortion_model: plumb_bob\n"), "the key `image_width` is missing")]
-#[case("a.yaml", format!("{MATRIX}extrinsic_parameters: [1]\n"), "a.yaml:3: extrinsic_parameters: expected six numbers a view")]
 #[case("a.txt", "1 FOV 640 480 500 500 320 240 0.9\n".to_owned(), "a.txt:1: 1: photosite has no camera model \"FOV\"")]
 #[case("a.txt", "# c\n1 PINHOLE 640 480 500 320 240\n".to_owned(), "a.txt:2: PINHOLE: expected 4 parameters, fx, fy, cx, cy, found 3")]
 #[case("a.txt", "1 PINHOLE 640 0 500 500 320 240\n".to_owned(), "a.txt:1: HEIGHT: expected a whole number of pixels above 0, found 0")]
@@ -256,12 +255,38 @@ fn faults_of_images_name_their_line(#[case] text: &str, #[case] said: &str) {
     assert!(error.contains(said), "{error}");
 }
 
+/// Poses of views in another form.
+const VIEWS: &str = "extrinsic_parameters are not used: expected rows of six numbers";
+
+#[test]
+fn views_are_poses_of_the_target() {
+    let row = "[0, 0, 0, 1, 2, 3], [0.1, 0.2, 0.3, 4, 5, 6]";
+    let flat = row.replace("], [", ", ");
+    for matrix in [format!("[{row}]"), format!("{{rows: 2, cols: 6, data: {flat}}}")] {
+        let camera = &read("a.yaml", &format!("{MATRIX}extrinsic_parameters: {matrix}\n"))[0];
+        let names: Vec<&str> = camera.poses.iter().map(|pose| &pose.name[..]).collect();
+        assert_eq!((names, &camera.warnings), (vec!["view 0", "view 1"], &Vec::new()));
+        // The camera of the first stands upright at minus its translation.
+        let position = camera.poses[0].to_frame.translation;
+        assert!((position - glam::DVec3::new(-1.0, -2.0, -3.0)).length() < 1e-12, "{position}");
+    }
+}
+
 #[test]
 fn what_is_assumed_and_what_is_not_used_is_told() {
     let four = MATRIX.replace("0, 0, 0, 0, 0]", "0.1, 0, 0, 0]");
     for (name, text, said) in [
         ("a.yaml", format!("{MATRIX}tilt: 3\nimage_width: 640\nimage_height: 480\n"), "not used of it: tilt"),
         ("a.yaml", four.clone(), "the file does not name its model"),
+        ("a.yaml", format!("{MATRIX}extrinsic_parameters: [1]\n"), VIEWS),
+        ("a.yaml", format!("{MATRIX}extrinsic_parameters: [[1,0,0,5],[0,1,0,6],[0,0,1,7]]\n"), VIEWS),
+        ("a.yaml", format!("{MATRIX}extrinsic_parameters: [[1,0,0,5,6,.nan]]\n"), VIEWS),
+        (
+            "a.yaml",
+            format!("{MATRIX}extrinsic_parameters: {{rows: 3, cols: 4, data: [1,0,0,5,0,1,0,6,0,0,1,7]}}\n"),
+            VIEWS,
+        ),
+        ("a.yaml", format!("{MATRIX}extrinsic_parameters: {{R: [1], t: [2]}}\n"), VIEWS),
         ("a.yaml", format!("{CHAIN}  line_delay: 1e-5\n"), "not used of it: cam0.line_delay"),
     ] {
         let warnings = &read(name, &text)[0].warnings;

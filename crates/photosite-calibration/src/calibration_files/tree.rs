@@ -198,6 +198,18 @@ impl<'a> Item<'a> {
         }
     }
 
+    /// Rows of numbers, of a list of lists or of a matrix as OpenCV writes it.
+    pub(super) fn rows(&self) -> Result<Vec<Vec<f64>>, Fault> {
+        match &self.node.value {
+            Value::List(nodes) => nodes.iter().map(|node| Self { key: self.key.clone(), node }.numbers()).collect(),
+            Value::Table(_) => {
+                let columns = self.table()?.require("cols", "cols: 6")?.count()? as usize;
+                Ok(self.numbers()?.chunks(columns).map(<[f64]>::to_vec).collect())
+            }
+            Value::Scalar(_) => Err(self.misfit("rows of numbers")),
+        }
+    }
+
     /// So many numbers; `names` are what they are.
     pub(super) fn array<const N: usize>(&self, names: &str) -> Result<[f64; N], Fault> {
         let numbers = self.numbers()?;

@@ -11,7 +11,7 @@ use super::measured::Measured;
 use super::parameters::{Assumption, FittedGainStep, KnownFacts, Parameter};
 use super::patterns::{Averages, MendedFrames, Patterns};
 use super::photon_transfer::{PhotonTransfer, TransferPoint};
-use super::read_noise_shape::{FEWEST_IMAGES, OtherNoise, ReadNoiseShape};
+use super::read_noise_shape::{FEWEST_IMAGES, Found, OtherNoise, ReadNoiseShape};
 use super::sheet::Sheet;
 use super::survey::Survey;
 use crate::characterisation::NotMeasured;
@@ -61,7 +61,7 @@ pub fn fit_camera(frames: &CameraFrames<'_>, known: &KnownFacts) -> Result<Camer
     }
     let notes = survey.notes(frames);
     let mut sheet = Sheet::new(known, &survey);
-    let shape = read_noise_shape(&mended, &survey, sheet.gain.value)?;
+    let shape = read_noise_shape(&mended, &survey, &patterns, sheet.system_gain())?;
     sheet.fill(&survey, shape, &patterns, &defects, hot, frames);
     let Patterns { response, dark, .. } = &patterns;
     sheet.tell_shading(dark, response.as_ref());
@@ -85,19 +85,32 @@ pub fn fit_camera(frames: &CameraFrames<'_>, known: &KnownFacts) -> Result<Camer
     })
 }
 
-/// Shape of the read noise in the dark images of which there are most, where these are enough.
-fn read_noise_shape(frames: &MendedFrames<'_>, survey: &Survey, system_gain: f64) -> Result<Option<ReadNoiseShape>> {
-    let reference = survey.dark_reference();
-    let DarkFrames { time, statistics } = &survey.dark.frames()[reference];
-    if statistics.images < FEWEST_IMAGES {
-        return Ok(None);
-    }
-    let of_dark_current = match (*time, survey.dark.variance) {
+/// Shape of the read noise in the shortest dark images of which there are enough, where the dark current adds least.
+fn read_noise_shape(
+    frames: &MendedFrames<'_>,
+    survey: &Survey,
+    patterns: &Patterns,
+    system_gain: Option<f64>,
+) -> Result<Found> {
+    /// Part of the noise that may be the dark current's where K, and so its distribution, is not known.
+    const MOST_OF_DARK_CURRENT: f64 = 0.05;
+    let seconds = |frames: &DarkFrames| frames.time.map_or(0.0, |time| time.0);
+    let enough = survey.dark.frames().iter().zip(&survey.dark_groups);
+    let enough = enough.filter(|(frames, _)| frames.statistics.images >= FEWEST_IMAGES);
+    let Some((dark, &group)) = enough.min_by(|(a, _), (b, _)| seconds(a).total_cmp(&seconds(b))) else {
+        return Ok(Err("four dark images of one exposure time would tell it".to_owned()));
+    };
+    let variance = match (dark.time, survey.dark.variance) {
         (Some(time), Some(line)) if line.slope.value > 0.0 => line.slope.times(time.0),
         _ => Measured::default(),
     };
-    let other = OtherNoise::ROUNDING.plus(OtherNoise::of_dark_current(of_dark_current, system_gain));
-    ReadNoiseShape::of(frames, survey.dark_groups[reference], other).map(Some)
+    if system_gain.is_none() && variance.value > MOST_OF_DARK_CURRENT * dark.statistics.temporal.pixel.value {
+        let reason = "without a system gain, which flats would tell, the noise of the dark current is not told from it";
+        return Ok(Err(reason.to_owned()));
+    }
+    let rise = patterns.rise.as_ref().map_or(0.0, |rise| rise.variances.pixel.value.max(0.0).sqrt());
+    let other = OtherNoise::of_dark_current(variance, rise * seconds(dark), system_gain.unwrap_or(1.0));
+    ReadNoiseShape::of(frames, group, other)
 }
 
 /// Averages of the images that tell the patterns.

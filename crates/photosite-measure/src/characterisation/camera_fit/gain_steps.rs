@@ -4,6 +4,7 @@ use photosite_core::math::float::rounded;
 
 use super::fit::CameraFit;
 use super::parameters::{Assumption, FittedGainStep, Parameter};
+use super::sheet::SHAPE_OF_READ_NOISE;
 use crate::characterisation::NotMeasured;
 
 /// Figures that may change with gain: their keys, and their names in sentences.
@@ -15,6 +16,8 @@ const FIGURES: [(&str, &str); 6] = [
     ("noise.dsnu_row_e", "DSNU of rows by gain"),
     ("noise.dsnu_column_e", "DSNU of columns by gain"),
 ];
+/// Figures of the shape of the read noise, which is the same at all gains.
+const SHAPE: [&str; 2] = ["noise.read_noise_spread_percent", "noise.read_noise_degrees_of_freedom"];
 const GAIN: &str = "adc.conversion_gain_dn_per_e";
 
 impl CameraFit {
@@ -30,6 +33,7 @@ impl CameraFit {
     /// Adds the noise of the read-out at this gain, called `name`, and at others: those of fits at higher gains, dB,
     /// with their names. A figure that is not told at each of them stays that of this fit at all gains.
     pub fn add_gains(&mut self, name: &str, others: &[(f64, String, Self)]) {
+        self.take_shape(others);
         let at = |fit: &Self, key| fit.parameter(key).cloned();
         let mut steps = vec![FittedGainStep { gain_db: 0.0, name: name.to_owned(), parameters: Vec::new() }];
         let step = |(gain_db, name, _): &(f64, String, Self)| FittedGainStep {
@@ -65,6 +69,20 @@ impl CameraFit {
             reason: format!("the gains of the images, of which {name} is 0 dB"),
         });
         self.gain_steps = steps;
+    }
+
+    /// Takes the shape of the read noise from the first gain that tells it, where this one does not: noise of more numbers is
+    /// seen better.
+    fn take_shape(&mut self, others: &[(f64, String, Self)]) {
+        let is_left_out = |fit: &Self| fit.left_out.iter().any(|not| not.figure == SHAPE_OF_READ_NOISE);
+        if !is_left_out(self) {
+            return;
+        }
+        let Some((_, name, fit)) = others.iter().find(|(.., fit)| !is_left_out(fit)) else { return };
+        let shape = SHAPE.iter().filter_map(|key| fit.parameter(key).cloned());
+        self.parameters.extend(shape);
+        self.left_out.retain(|not| not.figure != SHAPE_OF_READ_NOISE);
+        self.notes.push(format!("the shape of the read noise is that of {name}; at the lowest gain it is not seen"));
     }
 
     /// Text of the steps in a sensor file.
@@ -130,5 +148,26 @@ mod tests {
             first.left_out
         );
         assert_eq!(first.assumed[0].value, "[0.0, 12.0]");
+    }
+
+    #[test]
+    fn the_shape_of_the_read_noise_is_that_of_the_first_gain_that_tells_it() {
+        let hidden = || {
+            let reason = "quantisation hides it".to_owned();
+            let left_out = vec![NotMeasured { figure: SHAPE_OF_READ_NOISE, reason }];
+            CameraFit { left_out, ..fit(&[(GAIN, 0.5), ("noise.read_noise_e", 3.0)]) }
+        };
+        let shape = fit(&[(GAIN, 2.0), ("noise.read_noise_e", 2.0), (SHAPE[1], 6.0)]);
+        let mut first = hidden();
+        first.add_gains(
+            "ISO 100",
+            &[(6.0, "ISO 200".to_owned(), hidden()), (12.0, "ISO 400".to_owned(), shape.clone())],
+        );
+        assert_eq!(first.parameter(SHAPE[1]), shape.parameter(SHAPE[1]));
+        assert!(first.left_out.is_empty() && first.notes[0].contains("that of ISO 400"), "{:?}", first.notes);
+        // One that this gain tells stays.
+        let mut first = fit(&[(GAIN, 0.5), ("noise.read_noise_e", 3.0), (SHAPE[1], 5.0)]);
+        first.add_gains("ISO 100", &[(12.0, "ISO 400".to_owned(), shape)]);
+        assert_eq!(first.parameter(SHAPE[1]).map(|p| p.measured.value), Some(5.0));
     }
 }

@@ -14,6 +14,7 @@
 use rand::RngExt;
 
 use photosite_core::Result;
+use photosite_core::math::float::rounded;
 use photosite_core::math::philox::Philox;
 
 use super::measured::Measured;
@@ -21,8 +22,8 @@ use super::patterns::MendedFrames;
 
 /// Fewest images of two pairs.
 pub(super) const FEWEST_IMAGES: usize = 4;
-/// Degrees of freedom of the heaviest tails that are looked for: at 2 there is no standard deviation.
-const FEWEST_FREEDOM: f64 = 2.05;
+/// Degrees of freedom of the heaviest tails that are looked for: near 2 no standard deviation settles.
+const FEWEST_FREEDOM: f64 = 2.75;
 /// Largest spread that is looked for, the largest that a sensor file may state.
 const MOST_SPREAD: f64 = 10.0;
 
@@ -35,6 +36,12 @@ pub(super) struct ReadNoiseShape {
     pub(super) tails: Measured,
 }
 
+/// Part of the dark numbers that may be 0 where no converter or camera clips them.
+const MOST_CLIPPED: f64 = 0.001;
+
+/// A shape, or the reason why the images do not tell it.
+pub(super) type Found = std::result::Result<ReadNoiseShape, String>;
+
 /// Noise of a number beside the read noise, the same in all pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct OtherNoise {
@@ -44,19 +51,24 @@ pub(super) struct OtherNoise {
     pub(super) error: f64,
     /// DN⁴.
     pub(super) fourth_cumulant: f64,
+    /// Standard deviation of the variance over the pixels, DN².
+    pub(super) uneven: f64,
 }
 
 impl OtherNoise {
     /// None.
-    #[cfg(test)]
-    pub(super) const NONE: Self = Self { variance: 0.0, error: 0.0, fourth_cumulant: 0.0 };
-    /// Even noise of a step of the converter.
-    pub(super) const ROUNDING: Self = Self { variance: 1.0 / 12.0, error: 0.0, fourth_cumulant: -1.0 / 120.0 };
+    pub(super) const NONE: Self = Self { variance: 0.0, error: 0.0, fourth_cumulant: 0.0, uneven: 0.0 };
+    /// Even noise of a step of the converter, DN.
+    fn rounding(step: f64) -> Self {
+        Self { variance: step.powi(2) / 12.0, fourth_cumulant: -step.powi(4) / 120.0, ..Self::NONE }
+    }
 
-    /// Noise of the dark current: electrons of a Poisson distribution, whose variance in DN² is known, times K.
-    pub(super) fn of_dark_current(variance: Measured, system_gain: f64) -> Self {
+    /// Noise of the dark current: electrons of a Poisson distribution, whose variance in DN² is known, times K. `uneven` is
+    /// the standard deviation of the dark signal over the pixels, DN.
+    pub(super) fn of_dark_current(variance: Measured, uneven: f64, system_gain: f64) -> Self {
         let Measured { value, standard_error } = variance;
-        Self { variance: value, error: standard_error, fourth_cumulant: value * system_gain.powi(2) }
+        let fourth_cumulant = value * system_gain.powi(2);
+        Self { variance: value, error: standard_error, fourth_cumulant, uneven: uneven * system_gain }
     }
 
     /// The sum of two independent noises.
@@ -65,6 +77,7 @@ impl OtherNoise {
             variance: self.variance + other.variance,
             error: self.error.hypot(other.error),
             fourth_cumulant: self.fourth_cumulant + other.fourth_cumulant,
+            uneven: self.uneven.hypot(other.uneven),
         }
     }
 
@@ -86,21 +99,49 @@ struct Moments {
 }
 
 impl ReadNoiseShape {
-    /// Shape in the images of a group, of which there must be [`FEWEST_IMAGES`], with other noise beside the read noise.
-    pub(super) fn of(frames: &MendedFrames<'_>, group: usize, other: OtherNoise) -> Result<Self> {
+    /// Shape in the images of a group, of which there must be [`FEWEST_IMAGES`], with other noise beside the read noise;
+    /// the inner `Err` says why the images do not tell it.
+    pub(super) fn of(frames: &MendedFrames<'_>, group: usize, other: OtherNoise) -> Result<Found> {
         let [width, height] = frames.frames.size;
+        let images = frames.frames.groups[group].images.len();
         let mut sums = vec![[0f32; 2]; width * height];
-        let pairs = frames.frames.groups[group].images.len() / 2;
-        for pair in 0..pairs {
-            let [first, second] = [2 * pair, 2 * pair + 1];
-            let difference = difference(&frames.image(group, first)?, &frames.image(group, second)?, width, pair);
+        let (mut step, mut clipped) = (0, 0);
+        for pair in 0..images / 2 {
+            let [first, second] = [frames.image(group, 2 * pair)?, frames.image(group, 2 * pair + 1)?];
+            if pair == 0 {
+                step = step_of(&first, &second);
+            }
+            clipped += first.iter().chain(&second).filter(|&&number| number == 0).count();
+            let difference = difference(&first, &second, width, step, pair);
             sums.iter_mut().zip(&difference).for_each(|(sums, d)| {
                 sums[0] += d.abs();
                 sums[1] += d * d;
             });
         }
+        let part = clipped as f64 / (width * height * (images / 2) * 2) as f64;
+        if part > MOST_CLIPPED {
+            let percent = rounded(100.0 * part, 2);
+            return Ok(Err(format!(
+                "{percent} % of the dark numbers are 0, where noise ends: there is more than is found"
+            )));
+        }
+        // Of the converter, and of the noise that hides its steps.
+        let rounding = OtherNoise::rounding(step.into());
+        let other = other.plus(rounding).plus(rounding);
         let shared = 1.0 / width as f64 + 1.0 / height as f64;
-        Ok(Self::of_sums(&sums, pairs, shared, other.plus(OtherNoise::ROUNDING)))
+        let squares: f64 = sums.iter().map(|[_, square]| f64::from(*square)).sum();
+        let all = squares / (2 * sums.len() * (images / 2)) as f64;
+        if all - other.variance < f64::from(step).powi(2) {
+            return Ok(Err("quantisation hides it".to_owned()));
+        }
+        let shape = Self::of_sums(&sums, images / 2, shared, other);
+        if shape.squared_spread.value > (0.99 * MOST_SPREAD).powi(2) || shape.tails.value > 0.99 / FEWEST_FREEDOM {
+            let reason = format!(
+                "its tails are heavier than those of {FEWEST_FREEDOM} degrees of freedom, or pixels too unequal"
+            );
+            return Ok(Err(reason));
+        }
+        Ok(Ok(shape))
     }
 
     /// Relative standard error of the mean square over so many pixels, which are some of those that the sensor could have:
@@ -137,13 +178,19 @@ impl ReadNoiseShape {
         });
         let value = solve(means);
         let off = Moments::from(means).shape(other.off_by_an_error(), shared);
-        let [squared_spread, tails] = std::array::from_fn(|figure| {
+        let [squared_spread, tails]: [Measured; 2] = std::array::from_fn(|figure| {
             let pairs = (0..9).map(|ij| (ij / 3, ij % 3));
             let variance =
                 pairs.map(|(i, j)| gradient[i][figure] * covariance(i, j) * gradient[j][figure]).sum::<f64>();
             let of_other = off[figure] - value[figure];
             Measured::new(value[figure], variance.max(0.0).sqrt().hypot(of_other))
         });
+        // Dark currents that differ from pixel to pixel pass for read noise that does: by (u/σ²)²/4, with the standard
+        // deviation u of their variance.
+        let read = (means[1] / 2.0 / (1.0 - shared) - other.variance).max(f64::MIN_POSITIVE);
+        let of_uneven = (other.uneven / read).powi(2) / 4.0;
+        let squared_spread =
+            Measured { standard_error: squared_spread.standard_error.hypot(of_uneven), ..squared_spread };
         Self { squared_spread, tails }
     }
 }
@@ -278,11 +325,25 @@ fn rising_root([mut low, mut high]: [f64; 2], of: impl Fn(f64) -> f64) -> f64 {
     low
 }
 
+/// Largest step of which all numbers of two images are multiples, but for an offset: more than 1 where a camera has
+/// shifted its numbers to more bits.
+fn step_of(first: &[u16], second: &[u16]) -> u16 {
+    let gcd = |mut a: u16, mut b: u16| {
+        while b != 0 {
+            (a, b) = (b, a % b);
+        }
+        a
+    };
+    let from = first.first().copied().unwrap_or_default();
+    first.iter().chain(second).fold(0, |step, number| gcd(step, number.abs_diff(from))).max(1)
+}
+
 /// Difference of two images without what their rows and columns share. Even noise of a step is added to each, without
-/// which the mean of |D| would hang on where between two whole numbers the difference of their rows and columns lies.
-fn difference(first: &[u16], second: &[u16], width: usize, pair: usize) -> Vec<f32> {
+/// which the mean of |D| would hang on where between two numbers the difference of their rows and columns lies.
+fn difference(first: &[u16], second: &[u16], width: usize, step: u16, pair: usize) -> Vec<f32> {
     let mut random = Philox::new(pair as u64, 0x7a11);
-    let mut dithered = |y: u16| f32::from(y) + random.random::<f32>();
+    let step = f32::from(step);
+    let mut dithered = |y: u16| f32::from(y) + step * random.random::<f32>();
     let mut difference: Vec<f32> = first.iter().zip(second).map(|(&a, &b)| dithered(a) - dithered(b)).collect();
     let mean = |sum: f64, count: usize| (sum / count as f64) as f32;
     let height = difference.len() / width;
@@ -331,6 +392,54 @@ mod tests {
         rows.iter().flat_map(|row| columns.iter().map(move |column| (row, column))).map(pixel).collect()
     }
 
+    /// Shape in some images.
+    fn found(images: usize, other: OtherNoise, number: impl Fn(usize) -> Vec<u16>) -> Found {
+        let group = FrameGroup {
+            name: String::new(),
+            time: None,
+            light: FrameLight::Dark,
+            temperature: None,
+            images: vec![String::new(); images],
+        };
+        let read = |_, image| Ok(number(image));
+        let frames = CameraFrames { groups: &[group], size: SIZE, bits: 16, read: &read };
+        let mended = MendedFrames { frames: &frames, replacements: Vec::new() };
+        ReadNoiseShape::of(&mended, 0, other).expect("images")
+    }
+
+    /// What hides the shape is told, and makes no tails: few levels, those of a converter whose numbers are shifted to more bits,
+    /// blacks that are clipped, images that are copies.
+    #[rstest]
+    #[case::shifted(|y: u16| y / 6 * 96, "quantisation")]
+    #[case::clipped(|y: u16| y.saturating_sub(198), "% of the dark numbers are 0")]
+    #[case::constant(|_: u16| 64, "quantisation")]
+    fn what_hides_the_shape_is_told(#[case] change: fn(u16) -> u16, #[case] said: &str) {
+        let found = found(4, OtherNoise::NONE, |number| image(number, 0.0, None).into_iter().map(change).collect());
+        assert!(found.clone().is_err_and(|reason| reason.contains(said)), "{found:?}");
+    }
+
+    /// Numbers that are shifted to more bits have the shape of those that they were.
+    #[test]
+    fn shifted_numbers_have_the_same_shape() {
+        let other = OtherNoise { variance: 0.2 * 256.0, ..OtherNoise::NONE };
+        let shape = found(8, other, |number| image(number, 0.3, Some(6.0)).iter().map(|y| 16 * y).collect());
+        let ReadNoiseShape { squared_spread, tails } = shape.expect("a shape");
+        for (found, wanted) in [(squared_spread, 0.09), (tails, 1.0 / 6.0)] {
+            assert!((found.value - wanted).abs() < 5.0 * found.standard_error, "{found:?} {wanted}");
+        }
+    }
+
+    /// Dark currents that differ make the error as large as what they add.
+    #[test]
+    fn uneven_dark_currents_are_not_read_noise() {
+        let uneven = |of: f64| OtherNoise { variance: 0.2, uneven: of, ..OtherNoise::NONE };
+        let spread = |of: f64| {
+            found(8, uneven(of), |number| image(number, 0.3, None)).expect("a shape").squared_spread.root().is_ok()
+        };
+        // (u/σ²)²/4 = 0.06 of 9 DN² against 0.09.
+        assert!(spread(0.0) && !spread(4.4));
+    }
+
     /// The shape that the noise was made with is found within five standard errors, which are small.
     #[rstest]
     #[case::alike(0.0, None, 8)]
@@ -345,18 +454,8 @@ mod tests {
         #[case] freedom: Option<f64>,
         #[case] images: usize,
     ) {
-        let group = FrameGroup {
-            name: String::new(),
-            time: None,
-            light: FrameLight::Dark,
-            temperature: None,
-            images: vec![String::new(); images],
-        };
-        let read = |_, number| Ok(image(number, spread, freedom));
-        let frames = CameraFrames { groups: &[group], size: SIZE, bits: 12, read: &read };
-        let mended = MendedFrames { frames: &frames, replacements: Vec::new() };
-        let other = OtherNoise::ROUNDING.plus(OtherNoise { variance: 0.2, ..OtherNoise::NONE });
-        let found = ReadNoiseShape::of(&mended, 0, other).expect("images");
+        let other = OtherNoise { variance: 0.2, ..OtherNoise::NONE };
+        let found = found(images, other, |number| image(number, spread, freedom)).expect("a shape");
         let wanted = [spread * spread, freedom.map_or(0.0, f64::recip)];
         for (found, wanted) in [found.squared_spread, found.tails].into_iter().zip(wanted) {
             let Measured { value, standard_error } = found;

@@ -11,7 +11,7 @@ use super::parameters::{Assumption, KnownFacts, Parameter};
 use super::pattern::Pattern;
 use super::patterns::Patterns;
 use super::photon_transfer::Saturation;
-use super::read_noise_shape::ReadNoiseShape;
+use super::read_noise_shape::{Found, ReadNoiseShape};
 use super::survey::Survey;
 use crate::characterisation::NotMeasured;
 
@@ -21,7 +21,7 @@ pub(super) struct Sheet {
     pub(super) assumed: Vec<Assumption>,
     pub(super) left_out: Vec<NotMeasured>,
     /// K, DN/e⁻; 1 where nobody knows it.
-    pub(super) gain: Measured,
+    gain: Measured,
     /// Whether electrons are known, or DN stand for them.
     in_electrons: bool,
     known: KnownFacts,
@@ -29,10 +29,14 @@ pub(super) struct Sheet {
 
 /// Least variance of numbers that quantisation leaves to be seen, DN², as EMVA 1288 has it.
 const LEAST_VARIANCE: f64 = 0.24;
+const READ_NOISE: &str = "noise.read_noise_e";
+/// Name of the shape where it is left out.
+pub(super) const SHAPE_OF_READ_NOISE: &str = "shape of the read noise";
+/// Squared differences of the pixels' read noise over its mean beyond which the averages of the noisiest lie far from all
+/// others.
+const MOST_SQUARED_SPREAD: f64 = 0.5;
 /// Variance of rounding to whole numbers, DN².
 const QUANTISATION: f64 = 1.0 / 12.0;
-/// Least variance of noise whose distribution rounding leaves to be seen, DN².
-const LEAST_VARIANCE_OF_A_SHAPE: f64 = 1.0;
 
 impl Sheet {
     pub(super) fn new(known: &KnownFacts, survey: &Survey) -> Self {
@@ -64,11 +68,16 @@ impl Sheet {
         sheet
     }
 
+    /// System gain K in DN/e⁻, where it is known.
+    pub(super) fn system_gain(&self) -> Option<f64> {
+        self.in_electrons.then_some(self.gain.value)
+    }
+
     /// Fills in what the images tell.
     pub(super) fn fill(
         &mut self,
         survey: &Survey,
-        shape: Option<ReadNoiseShape>,
+        shape: Found,
         patterns: &Patterns,
         defects: &[Defect],
         hot: Result<[Measured; 2], usize>,
@@ -76,8 +85,8 @@ impl Sheet {
     ) {
         self.efficiency(survey, patterns);
         self.black_level(survey, patterns);
-        self.dark_noise(survey, shape, frames.size);
-        self.read_noise_shape(survey, shape);
+        self.dark_noise(survey, shape.as_ref().ok(), frames.size);
+        self.read_noise_shape(shape);
         let dark_current = self.dark_current(survey, patterns);
         let uneven = self.uneven_dark_current(patterns, dark_current, survey);
         self.dark_pattern(patterns, uneven);
@@ -162,7 +171,7 @@ impl Sheet {
         self.tell("adc.black_level_dn", "DN", black);
     }
 
-    fn dark_noise(&mut self, survey: &Survey, shape: Option<ReadNoiseShape>, [width, height]: [usize; 2]) {
+    fn dark_noise(&mut self, survey: &Survey, shape: Option<&ReadNoiseShape>, [width, height]: [usize; 2]) {
         let Parts { pixel, row, column } = survey.dark_variances();
         if pixel.value < LEAST_VARIANCE {
             let bound = rounded((LEAST_VARIANCE - QUANTISATION).sqrt() / self.gain.value, 3);
@@ -171,12 +180,15 @@ impl Sheet {
                 &format!("quantisation hides it: all that is known is that it is below {bound} e-"),
             );
         } else {
-            let mut variance = Measured::new(pixel.value - QUANTISATION, pixel.standard_error);
-            if let Some(shape) = shape.filter(|shape| shape.squared_spread.root().is_ok()) {
-                let of_sample = variance.value * shape.error_of_sample(width * height);
-                variance.standard_error = variance.standard_error.hypot(of_sample);
+            let variance = Measured::new(pixel.value - QUANTISATION, pixel.standard_error);
+            self.tell_root(READ_NOISE, "read noise", "e-", variance, self.gain);
+            // Of unequal pixels, those of the image are some that the sensor could have.
+            if let (Some(shape), Some(Parameter { key: READ_NOISE, measured, .. })) =
+                (shape.filter(|shape| shape.squared_spread.root().is_ok()), self.parameters.last_mut())
+            {
+                let of_sample = 0.5 * measured.value * shape.error_of_sample(width * height);
+                measured.standard_error = measured.standard_error.hypot(of_sample);
             }
-            self.tell_root("noise.read_noise_e", "read noise", "e-", variance, self.gain);
         }
         self.tell_root("noise.row_noise_e", "row noise", "e-", row, self.gain);
         self.tell_root("noise.column_noise_e", "column noise", "e-", column, self.gain);
@@ -189,36 +201,33 @@ impl Sheet {
     }
 
     /// Tells how unequal the pixels' read noise is, and how heavy its tails are.
-    fn read_noise_shape(&mut self, survey: &Survey, shape: Option<ReadNoiseShape>) {
-        const NAME: &str = "shape of the read noise";
-        const STANDS: &str = "a normal distribution, the same in all pixels, stands for it";
-        let is_hidden = survey.dark_variances().pixel.value < LEAST_VARIANCE_OF_A_SHAPE;
-        let ReadNoiseShape { squared_spread, tails } = match shape {
-            Some(shape) if !is_hidden => shape,
-            Some(_) => return self.leave(NAME, &format!("quantisation hides it: {STANDS}")),
-            None => {
-                let reason = format!("four dark images of one exposure time would tell it: {STANDS}");
-                return self.leave(NAME, &reason);
+    fn read_noise_shape(&mut self, shape: Found) {
+        let is_told = self.parameters.iter().any(|parameter| parameter.key == READ_NOISE);
+        let found = shape.and_then(|shape| if is_told { Ok(shape) } else { Err("there is no read noise".to_owned()) });
+        let ReadNoiseShape { squared_spread, tails } = match found {
+            Ok(shape) => shape,
+            Err(reason) => {
+                let stands = "a normal distribution, the same in all pixels, stands for it";
+                return self.leave(SHAPE_OF_READ_NOISE, &format!("{reason}; {stands}"));
             }
         };
-        let percent = Measured::new(0.01, 0.0);
-        self.tell_root(
-            "noise.read_noise_spread_percent",
-            "differences of the pixels' read noise",
-            "%",
-            squared_spread,
-            percent,
-        );
+        let (spread, percent) = ("differences of the pixels' read noise", Measured::new(0.01, 0.0));
+        self.tell_root("noise.read_noise_spread_percent", spread, "%", squared_spread, percent);
+        if squared_spread.value > MOST_SQUARED_SPREAD {
+            self.leave("the noisiest pixels", "they count as defects: read noise and its differences are lower bounds");
+        }
         if tails.value > 3.0 * tails.standard_error && tails.value > 0.0 {
             self.tell("noise.read_noise_degrees_of_freedom", "", Measured::new(1.0, 0.0).over(tails));
-        } else {
-            let most = tails.value.max(0.0) + 1.645 * tails.standard_error;
-            let reason = format!(
-                "not told apart from those of a normal distribution: more than {} degrees of freedom at 95 %",
-                rounded(1.0 / most, 2)
-            );
-            self.leave("tails of the read noise", &reason);
+            return;
         }
+        let least = 1.0 / (tails.value.max(0.0) + 1.645 * tails.standard_error);
+        let bound = if least > 3.0 {
+            format!("more than {} degrees of freedom at 95 %", rounded(least, 2))
+        } else {
+            "there are too few images or pixels".to_owned()
+        };
+        let reason = format!("not told apart from those of a normal distribution: {bound}");
+        self.leave("tails of the read noise", &reason);
     }
 
     /// Tells the dark current with what it depends on, and returns its mean, DN/s.
