@@ -43,8 +43,7 @@ fn channel_planes<'a>(planes: &'a Planes, cfa: &Cfa) -> Result<Vec<&'a [f32]>, I
             Some(pixel) => {
                 let (x, y) = (pixel % planes.width(), pixel / planes.width());
                 let message = format!("channel {name} holds {} electrons at column {x}, row {y}", plane[pixel]);
-                Err(Invalid::new("", message)
-                    .help("shorten the exposure: mean electrons are finite numbers of 0 and more"))
+                Err(Invalid::new("", message).help("mean electrons are finite numbers of 0 and more"))
             }
             None => Ok(plane),
         }

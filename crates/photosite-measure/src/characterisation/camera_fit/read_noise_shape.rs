@@ -1,7 +1,7 @@
 //! Shape of the read noise: how unequal the pixels are, and how heavy their tails.
 //!
-//! Of a stack of dark images, differences D of pairs are taken, without what rows and columns share. A pixel of the
-//! standard deviation σ·f has ⟨|D|⟩ = c·σ·f, where c depends on the distribution alone. So the covariance of |D| of two
+//! Differences D of pairs of dark images are taken, without what rows and columns share. A pixel of the standard
+//! deviation σ·f has ⟨|D|⟩ = c·σ·f, where c depends on the distribution alone. So the covariance of |D| of two
 //! pairs over the pixels, divided by the squared mean, is the variance of f over its squared mean, whatever the tails:
 //!
 //! s² = Cov(|D₁|, |D₂|)/⟨|D|⟩²
@@ -45,18 +45,18 @@ pub(super) type Found = std::result::Result<ReadNoiseShape, String>;
 /// Noise of a number beside the read noise, the same in all pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct OtherNoise {
-    /// DN².
+    /// Variance, DN².
     pub(super) variance: f64,
     /// Standard error of the variance, DN².
     pub(super) error: f64,
-    /// DN⁴.
+    /// Fourth cumulant, DN⁴.
     pub(super) fourth_cumulant: f64,
     /// Standard deviation of the variance over the pixels, DN².
     pub(super) uneven: f64,
 }
 
 impl OtherNoise {
-    /// None.
+    /// No other noise.
     pub(super) const NONE: Self = Self { variance: 0.0, error: 0.0, fourth_cumulant: 0.0, uneven: 0.0 };
     /// Even noise of a step of the converter, DN.
     fn rounding(step: f64) -> Self {
@@ -205,8 +205,8 @@ impl Moments {
     /// s² and 1/ν that give these moments, with other noise beside the read noise. Where chance makes pixels
     /// more than alike or tails less than normal, the figures are below 0.
     ///
-    /// Of the variance V_p of a pixel's D, with the mean V over all, taking off the means of rows and columns leaves
-    /// (1 − a)²·V_p and adds a·(1 − a)·V of the other pixels.
+    /// Taking off the means of rows and columns leaves (1 − a)²·V_p of the variance V_p of a pixel's D, and adds
+    /// a·(1 − a)·V of the other pixels, with the mean V over all.
     fn shape(self, other: OtherNoise, shared: f64) -> [f64; 2] {
         let own = 1.0 - shared;
         let all = self.square / 2.0 / own;
@@ -407,8 +407,8 @@ mod tests {
         ReadNoiseShape::of(&mended, 0, other).expect("images")
     }
 
-    /// What hides the shape is told, and makes no tails: few levels, those of a converter whose numbers are shifted to more bits,
-    /// blacks that are clipped, images that are copies.
+    /// A shape that is hidden is told to be, and has no tails: by few levels, shifted to more bits or not, by blacks that
+    /// are clipped, by images that are copies.
     #[rstest]
     #[case::shifted(|y: u16| y / 6 * 96, "quantisation")]
     #[case::clipped(|y: u16| y.saturating_sub(198), "% of the dark numbers are 0")]
