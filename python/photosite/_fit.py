@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Any, Optional
 
+import numpy as np
+import numpy.typing as npt
+
 from . import _photosite
 from ._arguments import Path, invalid, path_of
 from ._progress import Progress, listener
@@ -42,6 +45,8 @@ class CameraFit:
         report: all that ``photosite fit --json`` prints: the curves, the defective pixels, and of images at several gains
             ``gain_steps``, too.
         sensor_file: text of the sensor file.
+        prnu_map: with ``maps``, the response of each pixel over their mean, rows x columns; None without flats.
+        dsnu_map_e: with ``maps``, the offset of each pixel's dark signal in electrons of the sensor file.
     """
 
     parameters: "Mapping[str, Parameter]"
@@ -50,14 +55,25 @@ class CameraFit:
     notes: "tuple[str, ...]"
     report: "dict[str, Any]" = field(repr=False)
     sensor_file: str = field(repr=False)
+    prnu_map: "Optional[npt.NDArray[np.float32]]" = field(repr=False, compare=False)
+    dsnu_map_e: "Optional[npt.NDArray[np.float32]]" = field(repr=False, compare=False)
+    _fitted: _photosite.FittedCamera = field(repr=False, compare=False)
 
     def save(self, path: Path) -> None:
-        """Writes the sensor file, which :class:`Sensor` and captures name by its path.
+        """Writes the sensor file, which :class:`Sensor` and captures name by its path. Maps stand beside it, as
+        ``NAME.prnu.npy`` and ``NAME.dsnu.npy``, and take the place of PRNU and DSNU.
 
         Args:
             path: its name ends in ``.toml``.
         """
-        FilePath(path_of("path", path)).write_text(self.sensor_file, encoding="utf-8")
+        file = FilePath(path_of("path", path))
+        text = self.sensor_file
+        if self.dsnu_map_e is not None:
+            for name, values in [("prnu", self.prnu_map), ("dsnu", self.dsnu_map_e)]:
+                if values is not None:
+                    np.save(file.with_name(f"{file.stem}.{name}.npy"), values)
+            text = self._fitted.sensor_file(file.stem)
+        file.write_text(text, encoding="utf-8")
 
 
 def fit(
@@ -69,6 +85,7 @@ def fit(
     temperature_c: Optional[float] = None,
     pixel_pitch_um: Optional[float] = None,
     wavelength_nm: Optional[float] = None,
+    maps: bool = False,
     threads: Optional[int] = None,
     progress: Progress = None,
 ) -> CameraFit:
@@ -82,6 +99,7 @@ def fit(
         temperature_c: temperature of the sensor, where no image states it.
         pixel_pitch_um: distance of the pixels, which images do not tell.
         wavelength_nm: wavelength of the light, for the statement about the quantum efficiency.
+        maps: True for the measured patterns of response and dark signal, too: the twin of this very camera.
         threads: threads to use; without, all cores.
         progress: False for no bar, True for one, None for one in terminals and notebooks, or a function that is called
             with how many images are done, and of how many.
@@ -109,8 +127,9 @@ def fit(
         "wavelength_nm": None if wavelength_nm is None else float(wavelength_nm),
     }
     told = listener(progress, "fit", "images")
-    text, sensor_file = _photosite.fit_camera(path_of("images", images), known, threads, told)
-    report: "dict[str, Any]" = json.loads(text)
+    fitted = _photosite.fit_camera(path_of("images", images), known, maps, threads, told)
+    report: "dict[str, Any]" = json.loads(fitted.report())
+    prnu_map, dsnu_map_e = fitted.maps() if maps else (None, None)
     parameters = {p["key"]: Parameter(p["value"], p["standard_error"], p["unit"]) for p in report["parameters"]}
     return CameraFit(
         parameters=parameters,
@@ -118,5 +137,8 @@ def fit(
         left_out=tuple(report["left_out"]),
         notes=tuple(report["notes"]),
         report=report,
-        sensor_file=sensor_file,
+        sensor_file=fitted.sensor_file(),
+        prnu_map=prnu_map,
+        dsnu_map_e=dsnu_map_e,
+        _fitted=fitted,
     )

@@ -80,8 +80,17 @@ def evaluate_image_sets(
     path: str, threads: Optional[int], progress: Optional[Callable[[int, int], object]]
 ) -> tuple[str, str]: ...
 def fit_camera(
-    path: str, known: dict[str, Any], threads: Optional[int], progress: Optional[Callable[[int, int], object]]
-) -> tuple[str, str]: ...
+    path: str,
+    known: dict[str, Any],
+    maps: bool,
+    threads: Optional[int],
+    progress: Optional[Callable[[int, int], object]],
+) -> FittedCamera: ...
+@final
+class FittedCamera:
+    def report(self) -> str: ...
+    def sensor_file(self, maps_of: Optional[str] = None) -> str: ...
+    def maps(self) -> tuple[Optional[npt.NDArray[np.float32]], npt.NDArray[np.float32]]: ...
 @final
 class Dataset:
     @staticmethod

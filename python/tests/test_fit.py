@@ -41,6 +41,20 @@ def test_the_command_fits_the_same(images: Path, command: Command, tmp_path: Pat
     assert fit.sensor_file == (tmp_path / "sensor.toml").read_text(encoding="utf-8")
 
 
+def test_maps_are_of_this_very_camera(images: Path, tmp_path: Path) -> None:
+    fit = ps.fit(images, maps=True)
+    assert fit.prnu_map is not None and fit.dsnu_map_e is not None
+    assert fit.prnu_map.mean() == pytest.approx(1, abs=1e-4) and fit.prnu_map.shape == (64, 64)
+    # Deviations vary as the figures of the fit say, but for what eight images tell of single pixels.
+    assert fit.prnu_map.std() == pytest.approx(fit.parameters["noise.prnu_percent"].value / 100, rel=0.1)
+    fit.save(tmp_path / "twin.toml")
+    assert 'prnu_map = { file = "twin.prnu.npy" }' in (tmp_path / "twin.toml").read_text(encoding="utf-8")
+    ps.emva1288(tmp_path / "twin.toml", like=images, output=tmp_path / "again", seed=1)
+    again = ps.fit(tmp_path / "again", maps=True).prnu_map
+    assert again is not None and np.corrcoef(again.ravel(), fit.prnu_map.ravel())[0, 1] > 0.5
+    assert ps.fit(images).prnu_map is None
+
+
 def test_what_cannot_be_fitted_is_said(tmp_path: Path) -> None:
     with pytest.raises(ps.InputError, match="has no images"):
         ps.fit(tmp_path)

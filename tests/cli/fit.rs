@@ -252,3 +252,45 @@ fn saturated_flats_tell_no_gain() {
     assert!(!report["parameters"].to_string().contains("prnu"));
     folder.succeed("info x.toml");
 }
+
+/// The twin with maps has the patterns of this very camera: averages of its dark images and flats deviate where those of the
+/// original do, and as much.
+#[test]
+fn a_twin_with_maps_has_the_patterns_of_the_camera() {
+    let folder = Folder::new([]);
+    folder.succeed(&SET.replace("--spatial 8", "--spatial 32"));
+    let said = folder.succeed("fit set -o twin.toml --maps --pixel-pitch-um 5.86").stdout;
+    assert!(!said.contains("correlate by"), "{said}");
+    let text = std::fs::read_to_string(folder.path("twin.toml")).expect("a sensor file");
+    assert!(text.contains("prnu_map = { file = \"twin.prnu.npy\" }") && !text.contains("prnu_percent"), "{text}");
+    assert!(text.contains("dsnu_map = { file = \"twin.dsnu.npy\" }") && !text.contains("dsnu_e"), "{text}");
+    folder.succeed("emva1288 twin.toml --like set -o again -q --seed 3");
+    let reports = ["fit set -o first.toml --json", "fit again -o second.toml --maps --json"]
+        .map(|command| json(&folder.succeed(command).stdout));
+    for (name, key) in [("prnu", "noise.prnu_percent"), ("dsnu", "noise.dsnu_e")] {
+        let [first, second] = ["twin", "second"].map(|twin| {
+            photosite::io::map_file::read_map(&folder.path(&format!("{twin}.{name}.npy")), None).expect("a map").values
+        });
+        // Read noise of 7 e- in 32 images and more beside a DSNU of 4 e-.
+        assert!(correlation(&first, &second) > 0.93, "{name}: {}", correlation(&first, &second));
+        let [[first, error], [second, other]] = reports.each_ref().map(|report| parameter(report, key));
+        assert!((first - second).abs() < 3.0 * error.hypot(other), "{key}: {first} ± {error}, {second} ± {other}");
+    }
+    std::fs::write(folder.path("third.prnu.npy"), "mine").expect("written");
+    folder.fail("fit set -o third.toml --maps", 2, &["third.prnu.npy already exists", "--force"]);
+    assert!(!folder.path("third.toml").exists() && !folder.path("third.dsnu.npy").exists());
+    // Four images at half of the saturation, with shot noise of 0.9 % of the signal, tell single pixels roughly.
+    folder.succeed(&SET.replace("-o set", "-o few").replace("--spatial 8", "--spatial 4"));
+    let said = folder.succeed("fit few -o few.toml --maps").stdout;
+    assert!(said.contains("pixels of the map of response correlate by 0."), "{said}");
+}
+
+/// Correlation of two patterns about their means.
+fn correlation(a: &[f32], b: &[f32]) -> f64 {
+    let mean = |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len() as f64;
+    let of = |x: &[f32], y: &[f32]| {
+        let (mx, my) = (mean(x), mean(y));
+        x.iter().zip(y).map(|(&x, &y)| (f64::from(x) - mx) * (f64::from(y) - my)).sum::<f64>()
+    };
+    of(a, b) / (of(a, a) * of(b, b)).sqrt()
+}

@@ -11,7 +11,9 @@ use photosite_capture::FileKind;
 use photosite_core::Result;
 use photosite_core::units::Celsius;
 use photosite_dataset::emva1288::{FitRequest, FittedCamera, fit_images};
-use photosite_measure::characterisation::camera_fit::{Assumption, CameraFit, KnownFacts, Parameter};
+use photosite_files::formats::NPY;
+use photosite_files::map_file::{MapFile, write_map};
+use photosite_measure::characterisation::camera_fit::{Assumption, CameraFit, KnownFacts, MapNames, Parameter};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -53,6 +55,10 @@ pub(super) struct FitArgs {
     /// Wavelength of the light, for the statement about the quantum efficiency.
     #[arg(long, value_name = "NM", value_parser = positive)]
     wavelength_nm: Option<f64>,
+    /// Write the measured patterns of response and dark signal, too, as SENSOR.prnu.npy and SENSOR.dsnu.npy beside the
+    /// sensor file, which names them in place of PRNU and DSNU: the twin of this very camera.
+    #[arg(long)]
+    maps: bool,
     /// Overwrite the sensor file if it exists.
     #[arg(long)]
     force: bool,
@@ -66,6 +72,11 @@ pub(super) struct FitArgs {
 
 pub(super) fn run(args: &FitArgs) -> Result<()> {
     refuse_existing(&args.output, args.force)?;
+    let stem = args.output.file_stem().unwrap_or_default().to_string_lossy();
+    let mut maps = if args.maps { MapNames::beside(&stem) } else { MapNames::default() };
+    for name in [&maps.prnu, &maps.dsnu].into_iter().flatten() {
+        refuse_existing(&args.output.with_file_name(name), args.force)?;
+    }
     FileKind::expect(&args.input, &[], "a folder of images or a descriptor of images (.txt)")?;
     let request = FitRequest {
         channel: args.channel.clone(),
@@ -75,18 +86,38 @@ pub(super) fn run(args: &FitArgs) -> Result<()> {
             pixel_pitch_um: args.pixel_pitch_um.map(|um| [um, um]),
             wavelength_nm: args.wavelength_nm,
         },
+        maps: args.maps,
     };
     let monitor = TerminalMonitor::new(args.quiet, args.json);
     let fitted = fit_images(&args.input, &request, &monitor)?;
-    write_result(&args.output, args.force, |to| to.write_all(fitted.sensor_file.as_bytes()))?;
+    maps.prnu = maps.prnu.filter(|_| fitted.prnu_map().is_some());
+    write_maps(&fitted, &maps, args)?;
+    write_result(&args.output, args.force, |to| to.write_all(fitted.sensor_file(&maps).as_bytes()))?;
     if args.json {
         print_json(&fitted.report())
     } else if args.quiet {
         Ok(())
     } else {
         println_text(&text(&fitted))?;
-        println_text(&format!("\nthe sensor file is {}", args.output.display()))
+        let beside: Vec<&str> = [&maps.prnu, &maps.dsnu].into_iter().filter_map(|map| map.as_deref()).collect();
+        let named =
+            if beside.is_empty() { String::new() } else { format!(", with {} beside it", beside.join(" and ")) };
+        println_text(&format!("\nthe sensor file is {}{named}", args.output.display()))
     }
+}
+
+/// Writes the patterns that the images tell.
+fn write_maps(fitted: &FittedCamera, names: &MapNames, args: &FitArgs) -> Result<()> {
+    let prnu = fitted.prnu_map().map(<[f32]>::to_vec);
+    let maps = [(&names.prnu, prnu, "response", "1"), (&names.dsnu, Some(fitted.dsnu_map_e()), "offset", "e-")];
+    for (name, values, quantity, unit) in maps {
+        if let (Some(name), Some(values)) = (name, values) {
+            let map = MapFile { size: fitted.fit.size, values, is_codes: false, warnings: Vec::new() };
+            let path = args.output.with_file_name(name);
+            write_result(&path, args.force, |to| write_map(&NPY, &map, quantity, unit, 1.0, to))?;
+        }
+    }
+    Ok(())
 }
 
 /// Figures with their standard errors, as text.

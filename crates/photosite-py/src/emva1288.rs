@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
+use numpy::{IntoPyArray, PyArrayMethods};
 use photosite::Sandbox;
 use photosite::capture::{NamedSensor, read_named_sensor};
-use photosite::characterisation::camera_fit::KnownFacts;
+use photosite::characterisation::camera_fit::{KnownFacts, MapNames};
 use photosite::characterisation::effects_left_out;
 use photosite::emva1288::{
     FitRequest, MeasuredChannel, SetPlan, SetRequest, evaluate_descriptor, evaluate_sets, fit_images, refuse_image_sets,
@@ -108,15 +109,42 @@ pub(crate) struct Known {
     wavelength_nm: Option<f64>,
 }
 
-/// Fits a sensor to the images of a camera: what the command prints as JSON, and the sensor file.
+/// Sensor fitted to the images of a camera.
+#[pyclass(frozen)]
+pub(crate) struct FittedCamera(photosite::emva1288::FittedCamera);
+
+#[pymethods]
+impl FittedCamera {
+    /// What the command prints as JSON.
+    fn report(&self) -> String {
+        serde_json::to_string(&self.0.report()).expect("plain values")
+    }
+
+    /// Text of the sensor file, with maps beside the file of this name without its ending.
+    #[pyo3(signature = (maps_of=None))]
+    fn sensor_file(&self, maps_of: Option<&str>) -> String {
+        self.0.sensor_file(&maps_of.map(MapNames::beside).unwrap_or_default())
+    }
+
+    /// Maps of responses, where there are flats, and of offsets in electrons: rows × columns.
+    fn maps<'py>(&self, py: Python<'py>) -> PyResult<(Option<Bound<'py, PyAny>>, Bound<'py, PyAny>)> {
+        let [width, height] = self.0.fit.size;
+        let array = |values: Vec<f32>| Ok::<_, PyErr>(values.into_pyarray(py).reshape([height, width])?.into_any());
+        let prnu = self.0.prnu_map().map(|values| array(values.to_vec())).transpose()?;
+        Ok((prnu, array(self.0.dsnu_map_e())?))
+    }
+}
+
+/// Fits a sensor to the images of a camera.
 #[pyfunction]
 pub(crate) fn fit_camera(
     py: Python<'_>,
     path: PathBuf,
     known: Known,
+    maps: bool,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<(String, String)> {
+) -> PyResult<FittedCamera> {
     let request = FitRequest {
         channel: known.channel,
         known: KnownFacts {
@@ -125,7 +153,7 @@ pub(crate) fn fit_camera(
             pixel_pitch_um: known.pixel_pitch_um,
             wavelength_nm: known.wavelength_nm,
         },
+        maps,
     };
-    let fitted = work(py, How { threads, progress }, |monitor| fit_images(&path, &request, monitor))?;
-    Ok((serde_json::to_string(&fitted.report()).expect("plain values"), fitted.sensor_file))
+    work(py, How { threads, progress }, |monitor| fit_images(&path, &request, monitor)).map(FittedCamera)
 }

@@ -36,10 +36,10 @@ pub use model::{
     CountingMode, CurveFile, DarkCurrentLaw, DarkCurrentLawName, Defects, DefectsDescription, DualGain,
     DualGainDescription, FORMATS, FilterDescription, FixedPattern, Flicker, FlickerDescription, FlickerOrder, Format,
     FrameGrabber, FrameGrabberDescription, GainStepDescription, ImageLag, ImageLagDescription, Kernel, Logarithmic,
-    LowPass, MaskedPixels, Noise, NoiseDescription, Obstacle, Overscan, ReadOutNoise, ReadOutNoiseByGain, Reset,
-    ResetDescription, RowOrder, SensorDescription, SensorKind, SensorModel, Shutter, ShutterDescription, ShutterKind,
-    SignalInterpolation, Spad, SpadDescription, SpectrumSource, TelegraphDescription, TelegraphSignal, UncommonFacts,
-    Use, Video, VideoCurve, VideoDescription, keys,
+    LowPass, MaskedPixels, MeasuredPattern, Noise, NoiseDescription, Obstacle, Overscan, PatternFile, ReadOutNoise,
+    ReadOutNoiseByGain, Reset, ResetDescription, RowOrder, SensorDescription, SensorFiles, SensorKind, SensorModel,
+    Shutter, ShutterDescription, ShutterKind, SignalInterpolation, Spad, SpadDescription, SpectrumSource,
+    TelegraphDescription, TelegraphSignal, UncommonFacts, Use, Video, VideoCurve, VideoDescription, keys,
 };
 pub use prediction::{GainLine, Neighbours, NoiseAtGain, noise_ratio, samples_needed, sensor_noise, smoothed_mean};
 pub use signal::effects::{MapUnit, NoiseMap, Stage, Stages};

@@ -19,16 +19,43 @@ use super::converter_bits::follow_bits;
 use super::sensor_size::scale_to;
 use photosite_core::Sandbox;
 use photosite_core::input;
-use photosite_core::spectrum::Outside;
+use photosite_core::spectrum::{Outside, Spectrum};
 use photosite_core::suggest::{did_you_mean, list};
 use photosite_core::{Error, Invalid, Result};
-use photosite_sensor::{SensorModel, presets};
+use photosite_files::map_file::{MapFile, read_map};
+use photosite_sensor::{MeasuredPattern, PatternFile, SensorFiles, SensorModel, SpectrumSource, presets};
+
+/// Finder of the files that a sensor names.
+struct OfSensor<'f, 'a>(&'f Finder<'a>);
+
+impl SensorFiles for OfSensor<'_, '_> {
+    fn spectrum(&mut self, source: &SpectrumSource) -> Result<Spectrum, Invalid> {
+        self.0.spectrum(source, Outside::Zero)
+    }
+
+    fn pattern(&mut self, pattern: &PatternFile) -> Result<MeasuredPattern, Invalid> {
+        let path = self.0.path(&pattern.file)?;
+        let of_file = |error: &Error| Invalid::new("", error.to_string());
+        let MapFile { size, values, is_codes, warnings } = read_map(&path, None).map_err(|error| of_file(&error))?;
+        if is_codes {
+            let message = format!("{}: holds whole numbers", path.display());
+            return Err(Invalid::new("", message).help("write an EXR, NPY or TIFF file of floats"));
+        }
+        if let Some(warning) = warnings.first() {
+            return Err(
+                Invalid::new("", format!("{}: {warning}", path.display())).help("write a plain image of floats")
+            );
+        }
+        MeasuredPattern::new(size, values)
+            .map_err(|invalid| Invalid { message: format!("{}: {}", path.display(), invalid.message), ..invalid })
+    }
+}
 
 /// Makes the model of a sensor.
 pub(crate) fn sensor_model(sensor: &MergedSensor, sandbox: &Sandbox) -> Result<SensorModel, Invalid> {
     // Its paths start at no folder any more.
     let finder = Finder::new(Path::new(""), sandbox, Vec::new());
-    SensorModel::new(&sensor.name, &sensor.description, |spectrum| finder.spectrum(spectrum, Outside::Zero))
+    SensorModel::new(&sensor.name, &sensor.description, OfSensor(&finder))
 }
 
 /// The preset of sensors that begin from nothing.
@@ -171,7 +198,7 @@ pub fn read_sensor_file(path: &Path, sandbox: &Sandbox) -> Result<Option<SensorM
     let folder = path.parent().unwrap_or(Path::new(""));
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let finder = Finder::new(folder, sandbox, Vec::new());
-    let model = SensorModel::new(&stem, &source.read_whole()?, |spectrum| finder.spectrum(spectrum, Outside::Zero));
+    let model = SensorModel::new(&stem, &source.read_whole()?, OfSensor(&finder));
     model.map(Some).map_err(|invalid| source.error(invalid))
 }
 

@@ -8,7 +8,8 @@ use photosite_core::{Invalid, Result};
 use photosite_files::image_sets::CameraSet;
 use photosite_measure::characterisation::NotMeasured;
 use photosite_measure::characterisation::camera_fit::{
-    Assumption, CameraFit, CameraFrames, Defect, FittedGainStep, KnownFacts, Measured, Mosaic, Parameter, fit_camera,
+    Assumption, CameraFit, CameraFrames, Defect, FittedGainStep, KnownFacts, MapNames, Measured, Mosaic, Parameter,
+    fit_camera,
 };
 use photosite_pipeline::{Event, Monitor, go_on};
 
@@ -19,14 +20,19 @@ pub struct FitRequest {
     pub channel: Option<String>,
     /// Facts that the images do not hold.
     pub known: KnownFacts,
+    /// Whether measured patterns are wanted, for [`FittedCamera::sensor_file`]: what they lack is noted.
+    pub maps: bool,
 }
 
 /// Sensor fitted to the images of a camera.
 pub struct FittedCamera {
     /// Parameters and what is left out.
     pub fit: CameraFit,
-    /// Text of the sensor file.
-    pub sensor_file: String,
+    /// Origin of the images, as the sensor file states it.
+    source: String,
+    mosaic: Mosaic,
+    /// System gain that the user states, DN/e⁻.
+    known_gain: Option<f64>,
 }
 
 /// Object that `photosite fit --json` prints.
@@ -67,6 +73,25 @@ struct DarkOfReport {
 }
 
 impl FittedCamera {
+    /// Text of the sensor file. Files of measured patterns that `maps` names, relative to it, take the place of standard
+    /// deviations.
+    pub fn sensor_file(&self, maps: &MapNames) -> String {
+        let prnu = maps.prnu.clone().filter(|_| self.fit.maps.response.is_some());
+        self.fit.sensor_file(&self.source, &self.mosaic, &MapNames { prnu, dsnu: maps.dsnu.clone() })
+    }
+
+    /// Responses of the pixels over their mean, row by row, for `noise.prnu_map`; `None` without flats.
+    pub fn prnu_map(&self) -> Option<&[f32]> {
+        self.fit.maps.response.as_ref().map(|map| &map.values[..])
+    }
+
+    /// Offsets of the pixels in electrons of the sensor file, row by row, for `noise.dsnu_map`.
+    pub fn dsnu_map_e(&self) -> Vec<f32> {
+        let gain = self.fit.parameter("adc.conversion_gain_dn_per_e").map(|parameter| parameter.measured.value);
+        let gain = gain.or(self.known_gain).unwrap_or(1.0);
+        self.fit.maps.dark_dn.values.iter().map(|dn| (f64::from(*dn) / gain) as f32).collect()
+    }
+
     /// Report for programs.
     pub fn report(&self) -> FitReport<'_> {
         let CameraFit { size, parameters, assumed, left_out, notes, defects, transfer, dark, gain_steps, .. } =
@@ -97,6 +122,22 @@ impl FittedCamera {
             dark: of_dark.collect(),
         }
     }
+}
+
+/// Notes about maps whose single pixels the averages tell roughly.
+fn notes_of_maps(fit: &CameraFit) -> Vec<String> {
+    /// Correlation from which on a map is as good as the camera's own pattern.
+    const GOOD: f64 = 0.95;
+    let maps = [("response", fit.maps.response.as_ref()), ("dark offsets", Some(&fit.maps.dark_dn))];
+    let rough = maps.into_iter().filter_map(|(name, map)| Some((name, map?.correlation))).filter(|(_, r)| *r < GOOD);
+    let note = |(name, correlation)| match correlation {
+        0.0 => format!("the map of {name} is flat: no pattern of pixels is told apart from the noise of the averages"),
+        _ => format!(
+            "pixels of the map of {name} correlate by {correlation:.2} with the camera's own, since the averages have \
+             noise: more images tell them better"
+        ),
+    };
+    rough.map(note).collect()
 }
 
 /// Fits a sensor to the images of a descriptor, of a folder that `photosite emva1288` filled, or of any folder of dark
@@ -141,9 +182,16 @@ pub fn fit_images(path: &Path, request: &FitRequest, monitor: &dyn Monitor) -> R
         let figures = if fit.gain_steps.is_empty() { "all figures" } else { "all figures but those of gain steps" };
         fit.notes.push(format!("{figures} are those of {}, which the sensor file calls 0 dB", gain.name));
     }
+    if request.maps {
+        if set.cfa.is_mosaic() {
+            let message = "measured patterns are of all pixels, and of a mosaic one channel is fitted";
+            return Err(Invalid::new("", message).help("fit it without maps").in_file(path));
+        }
+        let notes = notes_of_maps(&fit);
+        fit.notes.extend(notes);
+    }
     let mosaic = Mosaic { cfa: set.cfa.to_string(), size: set.whole_size, responses: responses(set, &fit)? };
-    let sensor_file = fit.sensor_file(&path.display().to_string(), &mosaic);
-    Ok(FittedCamera { fit, sensor_file })
+    Ok(FittedCamera { fit, source: path.display().to_string(), mosaic, known_gain: request.known.system_gain })
 }
 
 /// Fits the images of each gain, and gathers the noise of the read-out in steps.

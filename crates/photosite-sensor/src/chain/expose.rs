@@ -146,6 +146,7 @@ fn expose_once(
     let Frame { sensor, exposure, stages, .. } = *frame;
     exposure.validate(sensor)?;
     exposure.region.fits(sensor, [mean_electrons.width(), mean_electrons.height()])?;
+    sensor.patterns_fit([mean_electrons.width(), mean_electrons.height()])?;
     let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
     cover(&mut charge, sensor);
     let mut charge = Charge::new(charge, maps);

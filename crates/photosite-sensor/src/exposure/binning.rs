@@ -86,6 +86,11 @@ impl Binning {
             let message = format!("sensor {} has no charge to add", sensor.name);
             return Err(Invalid::new("binning_method", message).help("write \"sum\" or \"mean\""));
         }
+        if self.method == BinningMethod::Charge && sensor.noise.dsnu_map.is_some() {
+            let message =
+                "adds charge before it is read out, and noise.dsnu_map of the sensor has offsets of single pixels";
+            return Err(Invalid::new("binning_method", message).help("write \"sum\" or \"mean\""));
+        }
         let prescan = sensor.architecture.ccd().map_or(0, |ccd| ccd.overscan.prescan_columns);
         let before = [prescan + sensor.masked.columns[0], sensor.masked.rows[0]];
         let cell = self.cell(&sensor.cfa);

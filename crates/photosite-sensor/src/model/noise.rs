@@ -13,6 +13,7 @@ use super::defects::{Defects, DefectsDescription};
 use super::fixed_pattern::FixedPattern;
 use super::flicker::{Flicker, FlickerDescription, FlickerOrder};
 use super::gain_steps::{GainStepDescription, ReadOutNoiseByGain, of_all};
+use super::measured_pattern::{MeasuredPattern, PatternFile};
 use super::reset_noise::{Reset, ResetDescription};
 use super::telegraph::{TelegraphDescription, TelegraphSignal};
 
@@ -68,6 +69,14 @@ pub struct NoiseDescription {
     /// Part of DSNU that the pixels of a column share, in addition, e⁻.
     #[schemars(transform = within(0.0..))]
     pub dsnu_column_e: f64,
+    /// Response of each pixel, measured, in place of the three keys of PRNU: an image of the sensor's columns and rows,
+    /// 1 of most. Its mean does not count, as the quantum efficiency has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prnu_map: Option<PatternFile>,
+    /// Offset of each pixel's dark signal in e⁻, measured, in place of the three keys of DSNU, at all gains. Its mean does
+    /// not count, as the black level has it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dsnu_map: Option<PatternFile>,
     /// Temporal noise that the pixels of a row share, standard deviation in e⁻.
     #[schemars(transform = within(0.0..))]
     pub row_noise_e: f64,
@@ -110,6 +119,10 @@ pub struct Noise {
     pub dark_current_nonuniformity: f64,
     /// Photo response over its mean (PRNU, a ratio: 0.01 is 1 %).
     pub prnu: FixedPattern,
+    /// Deviations of the pixels' responses from their mean, measured (ratios); their standard deviation is `prnu`.
+    pub prnu_map: Option<MeasuredPattern>,
+    /// Deviations of the dark signal from its mean, measured, e⁻; their standard deviation is DSNU.
+    pub dsnu_map: Option<MeasuredPattern>,
     /// Reset of the sense node.
     pub reset: Reset,
     /// 1/f noise.
@@ -159,6 +172,8 @@ impl Noise {
         dark_current_law: DarkCurrentLaw::Doubling { interval_k: 8.0 },
         dark_current_nonuniformity: 0.0,
         prnu: FixedPattern::of_pixels(0.0),
+        prnu_map: None,
+        dsnu_map: None,
         reset: Reset::Cancelled,
         flicker: Flicker { noise: Electrons(0.0), exponent: 1.0, order: FlickerOrder::ColumnParallel },
         telegraph: TelegraphSignal { pixels: 0.0, amplitude: Electrons(0.0), high: Seconds(1.0), low: Seconds(1.0) },
@@ -204,6 +219,8 @@ impl Noise {
                 row: ratio("prnu_row_percent", d.prnu_row_percent)?,
                 column: ratio("prnu_column_percent", d.prnu_column_percent)?,
             },
+            prnu_map: None,
+            dsnu_map: None,
             reset: Reset::new(&d.reset).map_err(|e| e.within("reset"))?,
             flicker: Flicker::new(&d.flicker).map_err(|e| e.within("flicker"))?,
             telegraph: TelegraphSignal::new(&d.telegraph).map_err(|e| e.within("telegraph"))?,

@@ -21,6 +21,7 @@ use super::pixels::{
     brighter_fatter, check_cells, check_shutter, crosstalk, image_lag, logarithmic, margins, own_name, pixel_pitch_m,
     quantum_efficiency,
 };
+use super::sensor_files::SensorFiles;
 use super::shutter::Shutter;
 use super::spectrum_source::SpectrumSource;
 use super::video::{Video, check_analogue};
@@ -78,12 +79,9 @@ pub struct SensorModel {
 }
 
 impl SensorModel {
-    /// Checks a description. `resolve` finds the spectra that it names. Keys of errors are those of the sensor file.
-    pub fn new(
-        name: &str,
-        description: &SensorDescription,
-        mut resolve: impl FnMut(&SpectrumSource) -> Result<Spectrum, Invalid>,
-    ) -> Result<Self, Invalid> {
+    /// Checks a description. `files` finds what it names. Keys of errors are those of the sensor file.
+    pub fn new(name: &str, description: &SensorDescription, mut files: impl SensorFiles) -> Result<Self, Invalid> {
+        let mut resolve = |source: &SpectrumSource| files.spectrum(source);
         let d = description;
         if let Some(axis) = (0..2).find(|&axis| d.resolution_px[axis] == 0 || d.resolution_px[axis] > MAX_RESOLUTION) {
             let message = format!("must lie between 1 and {MAX_RESOLUTION}, got {}", d.resolution_px[axis]);
@@ -140,7 +138,7 @@ impl SensorModel {
             FrameGrabber::new(grabber, &cfa, &cells, &shutter)
         });
         let frame_grabber = frame_grabber.transpose()?;
-        Ok(Self {
+        let mut sensor = Self {
             name: own_name(d)?.unwrap_or(name).to_owned(),
             description: d.description.clone(),
             source: d.source.clone(),
@@ -167,7 +165,9 @@ impl SensorModel {
             converter,
             video,
             frame_grabber,
-        })
+        };
+        sensor.take_patterns(&d.noise, &mut files)?;
+        Ok(sensor)
     }
 
     /// Warnings about the cells of the sensor.

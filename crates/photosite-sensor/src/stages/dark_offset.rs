@@ -15,7 +15,8 @@ pub(crate) struct DarkOffset {
 impl DarkOffset {
     pub(crate) fn new(frame: &Frame<'_>) -> Option<Self> {
         let streams = frame.fixed(Stage::DarkOffset)?;
-        Some(Self { deviations: Deviations::new(&frame.read_out_noise().dsnu, frame.size[0], streams)? })
+        let (pattern, measured) = (frame.read_out_noise().dsnu, frame.sensor.noise.dsnu_map.as_ref());
+        Some(Self { deviations: Deviations::new(&pattern, measured, frame.size[0], streams)? })
     }
 }
 

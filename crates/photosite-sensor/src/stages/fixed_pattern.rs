@@ -3,7 +3,7 @@
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
-use crate::model::FixedPattern;
+use crate::model::{FixedPattern, MeasuredPattern};
 use crate::signal::charge_plane::Row;
 use crate::signal::noise_key::Streams;
 
@@ -14,6 +14,8 @@ pub(crate) struct Deviations {
     row: f32,
     /// The deviation of every column, empty where they have none.
     columns: Vec<f32>,
+    /// Deviations that were measured, in place of random ones.
+    measured: Option<MeasuredPattern>,
     streams: Streams,
 }
 
@@ -22,16 +24,26 @@ const ROWS: u64 = 0;
 const COLUMNS: u64 = 1;
 
 impl Deviations {
-    /// The deviations of an image of `width` columns; `None` for a pattern that is flat.
-    pub(crate) fn new(pattern: &FixedPattern, width: usize, streams: Streams) -> Option<Self> {
+    /// The deviations of an image of `width` columns, measured or of a pattern; `None` for a pattern that is flat.
+    pub(crate) fn new(
+        pattern: &FixedPattern,
+        measured: Option<&MeasuredPattern>,
+        width: usize,
+        streams: Streams,
+    ) -> Option<Self> {
         let columns = streams.part(COLUMNS).normals_of_columns(pattern.column, width);
         let [pixel, row] = [pattern.pixel, pattern.row].map(|part| part as f32);
-        (pattern.total() > 0.0).then_some(Self { pixel, row, columns, streams })
+        let measured = measured.cloned();
+        (pattern.total() > 0.0).then_some(Self { pixel, row, columns, measured, streams })
     }
 
     /// Hands each value of a row to `apply` with the deviation of its pixel.
     #[inline]
     pub(crate) fn apply(&self, row: &mut Row<'_>, apply: impl Fn(f32, f32) -> f32) {
+        if let Some(measured) = &self.measured {
+            let deviations = measured.row(row.y);
+            return row.values.iter_mut().zip(deviations).for_each(|(value, own)| *value = apply(*value, *own));
+        }
         let normal: f32 = self.streams.part(ROWS).row(row.y).sample(StandardNormal);
         let shared = |x: usize| self.row * normal + self.columns.get(x).unwrap_or(&0.0);
         if self.pixel > 0.0 {

@@ -15,7 +15,8 @@ pub(crate) struct PhotoResponse {
 impl PhotoResponse {
     pub(crate) fn new(frame: &Frame<'_>) -> Option<Self> {
         let streams = frame.fixed(Stage::PhotoResponse)?;
-        Some(Self { deviations: Deviations::new(&frame.sensor.noise.prnu, frame.size[0], streams)? })
+        let noise = &frame.sensor.noise;
+        Some(Self { deviations: Deviations::new(&noise.prnu, noise.prnu_map.as_ref(), frame.size[0], streams)? })
     }
 }
 

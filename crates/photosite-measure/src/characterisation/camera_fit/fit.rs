@@ -9,6 +9,7 @@ use super::frame_group::CameraFrames;
 use super::frame_stack::StackStatistics;
 use super::measured::Measured;
 use super::parameters::{Assumption, FittedGainStep, KnownFacts, Parameter};
+use super::pattern_maps::PatternMaps;
 use super::patterns::{Averages, MendedFrames, Patterns};
 use super::photon_transfer::{PhotonTransfer, TransferPoint};
 use super::read_noise_shape::{FEWEST_IMAGES, Found, OtherNoise, ReadNoiseShape};
@@ -31,6 +32,8 @@ pub struct CameraFit {
     pub left_out: Vec<NotMeasured>,
     /// Statements about the images: light that drifts, images that nothing goes with.
     pub notes: Vec<String>,
+    /// Measured patterns of the pixels.
+    pub maps: PatternMaps,
     /// Pixels that do not work as the others.
     pub defects: Vec<Defect>,
     /// Photon transfer curve.
@@ -51,14 +54,17 @@ pub struct CameraFit {
 pub fn fit_camera(frames: &CameraFrames<'_>, known: &KnownFacts) -> Result<CameraFit> {
     let mut mended = MendedFrames { frames, replacements: Vec::new() };
     let mut survey = Survey::new(&mended)?;
-    let averages = averages(&mended, &survey)?;
+    let mut averages = averages_of(&mended, &survey)?;
     let (defects, hot) = averages.defects(frames.size[0]);
-    let mut patterns = averages.patterns(frames.size);
+    let mut original = None;
     if !defects.is_empty() {
         mended.replacements = replacements(&defects, frames.size[0]);
         survey = Survey::new(&mended)?;
-        patterns = self::averages(&mended, &survey)?.patterns(frames.size);
+        original = Some(std::mem::replace(&mut averages, averages_of(&mended, &survey)?));
     }
+    let patterns = averages.patterns(frames.size);
+    let places: Vec<usize> = defects.iter().map(|defect| defect.y * frames.size[0] + defect.x).collect();
+    let maps = PatternMaps::new(&averages, &patterns, original.as_ref().unwrap_or(&averages), &places, frames.size);
     let notes = survey.notes(frames);
     let mut sheet = Sheet::new(known, &survey);
     let shape = read_noise_shape(&mended, &survey, &patterns, sheet.system_gain())?;
@@ -77,6 +83,7 @@ pub fn fit_camera(frames: &CameraFrames<'_>, known: &KnownFacts) -> Result<Camer
         assumed,
         left_out,
         notes,
+        maps,
         defects,
         transfer,
         dark,
@@ -114,7 +121,7 @@ fn read_noise_shape(
 }
 
 /// Averages of the images that tell the patterns.
-fn averages(frames: &MendedFrames<'_>, survey: &Survey) -> Result<Averages> {
+fn averages_of(frames: &MendedFrames<'_>, survey: &Survey) -> Result<Averages> {
     let left = |s: &StackStatistics| s.temporal.map(|v| v.times(1.0 / s.images as f64));
     let reference = survey.dark_reference();
     let dark_statistics = &survey.dark.frames()[reference].statistics;
@@ -149,6 +156,7 @@ fn averages(frames: &MendedFrames<'_>, survey: &Survey) -> Result<Averages> {
     Ok(Averages {
         dark_noise: left(dark_statistics),
         dark_images: dark_statistics.images,
+        dark_time: survey.reference_time().unwrap_or(0.0),
         dark,
         response,
         lines,

@@ -86,12 +86,13 @@ impl CameraFit {
     }
 
     /// Text of the steps in a sensor file.
-    pub(super) fn text_of_gain_steps(&self) -> String {
+    /// `is_told` says which keys stand in the file.
+    pub(super) fn text_of_gain_steps(&self, is_told: impl Fn(&str) -> bool) -> String {
         let mut text = String::new();
         for FittedGainStep { gain_db, name, parameters } in &self.gain_steps {
             text +=
                 &format!("\n[[noise.gain_steps]]\ngain_db = {gain_db:?}  # {}\n", name.replace(char::is_control, " "));
-            for Parameter { key, unit, measured } in parameters {
+            for Parameter { key, unit, measured } in parameters.iter().filter(|p| is_told(p.key)) {
                 let key = key.trim_start_matches("noise.");
                 let (value, error) = (rounded(measured.value, 6), rounded(measured.standard_error, 2));
                 text += &format!("{key} = {value:?}  # ± {error} {unit}\n");
@@ -104,7 +105,7 @@ impl CameraFit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::characterisation::camera_fit::{DarkModel, Measured, PhotonTransfer};
+    use crate::characterisation::camera_fit::{DarkModel, Measured, PatternMaps, PhotonTransfer};
 
     fn fit(parameters: &[(&'static str, f64)]) -> CameraFit {
         let parameter = |&(key, value): &(&'static str, f64)| Parameter {
@@ -120,6 +121,7 @@ mod tests {
             left_out: Vec::new(),
             notes: Vec::new(),
             defects: Vec::new(),
+            maps: PatternMaps::default(),
             transfer: PhotonTransfer::new(&[], &DarkModel::new(Vec::new())),
             dark: DarkModel::new(Vec::new()),
             dark_currents: Vec::new(),
@@ -135,7 +137,7 @@ mod tests {
         // 20·log₁₀ 4, and 1 % twice of 8.69 dB.
         assert!((db - 12.0412).abs() < 1e-4 && (error - 0.1228).abs() < 1e-3, "{db} {error}");
         first.add_gains("ISO 100", &[(12.0, "ISO 400".to_owned(), second)]);
-        let text = first.text_of_gain_steps();
+        let text = first.text_of_gain_steps(|_| true);
         assert_eq!(
             text,
             "\n[[noise.gain_steps]]\ngain_db = 0.0  # ISO 100\nread_noise_e = 3.0  # ± 0.03 e-\n\

@@ -7,7 +7,8 @@
 //! | analysis of variance of the images of one light: temporal noise of pixels, rows, columns | `frame_stack.rs` |
 //! | dark signal and noise over time | `dark_model.rs` |
 //! | photon transfer: gain, responsivity, saturation | `photon_transfer.rs` |
-//! | patterns of averaged images, without shading | `pattern.rs`, `patterns.rs` |
+//! | patterns of averaged images, without shading | `decomposition.rs`, `pattern.rs`, `patterns.rs` |
+//! | the patterns themselves, for a twin of this very camera | `pattern_maps.rs` |
 //! | pixels that are no part of them | `defects.rs` |
 //! | unequal pixels and heavy tails of the read noise | `read_noise_shape.rs` |
 //! | statistics of all groups, checked for being of one camera | `survey.rs` |
@@ -20,6 +21,7 @@
 //! lie. Nothing that the images do not tell is filled in silently: keys that a sensor file needs are marked as assumed.
 
 mod dark_model;
+mod decomposition;
 mod defects;
 mod fit;
 mod frame_group;
@@ -29,6 +31,7 @@ mod lines;
 mod measured;
 mod parameters;
 mod pattern;
+mod pattern_maps;
 mod patterns;
 mod photon_transfer;
 mod read_noise_shape;
@@ -44,5 +47,6 @@ pub use frame_stack::{Parts, StackStatistics};
 pub use lines::MeasuredLine;
 pub use measured::Measured;
 pub use parameters::{Assumption, FittedGainStep, KnownFacts, Parameter};
+pub use pattern_maps::{PatternMap, PatternMaps};
 pub use photon_transfer::{BrightFrames, PhotonTransfer, Saturation, TransferPoint};
-pub use sensor_file::Mosaic;
+pub use sensor_file::{MapNames, Mosaic};

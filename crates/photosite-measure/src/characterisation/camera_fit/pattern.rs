@@ -1,5 +1,6 @@
 //! The fixed pattern of an averaged image: variances of pixels, rows and columns, and the shading that is no pattern.
 
+use super::decomposition::Decomposition;
 use super::frame_stack::{Parts, mean_square};
 use super::measured::Measured;
 
@@ -16,15 +17,6 @@ pub(super) struct Pattern {
     pub is_shaded: bool,
 }
 
-/// Degrees of the polynomials that stand for shading.
-fn degrees(length: usize) -> usize {
-    match length {
-        0..16 => 0,
-        16..64 => 2,
-        _ => 4,
-    }
-}
-
 impl Pattern {
     /// Pattern of an image, DN, whose temporal noise left these variances in it. With the image's mean squares of
     /// rows, columns and the rest (MS_R, MS_C, MS_P of M rows and N columns) after its smooth part is subtracted,
@@ -34,31 +26,19 @@ impl Pattern {
     /// The smooth part is a polynomial in x and y, orthogonal over the pixels: it costs each mean square a few degrees
     /// of freedom.
     pub(super) fn of(image: &[f64], size: [usize; 2], noise: Parts) -> Self {
-        let [columns, rows] = size.map(|length| Basis::new(length, degrees(length)));
-        let (m, n) = (rows.length as f64, columns.length as f64);
+        let parts = Decomposition::of(image, size);
+        let Decomposition { rows, columns, mean, row_means, column_means, .. } = &parts;
+        let (m, n) = (size[1] as f64, size[0] as f64);
         let pixels = m * n;
-        let mean = image.iter().sum::<f64>() / pixels;
-        let row_means: Vec<f64> = image.chunks_exact(size[0]).map(|line| line.iter().sum::<f64>() / n - mean).collect();
-        let mut column_means = vec![-mean; size[0]];
-        for line in image.chunks_exact(size[0]) {
-            column_means.iter_mut().zip(line).for_each(|(sum, y)| *sum += y / m);
-        }
-        let (row_smooth, column_smooth) = (rows.smooth(&row_means), columns.smooth(&column_means));
-        let squares = |values: &[f64], smooth: &[f64]| values.iter().zip(smooth).map(|(v, s)| (v - s).powi(2)).sum();
-        let of_rows: f64 = squares(&row_means, &row_smooth);
-        let of_columns: f64 = squares(&column_means, &column_smooth);
-        let rest: Vec<f64> =
-            (0..image.len()).map(|i| image[i] - mean - row_means[i / size[0]] - column_means[i % size[0]]).collect();
-        let both = rows.smooth_both(&columns, &rest);
-        let smooth = |i: usize| both[i] + row_smooth[i / size[0]] + column_smooth[i % size[0]];
         let (low, high) = (0..image.len())
-            .map(smooth)
+            .map(|i| parts.smooth(i))
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), s| (low.min(s), high.max(s)));
 
+        let [of_rows, of_columns, of_pixels] = parts.rough();
         let freedom = [m - 1.0 - rows.degrees(), n - 1.0 - columns.degrees()];
-        let [row_square, column_square] =
-            [mean_square(n * of_rows, freedom[0]), mean_square(m * of_columns, freedom[1])];
-        let squares = rest.iter().zip(&both).map(|(value, smooth)| (value - smooth).powi(2));
+        let row_square = mean_square(n * of_rows.map(|value| value * value).sum::<f64>(), freedom[0]);
+        let column_square = mean_square(m * of_columns.map(|value| value * value).sum::<f64>(), freedom[1]);
+        let squares = of_pixels.map(|value| value * value);
         let (sum, fourth) = squares.fold((0.0, 0.0), |(sum, fourth), square| (sum + square, fourth + square * square));
         let rest_freedom = (m - 1.0) * (n - 1.0) - rows.degrees() * columns.degrees();
         let spread = (fourth / pixels - (sum / pixels).powi(2)).max(0.0).sqrt();
@@ -73,84 +53,13 @@ impl Pattern {
             + (column_square.value - pixel_square.value).max(0.0) / pixels;
         // A smooth term takes a mean square of the pattern by chance; 24 terms of normal numbers reach 5 σ never.
         let by_chance = row_square.value.max(column_square.value).max(pixel_square.value);
-        let largest_term = rows.largest_term(&row_means, n).max(columns.largest_term(&column_means, m));
+        let largest_term = rows.largest_term(row_means, n).max(columns.largest_term(column_means, m));
         Self {
             variances,
-            mean: Measured::new(mean, of_mean.sqrt()),
+            mean: Measured::new(*mean, of_mean.sqrt()),
             shading: if high > low { high - low } else { 0.0 },
             is_shaded: largest_term > 25.0 * by_chance,
         }
-    }
-}
-
-/// Orthonormal polynomials over the places of a line, without the constant.
-struct Basis {
-    length: usize,
-    terms: Vec<Vec<f64>>,
-}
-
-impl Basis {
-    fn new(length: usize, degrees: usize) -> Self {
-        let mut terms: Vec<Vec<f64>> = vec![vec![1.0 / (length as f64).sqrt(); length]];
-        let place = |i: usize| 2.0 * i as f64 / (length as f64 - 1.0).max(1.0) - 1.0;
-        for _ in 0..degrees {
-            // x times the last, made orthogonal to all before it twice, for rounding.
-            let last = &terms[terms.len() - 1];
-            let mut next: Vec<f64> = last.iter().enumerate().map(|(i, t)| t * place(i)).collect();
-            for _ in 0..2 {
-                for term in &terms {
-                    let part: f64 = term.iter().zip(&next).map(|(a, b)| a * b).sum();
-                    next.iter_mut().zip(term).for_each(|(value, t)| *value -= part * t);
-                }
-            }
-            let norm = next.iter().map(|v| v * v).sum::<f64>().sqrt();
-            next.iter_mut().for_each(|v| *v /= norm);
-            terms.push(next);
-        }
-        terms.remove(0);
-        Self { length, terms }
-    }
-
-    fn degrees(&self) -> f64 {
-        self.terms.len() as f64
-    }
-
-    /// Coefficient of each term.
-    fn coefficients(&self, values: &[f64]) -> Vec<f64> {
-        self.terms.iter().map(|term| term.iter().zip(values).map(|(t, v)| t * v).sum()).collect()
-    }
-
-    /// The smooth part of a line.
-    fn smooth(&self, values: &[f64]) -> Vec<f64> {
-        let mut smooth = vec![0.0; self.length];
-        for (term, c) in self.terms.iter().zip(self.coefficients(values)) {
-            smooth.iter_mut().zip(term).for_each(|(value, t)| *value += c * t);
-        }
-        smooth
-    }
-
-    /// Largest mean square of a term, each line being the mean of `across` pixels.
-    fn largest_term(&self, values: &[f64], across: f64) -> f64 {
-        self.coefficients(values).into_iter().map(|c| across * c * c).fold(0.0, f64::max)
-    }
-
-    /// The smooth part of an image of these rows and other columns, of products of terms.
-    fn smooth_both(&self, columns: &Self, image: &[f64]) -> Vec<f64> {
-        let width = columns.length;
-        let mut coefficients = vec![vec![0.0; columns.terms.len()]; self.terms.len()];
-        for (y, line) in image.chunks_exact(width).enumerate() {
-            for (b, c) in columns.coefficients(line).into_iter().enumerate() {
-                coefficients.iter_mut().zip(&self.terms).for_each(|(row, term)| row[b] += term[y] * c);
-            }
-        }
-        let mut smooth = vec![0.0; image.len()];
-        for (y, line) in smooth.chunks_exact_mut(width).enumerate() {
-            for (b, term) in columns.terms.iter().enumerate() {
-                let c: f64 = coefficients.iter().zip(&self.terms).map(|(row, t)| row[b] * t[y]).sum();
-                line.iter_mut().zip(term).for_each(|(value, t)| *value += c * t);
-            }
-        }
-        smooth
     }
 }
 

@@ -32,9 +32,8 @@ impl MendedFrames<'_> {
         Ok(stack)
     }
 
-    /// Lines of every pixel's dark signal over time, of these groups with their times in s and statistics: the rise,
-    /// DN/s, and the signal at no time, DN, each with the variances that temporal noise leaves in them.
-    pub(super) fn lines(&self, dark: &[(usize, f64, &StackStatistics)]) -> Result<[(Vec<f64>, Parts); 2]> {
+    /// Lines of every pixel's dark signal over time, of these groups with their times in s and statistics.
+    pub(super) fn lines(&self, dark: &[(usize, f64, &StackStatistics)]) -> Result<DarkLines> {
         let count = |s: &StackStatistics| s.images as f64;
         let all: f64 = dark.iter().map(|(.., s)| count(s)).sum();
         let mean_time = dark.iter().map(|(_, time, s)| time * count(s)).sum::<f64>() / all;
@@ -49,7 +48,40 @@ impl MendedFrames<'_> {
                 *noise = noise.plus(statistics.temporal.map(|v| v.times(weight * weight * count(statistics))));
             }
         }
-        Ok(lines)
+        let [rise, start] = lines;
+        Ok(DarkLines { rise, start, mean_time })
+    }
+}
+
+/// Lines of every pixel's dark signal over time, with the variances that temporal noise leaves in them.
+pub(super) struct DarkLines {
+    /// Rise, DN/s.
+    pub(super) rise: (Vec<f64>, Parts),
+    /// Signal at no time, DN.
+    pub(super) start: (Vec<f64>, Parts),
+    /// Mean time of all images, s, at which signal and rise are told independently.
+    mean_time: f64,
+}
+
+impl DarkLines {
+    /// Offsets of the pixels with the variances that noise leaves in them. The signal at the mean time t, less what the dark
+    /// current adds there: the rise with σ² of noise, which tells its pattern of s² by s²/(s² + σ²). Where dark
+    /// currents are alike, that is the mean of all images.
+    fn offsets(&self, rise: &Parts) -> (Vec<f64>, Parts) {
+        let t = self.mean_time;
+        let told = |part: fn(&Parts) -> Measured| part(rise).root().map_or(0.0, |_| part(rise).value);
+        let share = {
+            let (s, sigma) = (told(|p| p.pixel), self.rise.1.pixel.value);
+            if s > 0.0 { s / (s + sigma) } else { 0.0 }
+        };
+        let left = |part: fn(&Parts) -> Measured| {
+            let [at_start, of_rise] = [&self.start.1, &self.rise.1].map(|noise| part(noise).value);
+            let uneven = share * share * of_rise + (1.0 - share).powi(2) * told(part);
+            Measured::new((at_start - t * t * of_rise).max(0.0) + t * t * uneven, 0.0)
+        };
+        let images = self.start.0.iter().zip(&self.rise.0);
+        let offsets = images.map(|(start, rise)| start + (1.0 - share) * t * rise).collect();
+        (offsets, Parts { pixel: left(|p| p.pixel), row: left(|p| p.row), column: left(|p| p.column) })
     }
 }
 
@@ -60,10 +92,12 @@ pub(super) struct Averages {
     pub(super) dark_noise: Parts,
     /// Images of the dark reference.
     pub(super) dark_images: usize,
+    /// Exposure time of the dark reference, s; 0 where it is unknown.
+    pub(super) dark_time: f64,
     /// Average of the bright reference less that of the dark images beside it, DN.
     pub(super) response: Option<(Vec<f64>, Parts)>,
-    /// Rise of the dark signal, DN/s, and what it is at no time, DN.
-    pub(super) lines: Option<[(Vec<f64>, Parts); 2]>,
+    /// Lines of the dark signal over time, where times are known.
+    pub(super) lines: Option<DarkLines>,
     /// Whether a pixel had the same number in all images of both references.
     pub(super) is_constant: Vec<bool>,
 }
@@ -75,16 +109,43 @@ pub(super) struct Patterns {
     pub(super) rise: Option<Pattern>,
     /// Pattern of the dark signal at no time.
     pub(super) start: Option<Pattern>,
+    /// Exposure time of the dark reference, s.
+    dark_time: f64,
+}
+
+impl Patterns {
+    /// Pattern of the offsets: that of the dark reference, less what an uneven dark current adds, or that of the lines at
+    /// no time, whichever is known better.
+    pub(super) fn offsets(&self) -> Parts {
+        let rise = self.rise.as_ref().map(|rise| rise.variances.pixel).filter(|rise| rise.root().is_ok());
+        let uneven = rise.unwrap_or_default().times(self.dark_time * self.dark_time);
+        let of_time = Parts { pixel: self.dark.variances.pixel.minus(uneven), ..self.dark.variances };
+        let of_start = self.start.as_ref().map(|pattern| pattern.variances);
+        let clearer = |part: fn(&Parts) -> Measured| {
+            let start = of_start.as_ref().map(part);
+            start.filter(|start| start.standard_error < part(&of_time).standard_error).unwrap_or(part(&of_time))
+        };
+        Parts { pixel: clearer(|p| p.pixel), row: clearer(|p| p.row), column: clearer(|p| p.column) }
+    }
 }
 
 impl Averages {
+    /// Offsets of the pixels, with the variances that noise leaves in them.
+    pub(super) fn offsets(&self, patterns: &Patterns) -> (Vec<f64>, Parts) {
+        match (&self.lines, &patterns.rise) {
+            (Some(lines), Some(rise)) => lines.offsets(&rise.variances),
+            _ => (self.dark.clone(), self.dark_noise),
+        }
+    }
+
     pub(super) fn patterns(&self, size: [usize; 2]) -> Patterns {
         let of = |(image, noise): &(Vec<f64>, Parts)| Pattern::of(image, size, *noise);
         Patterns {
             dark: Pattern::of(&self.dark, size, self.dark_noise),
             response: self.response.as_ref().map(of),
-            rise: self.lines.as_ref().map(|[rise, _]| of(rise)),
-            start: self.lines.as_ref().map(|[_, start]| of(start)),
+            rise: self.lines.as_ref().map(|lines| of(&lines.rise)),
+            start: self.lines.as_ref().map(|lines| of(&lines.start)),
+            dark_time: self.dark_time,
         }
     }
 
@@ -96,7 +157,7 @@ impl Averages {
         let mut defects = Vec::new();
         let mut found = |place: usize, kind| defects.push(Defect { x: place % width, y: place / width, kind });
         // At no time, where that is known: dark currents are no offsets.
-        let dark = Outliers::of(self.lines.as_ref().map_or(&self.dark, |[_, (start, _)]| start), width);
+        let dark = Outliers::of(self.lines.as_ref().map_or(&self.dark, |lines| &lines.start.0), width);
         let dark_limit = dark.threshold(step);
         if let Some((image, _)) = &self.response {
             let mean = image.iter().sum::<f64>() / image.len() as f64;
@@ -113,7 +174,7 @@ impl Averages {
             }
         }
         let mut hot = Err(0);
-        if let Some([(image, noise), _]) = &self.lines {
+        if let Some(DarkLines { rise: (image, noise), .. }) = &self.lines {
             let outliers = Outliers::of(image, width);
             let limit = outliers.uneven_threshold(image, noise.pixel.value.sqrt());
             let beyond = outliers.deviations.iter().enumerate().filter(|(_, d)| **d > limit);

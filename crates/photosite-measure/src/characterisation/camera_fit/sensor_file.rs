@@ -22,14 +22,43 @@ pub struct Mosaic {
     pub responses: Vec<(String, f64)>,
 }
 
+/// Names of the files of measured patterns, relative to the sensor file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MapNames {
+    /// Responses, `noise.prnu_map`.
+    pub prnu: Option<String>,
+    /// Offsets, `noise.dsnu_map`.
+    pub dsnu: Option<String>,
+}
+
+impl MapNames {
+    /// Names of files beside the sensor file of this name without its ending.
+    pub fn beside(stem: &str) -> Self {
+        Self { prnu: Some(format!("{stem}.prnu.npy")), dsnu: Some(format!("{stem}.dsnu.npy")) }
+    }
+
+    /// Whether a key stands beside the patterns.
+    fn leave(&self, key: &str) -> bool {
+        let is_of = |map: &Option<String>, name: &str| map.is_some() && key.starts_with(name);
+        !is_of(&self.prnu, "noise.prnu") && !is_of(&self.dsnu, "noise.dsnu")
+    }
+
+    fn lines(&self) -> impl Iterator<Item = String> {
+        [("prnu_map", &self.prnu), ("dsnu_map", &self.dsnu)]
+            .into_iter()
+            .filter_map(|(key, file)| Some(format!("{key} = {{ file = {:?} }}", file.as_ref()?)))
+    }
+}
+
 impl CameraFit {
     /// Parameter of a key.
     pub fn parameter(&self, key: &str) -> Option<&Parameter> {
         self.parameters.iter().find(|parameter| parameter.key == key)
     }
 
-    /// Text of the sensor file. `source` says where the images come from.
-    pub fn sensor_file(&self, source: &str, mosaic: &Mosaic) -> String {
+    /// Text of the sensor file. `source` says where the images come from; `maps` are the names of the files of measured
+    /// patterns, which take the place of their standard deviations.
+    pub fn sensor_file(&self, source: &str, mosaic: &Mosaic, maps: &MapNames) -> String {
         let [width, height] = mosaic.size;
         let source = escaped(source);
         let mut text = format!("description = \"Twin of a camera, fitted to {source}\"\nsource = \"\"\"\n");
@@ -43,7 +72,7 @@ impl CameraFit {
         let _ =
             writeln!(text, "\"\"\"\nkind = \"cmos\"\nresolution_px = [{width}, {height}]\ncfa = \"{}\"", mosaic.cfa);
         for table in TABLES {
-            let lines = self.lines(table);
+            let lines = self.lines(table, maps);
             if !table.is_empty() && !lines.is_empty() {
                 let _ = writeln!(text, "\n[{table}]");
             }
@@ -51,7 +80,7 @@ impl CameraFit {
                 let _ = writeln!(text, "{line}");
             });
             if table == "noise" {
-                text += &self.text_of_gain_steps();
+                text += &self.text_of_gain_steps(|key| maps.leave(key));
             }
         }
         for (name, response) in &mosaic.responses {
@@ -76,7 +105,7 @@ impl CameraFit {
     }
 
     /// Lines of a table but those of channels: what is measured, then what is assumed.
-    fn lines(&self, table: &str) -> Vec<String> {
+    fn lines(&self, table: &str, maps: &MapNames) -> Vec<String> {
         let mut lines = Vec::new();
         if table == "adc" {
             lines.push(format!("bits = {}", self.bits));
@@ -85,7 +114,7 @@ impl CameraFit {
             Some((of, name)) => (of == table).then_some(name),
             None => (table.is_empty() && key != EFFICIENCY).then_some(key),
         };
-        for parameter in &self.parameters {
+        for parameter in self.parameters.iter().filter(|parameter| maps.leave(parameter.key)) {
             let Some(name) = of_table(parameter.key) else { continue };
             let Parameter { unit, measured, .. } = parameter;
             let error = rounded(measured.standard_error, 2);
@@ -97,6 +126,9 @@ impl CameraFit {
             };
             let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
             lines.push(format!("{name} = {value}  # {more}± {error}{unit}"));
+        }
+        if table == "noise" {
+            lines.extend(maps.lines());
         }
         for Assumption { key, value, is_stated, reason } in &self.assumed {
             if let Some(name) = of_table(key) {

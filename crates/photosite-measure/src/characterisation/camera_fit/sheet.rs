@@ -88,8 +88,8 @@ impl Sheet {
         self.dark_noise(survey, shape.as_ref().ok(), frames.size);
         self.read_noise_shape(shape);
         let dark_current = self.dark_current(survey, patterns);
-        let uneven = self.uneven_dark_current(patterns, dark_current, survey);
-        self.dark_pattern(patterns, uneven);
+        self.uneven_dark_current(patterns, dark_current);
+        self.dark_pattern(patterns);
         self.response_pattern(patterns);
         self.defective(defects, hot, dark_current.is_some(), patterns, frames);
         self.full_well(survey, frames);
@@ -292,29 +292,18 @@ impl Sheet {
         }
     }
 
-    /// Tells how uneven the dark current is, and returns the variance that it has in the dark pattern, DN².
-    fn uneven_dark_current(&mut self, patterns: &Patterns, current: Option<Measured>, survey: &Survey) -> Measured {
+    /// Tells how uneven the dark current is.
+    fn uneven_dark_current(&mut self, patterns: &Patterns, current: Option<Measured>) {
         const NAME: &str = "dark current non-uniformity";
         let (Some(current), Some(rise)) = (current, &patterns.rise) else {
-            self.leave(NAME, "there is no dark current that it could be told of");
-            return Measured::default();
+            return self.leave(NAME, "there is no dark current that it could be told of");
         };
         let variance = rise.variances.pixel;
         self.tell_root("noise.dark_current_nonuniformity_percent", NAME, "%", variance, current.times(0.01));
-        let time = survey.reference_time().unwrap_or(0.0);
-        if variance.root().is_ok() { variance.times(time * time) } else { Measured::default() }
     }
 
-    /// Tells the dark pattern: that of the most images of one time, less what an uneven dark current adds, or that of
-    /// the lines at no time, whichever is known better.
-    fn dark_pattern(&mut self, patterns: &Patterns, uneven: Measured) {
-        let of_time = Parts { pixel: patterns.dark.variances.pixel.minus(uneven), ..patterns.dark.variances };
-        let of_start = patterns.start.as_ref().map(|pattern| pattern.variances);
-        let better = |part: fn(&Parts) -> Measured| {
-            let start = of_start.as_ref().map(part);
-            start.filter(|start| start.standard_error < part(&of_time).standard_error).unwrap_or(part(&of_time))
-        };
-        let [pixel, row, column]: [Measured; 3] = [better(|p| p.pixel), better(|p| p.row), better(|p| p.column)];
+    fn dark_pattern(&mut self, patterns: &Patterns) {
+        let Parts { pixel, row, column } = patterns.offsets();
         let gain = self.gain;
         self.tell_root("noise.dsnu_e", "DSNU of pixels", "e-", pixel, gain);
         self.tell_root("noise.dsnu_row_e", "DSNU of rows", "e-", row, gain);
