@@ -60,6 +60,7 @@ mod room;
 mod same_bytes;
 mod sandbox;
 mod seeds;
+mod sensitivities;
 mod shared_work;
 mod shorthands;
 mod signals;

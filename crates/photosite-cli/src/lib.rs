@@ -48,6 +48,7 @@ mod render;
 mod run_args;
 mod scene_args;
 mod schema;
+mod sensitivities;
 mod sensors;
 mod shell_words;
 mod shorthands;

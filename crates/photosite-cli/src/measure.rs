@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::log::warning;
 use super::measured_edges::{MeasuredEdge, PlotFormat, edges_text, noise_warning};
 use super::print::{print_json, println_text, refuse_existing, write_result};
+use super::sensitivities::{self, SensitivitiesArgs};
 use photosite_capture::report::{pixel_pitch_m, stated_pitch_m};
 use photosite_core::colour::{ColourSpace, cielab, difference};
 use photosite_core::image::{Channel, NotFinite, Planes};
@@ -62,6 +63,11 @@ enum Measure {
         #[arg(long, value_name = "FILE")]
         capture: PathBuf,
     },
+    /// Spectral sensitivities of a camera from photographs of a chart.
+    ///
+    /// The patches are sampled about their centres. Each channel gets the most probable curve of a positive prior, with its
+    /// standard errors; images in further lights make it sharper. Light beyond 380 to 780 nm must not reach the sensor.
+    Sensitivities(SensitivitiesArgs),
     /// PSNR, SSIM and colour differences of two images; B is the reference.
     Similarity {
         #[command(flatten)]
@@ -156,6 +162,7 @@ pub(super) fn run(args: &MeasureArgs, sandbox: &Sandbox) -> Result<()> {
             NotFinite::refuse(&planes).map_err(|invalid| invalid.in_file(&image.image))?;
             image.print(&measure_checker(&planes, &image.image, capture, sandbox)?, checker_text)
         }
+        Measure::Sensitivities(args) => sensitivities::run(args),
         Measure::Similarity { image, b } => image.print(&similarity(image, b)?, similarity_text),
     }
 }

@@ -5,7 +5,7 @@ use photosite_core::Invalid;
 use photosite_core::spectrum::Spectrum;
 use photosite_raw::{ColourCalibration, RawMetadata};
 
-pub use super::colour_matrix::neutral;
+pub use super::colour_matrix::{chart_error, neutral};
 
 /// The colour entries of a raw file's metadata.
 #[derive(Clone, Debug, PartialEq)]

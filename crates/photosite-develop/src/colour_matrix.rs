@@ -19,13 +19,13 @@
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 
-use super::colour::inverse;
+use super::colour::{camera_to_rgb, inverse};
 use photosite_core::Invalid;
 use photosite_core::colour::adaptation::{D50, bradford};
 use photosite_core::colour::{ColourSpace, cielab, difference};
 use photosite_core::math::minimise::nelder_mead;
 use photosite_core::spectrum::{Spectrum, cie, illuminant, library};
-use photosite_raw::{ColourCalibration, LightSource};
+use photosite_raw::{ColourCalibration, LightSource, RawMetadata};
 
 /// Colour calibrations of three channels or more in A, D65 and D50: of the sensor and its lens alone, whatever the
 /// light of the scene.
@@ -56,6 +56,25 @@ fn calibration(
     }
     let arrays = |rows: Vec<DVec3>| rows.iter().map(DVec3::to_array).collect();
     Ok(ColourCalibration { light, colour_matrix: arrays(colour), forward_matrix: Some(arrays(forward)) })
+}
+
+/// Mean ΔE₀₀ of the 24 patches of a colour checker in a light, as a camera with these channels shows them by the colour
+/// calibrations of a raw file. `None` where there are none.
+///
+/// # Errors
+///
+/// Light that a channel does not see, and calibrations that give no colour.
+pub fn chart_error(
+    channels: &[(String, Spectrum)],
+    calibrations: &[ColourCalibration],
+    light: &Spectrum,
+) -> Result<Option<f64>, Invalid> {
+    let chart = Chart::new(channels, light, neutral(channels, light)?);
+    let metadata = RawMetadata { calibrations: calibrations.to_vec(), ..RawMetadata::default() };
+    let columns = camera_to_rgb(&metadata, &chart.neutral, SCREEN)?;
+    // White-balanced camera → XYZ adapted to D50, as a forward matrix has it.
+    let to_forward = chart.to_screen.inverse() * SCREEN.to_xyz();
+    Ok(columns.map(|columns| chart.error(&columns.into_iter().map(|column| to_forward * column).collect::<Vec<_>>())))
 }
 
 /// The camera's response to `light` itself, the largest component 1.
@@ -235,6 +254,18 @@ fn checker() -> impl Iterator<Item = Spectrum> {
 mod tests {
     use super::*;
     use crate::camera_colour::{CameraColour, camera_colour};
+
+    #[test]
+    fn calibrations_of_a_camera_show_its_charts_best() {
+        let (own, other) = (camera(), luther_camera().0);
+        let d50 = illuminant::illuminant("D50").expect("known");
+        let of = |camera: &Channels| camera_colour(camera, &d50).expect("colours").expect("three").calibrations;
+        let error = |camera: &Channels, by| chart_error(camera, by, &d50).expect("colours").expect("calibrations");
+        let (own_by_own, other_by_other) = (error(&own, &of(&own)), error(&other, &of(&other)));
+        assert!(other_by_other < 0.1 && own_by_own < 4.0, "{other_by_other} {own_by_own}");
+        assert!(error(&own, &of(&other)) > own_by_own + 1.0 && error(&other, &of(&own)) > other_by_other + 1.0);
+        assert_eq!(chart_error(&own, &[], &d50), Ok(None));
+    }
 
     type Channels = Vec<(String, Spectrum)>;
 

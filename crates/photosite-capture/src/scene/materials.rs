@@ -157,6 +157,10 @@ fn metal(finder: &Finder<'_>, source: &MetalSource) -> Result<(Spectrum, Spectru
                 Err(Invalid::new("", message).help(help))
             }
         },
+        MetalSource::File(curve) if curve.column.is_some() => {
+            let message = "the file of a metal is read by its columns n and k";
+            Err(Invalid::new("column", message).help("remove column; eta and k take a file with a column each"))
+        }
         MetalSource::File(curve) => {
             let table = finder.table(&curve.file, Outside::Hold)?;
             let column = |name| table.column(name).map_err(|e| Invalid::new("", format!("{}: {e}", curve.file)));

@@ -73,7 +73,8 @@ impl<'a> Finder<'a> {
             SpectrumSource::Name(name) => library::spectrum(name).ok_or_else(|| unknown_spectrum(name, library::names)),
             SpectrumSource::File(curve) => {
                 let table = self.table(&curve.file, outside)?;
-                table.single().map_err(|error| in_csv(&self.folder.join(&curve.file), error.into()))
+                let found = curve.column.as_ref().map_or_else(|| table.single(), |name| table.column(name));
+                found.map_err(|error| in_csv(&self.folder.join(&curve.file), error.into()))
             }
         }
     }

@@ -56,9 +56,66 @@ pub fn least_squares(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Option<Vec<f64>> 
     solve(a, b)
 }
 
+/// Factor L of a symmetric, positive definite matrix L·Lᵀ.
+#[derive(Clone, Debug)]
+pub struct Cholesky {
+    /// Rows of L; above the diagonal 0.
+    pub lower: Vec<Vec<f64>>,
+}
+
+impl Cholesky {
+    /// Factor of a matrix given by rows, of which those from the diagonal on to the left count. `None` where it is not positive
+    /// definite.
+    pub fn new(mut a: Vec<Vec<f64>>) -> Option<Self> {
+        for i in 0..a.len() {
+            for j in 0..=i {
+                let known: f64 = (0..j).map(|k| a[i][k] * a[j][k]).sum();
+                let rest = a[i][j] - known;
+                a[i][j] = if i == j { Some(rest).filter(|rest| *rest > 0.0)?.sqrt() } else { rest / a[j][j] };
+            }
+            a[i].iter_mut().skip(i + 1).for_each(|value| *value = 0.0);
+        }
+        Some(Self { lower: a })
+    }
+
+    /// Logarithm of the determinant of L·Lᵀ.
+    pub fn log_determinant(&self) -> f64 {
+        2.0 * self.lower.iter().enumerate().map(|(i, row)| row[i].ln()).sum::<f64>()
+    }
+
+    /// √(vᵀ·(L·Lᵀ)⁻¹·v), which is |L⁻¹·v|.
+    pub fn inverse_norm(&self, v: &[f64]) -> f64 {
+        let mut found: Vec<f64> = Vec::with_capacity(v.len());
+        for (row, value) in self.lower.iter().zip(v) {
+            let known: f64 = row.iter().zip(&found).map(|(l, x)| l * x).sum();
+            found.push((value - known) / row[found.len()]);
+        }
+        found.iter().map(|x| x * x).sum::<f64>().sqrt()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn factors_make_their_matrix() {
+        let a = vec![vec![4.0, 2.0, 0.6], vec![2.0, 5.0, 1.0], vec![0.6, 1.0, 3.0]];
+        let factor = Cholesky::new(a.clone()).expect("positive definite");
+        for (i, row) in a.iter().enumerate() {
+            for (j, value) in row.iter().enumerate() {
+                let found: f64 = factor.lower[i].iter().zip(&factor.lower[j]).map(|(a, b)| a * b).sum();
+                assert!((found - value).abs() < 1e-12, "{i} {j}");
+            }
+        }
+        // 4·(15 − 1) − 2·(6 − 0.6) + 0.6·(2 − 3).
+        assert!((factor.log_determinant() - 44.6f64.ln()).abs() < 1e-12);
+        let v = [1.0, -2.0, 0.5];
+        let x = solve(a, v.to_vec()).expect("a solution");
+        let square: f64 = x.iter().zip(v).map(|(x, v)| x * v).sum();
+        assert!((factor.inverse_norm(&v) - square.sqrt()).abs() < 1e-12);
+        assert!(Cholesky::new(vec![vec![1.0, 2.0], vec![2.0, 1.0]]).is_none());
+    }
 
     #[test]
     fn solutions_by_hand() {

@@ -14,7 +14,9 @@
 //! sensor's. Photons are counted on the whole area of a pixel, as the standard does. Symbols are the standard's: μ and
 //! σ² are mean and temporal variance, s² is spatial variance, y is in DN, e in electrons, p in photons.
 //!
-//! [`camera_fit`] finds the parameters of a sensor file in images; [`report`] makes a page of it; [`noise`] estimates the noise of any image. Files are left to `photosite`.
+//! [`camera_fit`] finds the parameters of a sensor file in images; [`sensitivities`] finds spectral sensitivities in images of
+//! a chart; [`report`] makes a page of an evaluation; [`noise`] estimates the noise of any image. Files are left to
+//! `photosite`.
 
 pub mod camera_fit;
 mod descriptor;
@@ -30,6 +32,7 @@ mod pair;
 mod plan;
 #[cfg(feature = "report")]
 pub mod report;
+pub mod sensitivities;
 mod spatial;
 mod spectrogram;
 mod standard_errors;

@@ -17,10 +17,13 @@ pub enum SpectrumSource {
     File(CurveFile),
 }
 
-/// A CSV file of wavelengths in nm and values.
+/// A CSV file of wavelengths in nm and one column of values, or several with names.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(deny_unknown_fields)]
 pub struct CurveFile {
     /// Path of the file, relative to the file that names it.
     pub file: String,
+    /// Name of the column of values in the file's first line. Left out: the only one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub column: Option<String>,
 }
