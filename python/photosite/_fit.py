@@ -46,7 +46,8 @@ class CameraFit:
             ``gain_steps``, too.
         sensor_file: text of the sensor file.
         prnu_map: with ``maps``, the response of each pixel over their mean, rows x columns; None without flats.
-        dsnu_map_e: with ``maps``, the offset of each pixel's dark signal in electrons of the sensor file.
+        dsnu_map_e: with ``maps``, the offset of each pixel's dark signal in electrons of the sensor file; None where DSNU
+            changes with gain.
     """
 
     parameters: "Mapping[str, Parameter]"
@@ -67,12 +68,12 @@ class CameraFit:
             path: its name ends in ``.toml``.
         """
         file = FilePath(path_of("path", path))
-        text = self.sensor_file
-        if self.dsnu_map_e is not None:
-            for name, values in [("prnu", self.prnu_map), ("dsnu", self.dsnu_map_e)]:
-                if values is not None:
-                    np.save(file.with_name(f"{file.stem}.{name}.npy"), values)
-            text = self._fitted.sensor_file(file.stem)
+        maps = {"prnu": self.prnu_map, "dsnu": self.dsnu_map_e}
+        for name, values in maps.items():
+            if values is not None:
+                np.save(file.with_name(f"{file.stem}.{name}.npy"), values)
+        has_maps = any(values is not None for values in maps.values())
+        text = self._fitted.sensor_file(file.stem) if has_maps else self.sensor_file
         file.write_text(text, encoding="utf-8")
 
 
@@ -129,7 +130,7 @@ def fit(
     told = listener(progress, "fit", "images")
     fitted = _photosite.fit_camera(path_of("images", images), known, maps, threads, told)
     report: "dict[str, Any]" = json.loads(fitted.report())
-    prnu_map, dsnu_map_e = fitted.maps() if maps else (None, None)
+    prnu_map, dsnu_map_e = fitted.maps() if maps else [None, None]
     parameters = {p["key"]: Parameter(p["value"], p["standard_error"], p["unit"]) for p in report["parameters"]}
     return CameraFit(
         parameters=parameters,

@@ -285,6 +285,24 @@ fn a_twin_with_maps_has_the_patterns_of_the_camera() {
     assert!(said.contains("pixels of the map of response correlate by 0."), "{said}");
 }
 
+#[test]
+fn defective_pixels_are_none_of_the_maps() {
+    let folder = Folder::new([]);
+    let defects = "--set defects.dead_per_million=8000 --set defects.hot_per_million=8000 --set defects.hot_dark_current_e_per_s=300";
+    folder.succeed(&format!("{SET} {defects}"));
+    let report = json(&folder.succeed("fit set -o twin.toml --maps --json").stdout);
+    let count = report["defects"].as_array().expect("a list").len();
+    assert!(count > 30, "{count}");
+    assert!(report["notes"].to_string().contains(&format!("leave out {count} defective pixels")), "{report}");
+    folder.succeed("emva1288 twin.toml --like set -o again -q --seed 3");
+    let again = json(&folder.succeed("fit again -o second.toml --json").stdout);
+    let other = again["defects"].as_array().expect("a list").len();
+    // As many, elsewhere: within four standard deviations of both counts.
+    assert!((other as f64 - count as f64).abs() < 4.0 * (2.0 * count as f64).sqrt(), "{count} {other}");
+    let [[first, error], [second, _]] = [&report, &again].map(|report| parameter(report, "noise.dsnu_e"));
+    assert!((first - second).abs() < 5.0 * error, "{first} ± {error}, {second}");
+}
+
 /// Correlation of two patterns about their means.
 fn correlation(a: &[f32], b: &[f32]) -> f64 {
     let mean = |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len() as f64;

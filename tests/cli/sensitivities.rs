@@ -86,6 +86,7 @@ fn peaks_of(info: &str) -> Vec<String> {
 #[case::crossed("--light D50 --corners 45,45,195,135,195,45,45,135", 1, &["do not go around the chart"])]
 #[case::outside("--light D50 --corners 45,45,295,45,195,135,45,135", 1, &["295, 45 lies outside"])]
 #[case::other_chart("--light D50 --corners 45,45,195,45,195,135,45,135 --grid 5x4 --reflectances two.csv", 2, &["5 x 4 patches, and 2"])]
+#[case::peak("--light D50 --corners 45,45,195,45,195,135,45,135 --peak -1", 2, &["expected a number above 0, up to 1"])]
 #[case::no_file("--light none.csv --corners 45,45,195,45,195,135,45,135", 1, &["none.csv", "cannot read"])]
 fn what_is_wrong_is_named(#[case] arguments: &str, #[case] status: i32, #[case] wanted: &[&str]) {
     let folder = chart();
@@ -95,12 +96,11 @@ fn what_is_wrong_is_named(#[case] arguments: &str, #[case] status: i32, #[case] 
 }
 
 #[test]
-fn a_chart_that_lies_otherwise_is_said() {
+fn a_chart_that_lies_otherwise_is_refused() {
     let folder = chart();
-    let turned = "195,135,45,135,45,45,195,45";
-    let outcome =
-        folder.succeed(&format!("measure sensitivities chart/raw.dng --light D50 --corners {turned} -o x.csv"));
-    assert!(outcome.stderr.contains("the order of the corners"), "{}", outcome.stderr);
+    let command = "measure sensitivities chart/raw.dng --light D50 -o x.csv --corners 195,135,45,135,45,45,195,45";
+    folder.fail(command, 1, &["depart by more than 30 %", "the order of reading"]);
+    assert!(!folder.path("x.csv").exists());
 }
 
 #[rstest]

@@ -90,7 +90,7 @@ pub(super) fn run(args: &FitArgs) -> Result<()> {
     };
     let monitor = TerminalMonitor::new(args.quiet, args.json);
     let fitted = fit_images(&args.input, &request, &monitor)?;
-    maps.prnu = maps.prnu.filter(|_| fitted.prnu_map().is_some());
+    maps = fitted.told(&maps);
     write_maps(&fitted, &maps, args)?;
     write_result(&args.output, args.force, |to| to.write_all(fitted.sensor_file(&maps).as_bytes()))?;
     if args.json {
@@ -109,7 +109,7 @@ pub(super) fn run(args: &FitArgs) -> Result<()> {
 /// Writes the patterns that the images tell.
 fn write_maps(fitted: &FittedCamera, names: &MapNames, args: &FitArgs) -> Result<()> {
     let prnu = fitted.prnu_map().map(<[f32]>::to_vec);
-    let maps = [(&names.prnu, prnu, "response", "1"), (&names.dsnu, Some(fitted.dsnu_map_e()), "offset", "e-")];
+    let maps = [(&names.prnu, prnu, "response", "1"), (&names.dsnu, fitted.dsnu_map_e(), "offset", "e-")];
     for (name, values, quantity, unit) in maps {
         if let (Some(name), Some(values)) = (name, values) {
             let map = MapFile { size: fitted.fit.size, values, is_codes: false, warnings: Vec::new() };

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
-use super::arguments::positive;
 use super::log::warning;
 use super::print::{print_json, println_text, refuse_existing, write_result};
 use photosite_core::spectrum::{Outside, SpectralTable, Spectrum, illuminant, library};
@@ -29,6 +28,9 @@ Examples:
 /// Relative departure of the patches from the curves from which on something is wrong.
 const LARGE_ERROR: f64 = 0.05;
 
+/// Standard error of a peak, as a part of it, from which on a curve is told roughly.
+const ROUGH: f64 = 0.3;
+
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct SensitivitiesArgs {
@@ -51,7 +53,7 @@ pub(super) struct SensitivitiesArgs {
     #[arg(long, value_name = "COLUMNSxROWS", value_parser = grid, requires = "reflectances")]
     grid: Option<[usize; 2]>,
     /// Largest quantum efficiency of all channels, which images of a chart do not tell.
-    #[arg(long, value_name = "QE", default_value_t = 1.0, value_parser = positive)]
+    #[arg(long, value_name = "QE", default_value_t = 1.0, value_parser = efficiency, allow_hyphen_values = true)]
     peak: f64,
     /// Where to write the curves: a CSV file with a column per channel, as sensor files name them.
     #[arg(short, long, value_name = "FILE")]
@@ -70,6 +72,12 @@ fn corners(text: &str) -> std::result::Result<[f64; 8], String> {
     let numbers = numbers.ok().filter(|numbers| numbers.iter().all(|number| number.is_finite()));
     let found = numbers.and_then(|numbers| <[f64; 8]>::try_from(numbers).ok());
     found.ok_or_else(|| "expected eight numbers, column and row of four places".to_owned())
+}
+
+/// Quantum efficiency.
+fn efficiency(text: &str) -> std::result::Result<f64, String> {
+    let value = text.parse().ok().filter(|value| *value > 0.0 && *value <= 1.0);
+    value.ok_or_else(|| "expected a number above 0, up to 1".to_owned())
 }
 
 /// Columns and rows of a chart.
@@ -134,7 +142,17 @@ pub(super) fn run(args: &SensitivitiesArgs) -> Result<()> {
             100.0 * found.patch_error
         );
     }
-    let matrices = matrix_checks(&found, &first).map_err(|invalid| invalid.in_file(&args.images[0]))?;
+    if let Some(channel) = found.channels.iter().find(|channel| channel.error_at_peak() > ROUGH) {
+        warning!(
+            "channel {} is told to {:.0} % at its peak: images in further lights, or more patches, tell it better",
+            channel.channel,
+            100.0 * channel.error_at_peak()
+        );
+    }
+    let matrices = matrix_checks(&found, &first).unwrap_or_else(|Invalid { message, .. }| {
+        warning!("the colours of the curves are not compared: {message}");
+        Vec::new()
+    });
     write_result(&args.output, args.force, |to| to.write_all(csv(&found, args.peak).as_bytes()))?;
     if args.json {
         return print_json(&Report { found: &found, matrices: &matrices });

@@ -126,12 +126,13 @@ impl FittedCamera {
         self.0.sensor_file(&maps_of.map(MapNames::beside).unwrap_or_default())
     }
 
-    /// Maps of responses, where there are flats, and of offsets in electrons: rows × columns.
-    fn maps<'py>(&self, py: Python<'py>) -> PyResult<(Option<Bound<'py, PyAny>>, Bound<'py, PyAny>)> {
+    /// Maps of responses, where there are flats, and of offsets in electrons, where they are the same at all gains:
+    /// rows × columns.
+    fn maps<'py>(&self, py: Python<'py>) -> PyResult<[Option<Bound<'py, PyAny>>; 2]> {
         let [width, height] = self.0.fit.size;
         let array = |values: Vec<f32>| Ok::<_, PyErr>(values.into_pyarray(py).reshape([height, width])?.into_any());
         let prnu = self.0.prnu_map().map(|values| array(values.to_vec())).transpose()?;
-        Ok((prnu, array(self.0.dsnu_map_e())?))
+        Ok([prnu, self.0.dsnu_map_e().map(array).transpose()?])
     }
 }
 

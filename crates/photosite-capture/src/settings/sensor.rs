@@ -35,16 +35,15 @@ impl SensorFiles for OfSensor<'_, '_> {
 
     fn pattern(&mut self, pattern: &PatternFile) -> Result<MeasuredPattern, Invalid> {
         let path = self.0.path(&pattern.file)?;
-        let of_file = |error: &Error| Invalid::new("", error.to_string());
-        let MapFile { size, values, is_codes, warnings } = read_map(&path, None).map_err(|error| of_file(&error))?;
+        const HELP: &str = "write an EXR, TIFF or NPY image of floats, one for each pixel, row by row";
+        let refused = |message: String| Invalid::new("", message).help(HELP);
+        let MapFile { size, values, is_codes, warnings } =
+            read_map(&path, None).map_err(|error| refused(error.to_string()))?;
         if is_codes {
-            let message = format!("{}: holds whole numbers", path.display());
-            return Err(Invalid::new("", message).help("write an EXR, NPY or TIFF file of floats"));
+            return Err(refused(format!("{}: holds whole numbers", path.display())));
         }
         if let Some(warning) = warnings.first() {
-            return Err(
-                Invalid::new("", format!("{}: {warning}", path.display())).help("write a plain image of floats")
-            );
+            return Err(refused(format!("{}: {warning}", path.display())));
         }
         MeasuredPattern::new(size, values)
             .map_err(|invalid| Invalid { message: format!("{}: {}", path.display(), invalid.message), ..invalid })

@@ -74,7 +74,14 @@ impl<'a> Finder<'a> {
             SpectrumSource::File(curve) => {
                 let table = self.table(&curve.file, outside)?;
                 let found = curve.column.as_ref().map_or_else(|| table.single(), |name| table.column(name));
-                found.map_err(|error| in_csv(&self.folder.join(&curve.file), error.into()))
+                let names: Vec<&str> = table.names().collect();
+                found.map_err(|error| {
+                    let mut invalid = in_csv(&self.folder.join(&curve.file), error.into());
+                    if let (None, [first, _, ..]) = (&curve.column, &names[..]) {
+                        invalid = invalid.help(format!("write column = {first:?}, or another of {}", names.join(", ")));
+                    }
+                    invalid
+                })
             }
         }
     }

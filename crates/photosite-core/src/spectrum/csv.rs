@@ -225,9 +225,7 @@ impl SpectralTable {
             [only] => self.column(&only.name),
             columns => {
                 let message = format!("has {} columns of values where one is expected", columns.len());
-                let names: Vec<&str> = self.names().collect();
-                let help = format!("write column = {:?}, of {}", columns[0].name, names.join(", "));
-                Err(CsvError::whole(message).help(help))
+                Err(CsvError::whole(message).help("keep two columns: wavelength_nm,value"))
             }
         }
     }

@@ -76,8 +76,16 @@ impl FittedCamera {
     /// Text of the sensor file. Files of measured patterns that `maps` names, relative to it, take the place of standard
     /// deviations.
     pub fn sensor_file(&self, maps: &MapNames) -> String {
-        let prnu = maps.prnu.clone().filter(|_| self.fit.maps.response.is_some());
-        self.fit.sensor_file(&self.source, &self.mosaic, &MapNames { prnu, dsnu: maps.dsnu.clone() })
+        self.fit.sensor_file(&self.source, &self.mosaic, &self.told(maps))
+    }
+
+    /// Names of the maps that the images tell: of responses where there are flats, and of offsets where they are the same at all
+    /// gains.
+    pub fn told(&self, maps: &MapNames) -> MapNames {
+        MapNames {
+            prnu: maps.prnu.clone().filter(|_| self.fit.maps.response.is_some()),
+            dsnu: maps.dsnu.clone().filter(|_| !has_offsets_by_gain(&self.fit)),
+        }
     }
 
     /// Responses of the pixels over their mean, row by row, for `noise.prnu_map`; `None` without flats.
@@ -85,11 +93,15 @@ impl FittedCamera {
         self.fit.maps.response.as_ref().map(|map| &map.values[..])
     }
 
-    /// Offsets of the pixels in electrons of the sensor file, row by row, for `noise.dsnu_map`.
-    pub fn dsnu_map_e(&self) -> Vec<f32> {
+    /// Offsets of the pixels in electrons of the sensor file, row by row, for `noise.dsnu_map`; `None` where they change with
+    /// gain.
+    pub fn dsnu_map_e(&self) -> Option<Vec<f32>> {
+        if has_offsets_by_gain(&self.fit) {
+            return None;
+        }
         let gain = self.fit.parameter("adc.conversion_gain_dn_per_e").map(|parameter| parameter.measured.value);
         let gain = gain.or(self.known_gain).unwrap_or(1.0);
-        self.fit.maps.dark_dn.values.iter().map(|dn| (f64::from(*dn) / gain) as f32).collect()
+        Some(self.fit.maps.dark_dn.values.iter().map(|dn| (f64::from(*dn) / gain) as f32).collect())
     }
 
     /// Report for programs.
@@ -124,11 +136,18 @@ impl FittedCamera {
     }
 }
 
+/// Whether DSNU is told for each gain.
+fn has_offsets_by_gain(fit: &CameraFit) -> bool {
+    fit.gain_steps.iter().flat_map(|step| &step.parameters).any(|parameter| parameter.key.starts_with("noise.dsnu"))
+}
+
 /// Notes about maps whose single pixels the averages tell roughly.
 fn notes_of_maps(fit: &CameraFit) -> Vec<String> {
     /// Correlation from which on a map is as good as the camera's own pattern.
     const GOOD: f64 = 0.95;
-    let maps = [("response", fit.maps.response.as_ref()), ("dark offsets", Some(&fit.maps.dark_dn))];
+    let by_gain = has_offsets_by_gain(fit);
+    let offsets = Some(&fit.maps.dark_dn).filter(|_| !by_gain);
+    let maps = [("response", fit.maps.response.as_ref()), ("dark offsets", offsets)];
     let rough = maps.into_iter().filter_map(|(name, map)| Some((name, map?.correlation))).filter(|(_, r)| *r < GOOD);
     let note = |(name, correlation)| match correlation {
         0.0 => format!("the map of {name} is flat: no pattern of pixels is told apart from the noise of the averages"),
@@ -137,7 +156,15 @@ fn notes_of_maps(fit: &CameraFit) -> Vec<String> {
              noise: more images tell them better"
         ),
     };
-    rough.map(note).collect()
+    let mut notes: Vec<String> = rough.map(note).collect();
+    if by_gain {
+        notes.push("there is no map of dark offsets: they change with gain, and DSNU is told for each".to_owned());
+    }
+    if !fit.defects.is_empty() {
+        let count = fit.defects.len();
+        notes.push(format!("the maps leave out {count} defective pixels: the twin has as many, at other places"));
+    }
+    notes
 }
 
 /// Fits a sensor to the images of a descriptor, of a folder that `photosite emva1288` filled, or of any folder of dark
@@ -148,6 +175,10 @@ fn notes_of_maps(fit: &CameraFit) -> Vec<String> {
 /// Images that cannot be read, that are not of one camera, or of which none are dark.
 pub fn fit_images(path: &Path, request: &FitRequest, monitor: &dyn Monitor) -> Result<FittedCamera> {
     let sets = CameraSet::find(path, request.channel.as_deref())?;
+    if request.maps && sets[0].cfa.is_mosaic() {
+        let message = "measured patterns are of all pixels, and of a mosaic one channel is fitted";
+        return Err(Invalid::new("", message).help("fit it without maps").in_file(path));
+    }
     let images: usize = sets.iter().flat_map(|set| &set.groups).map(|group| group.images.len()).sum();
     monitor.report(Event::SetBegins { images: images as u64 });
     // Images are read again for patterns; progress counts each once.
@@ -183,10 +214,6 @@ pub fn fit_images(path: &Path, request: &FitRequest, monitor: &dyn Monitor) -> R
         fit.notes.push(format!("{figures} are those of {}, which the sensor file calls 0 dB", gain.name));
     }
     if request.maps {
-        if set.cfa.is_mosaic() {
-            let message = "measured patterns are of all pixels, and of a mosaic one channel is fitted";
-            return Err(Invalid::new("", message).help("fit it without maps").in_file(path));
-        }
         let notes = notes_of_maps(&fit);
         fit.notes.extend(notes);
     }

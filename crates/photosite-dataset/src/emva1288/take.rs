@@ -227,7 +227,20 @@ fn image_size(sensor: &SensorModel, wanted: Option<[usize; 2]>) -> Result<[usize
             help: Some("use photosite noise to measure its images".into()),
         });
     }
-    let size = wanted.unwrap_or(largest.map(|side| side.min(512)));
+    let has_patterns = sensor.has_measured_patterns();
+    let size = wanted.unwrap_or(largest.map(|side| if has_patterns { side } else { side.min(512) }));
+    if has_patterns && size != sensor.resolution {
+        let ([w, h], [columns, rows]) = (size, sensor.resolution);
+        return Err(Error::Usage {
+            message: format!(
+                "images of {w} × {h} pixels: the measured patterns of sensor {} are of {columns} × {rows}",
+                sensor.name
+            ),
+            help: Some(
+                "take images of all pixels of a sensor of one channel, or leave out its prnu_map and dsnu_map".into(),
+            ),
+        });
+    }
     if (0..2).any(|axis| size[axis] > largest[axis] || size[axis] < 3) {
         let [[w, h], [most_w, most_h]] = [size, largest];
         return Err(Error::Usage {

@@ -58,10 +58,24 @@ impl MeasuredPattern {
         Self { size: self.size, deviations }
     }
 
-    /// Standard deviation as that of a pattern of single pixels; the mean of the deviations is 0.
+    /// Standard deviations of rows, columns and single pixels; the mean of the deviations is 0. Means of rows hold their share of
+    /// the pixels' variance, s²/N of N columns, which is none of theirs.
     pub(super) fn statistics(&self) -> FixedPattern {
-        let squares: f64 = self.deviations.iter().map(|&value| f64::from(value).powi(2)).sum();
-        FixedPattern::of_pixels((squares / self.deviations.len() as f64).sqrt())
+        let [width, height] = self.size;
+        let mut sums = [vec![0.0; height], vec![0.0; width]];
+        for (i, &value) in self.deviations.iter().enumerate() {
+            sums[0][i / width] += f64::from(value) / width as f64;
+            sums[1][i % width] += f64::from(value) / height as f64;
+        }
+        let [rows, columns] = sums;
+        let rest = |(i, &value): (usize, &f32)| (f64::from(value) - rows[i / width] - columns[i % width]).powi(2);
+        let freedom = ((width - 1) * (height - 1)).max(1) as f64;
+        let pixel = self.deviations.iter().enumerate().map(rest).sum::<f64>() / freedom;
+        let of_lines = |means: &[f64], length: usize| {
+            let square = means.iter().map(|mean| mean * mean).sum::<f64>() / (means.len() - 1).max(1) as f64;
+            (square - pixel / length as f64).max(0.0).sqrt()
+        };
+        FixedPattern { pixel: pixel.sqrt(), row: of_lines(&rows, width), column: of_lines(&columns, height) }
     }
 
     /// Refuses an image of another size. `key` is that of the pattern.

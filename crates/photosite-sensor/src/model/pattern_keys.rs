@@ -68,6 +68,11 @@ impl SensorModel {
         Ok(pattern)
     }
 
+    /// Whether patterns of the pixels were measured, so that images are of the sensor's own size.
+    pub fn has_measured_patterns(&self) -> bool {
+        self.noise.prnu_map.is_some() || self.noise.dsnu_map.is_some()
+    }
+
     /// Refuses an image of another size than that of the measured patterns.
     pub(crate) fn patterns_fit(&self, size: [usize; 2]) -> Result<(), Invalid> {
         let patterns = [(PRNU, &self.noise.prnu_map), (DSNU, &self.noise.dsnu_map)];
@@ -126,6 +131,23 @@ mod tests {
 
     fn file() -> Option<PatternFile> {
         Some(PatternFile { file: "pattern.npy".to_owned() })
+    }
+
+    /// Deviations in all rows, all columns and single pixels are told apart, as standard deviations are that the pattern takes
+    /// the place of.
+    #[test]
+    fn patterns_have_the_statistics_of_their_parts() {
+        let size = [200, 150];
+        let wave = |i: usize, step: usize| ((i * step) % 101) as f32 / 50.0 - 1.0;
+        let value = |i: usize| 3.0 * wave(i % size[0], 37) + 2.0 * wave(i / size[0], 29) + wave(i, 7919);
+        let values: Vec<f32> = (0..size[0] * size[1]).map(value).collect();
+        let pattern = MeasuredPattern::new(size, values).expect("finite");
+        let mean = pattern.mean();
+        let found = pattern.map(|value| value - mean).statistics();
+        // A wave of 1 has a standard deviation of 1/√3, by so many rows and columns to a few per cent.
+        for (part, of_one) in [(found.column, 3.0), (found.row, 2.0), (found.pixel, 1.0)] {
+            assert!((part * 3f64.sqrt() / of_one - 1.0).abs() < 0.07, "{found:?}");
+        }
     }
 
     /// Digital numbers of even light, without shot noise.

@@ -56,15 +56,13 @@ pub fn fit_camera(frames: &CameraFrames<'_>, known: &KnownFacts) -> Result<Camer
     let mut survey = Survey::new(&mended)?;
     let mut averages = averages_of(&mended, &survey)?;
     let (defects, hot) = averages.defects(frames.size[0]);
-    let mut original = None;
     if !defects.is_empty() {
         mended.replacements = replacements(&defects, frames.size[0]);
         survey = Survey::new(&mended)?;
-        original = Some(std::mem::replace(&mut averages, averages_of(&mended, &survey)?));
+        averages = averages_of(&mended, &survey)?;
     }
     let patterns = averages.patterns(frames.size);
-    let places: Vec<usize> = defects.iter().map(|defect| defect.y * frames.size[0] + defect.x).collect();
-    let maps = PatternMaps::new(&averages, &patterns, original.as_ref().unwrap_or(&averages), &places, frames.size);
+    let maps = PatternMaps::new(&averages, &patterns, frames.size);
     let notes = survey.notes(frames);
     let mut sheet = Sheet::new(known, &survey);
     let shape = read_noise_shape(&mended, &survey, &patterns, sheet.system_gain())?;

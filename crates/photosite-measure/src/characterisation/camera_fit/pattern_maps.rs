@@ -5,7 +5,7 @@ use super::frame_stack::Parts;
 use super::measured::Measured;
 use super::patterns::{Averages, Patterns};
 
-/// Patterns of the pixels, with the shading of the flats.
+/// Patterns of the pixels but for defective ones, with the shading of the flats.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PatternMaps {
     /// Response of each pixel over the mean of all; `None` without flats.
@@ -25,22 +25,12 @@ pub struct PatternMap {
 }
 
 impl PatternMaps {
-    /// Patterns of averages in which defective pixels are mended. The defective pixels at `places` have the values of
-    /// `original`.
-    pub(super) fn new(
-        mended: &Averages,
-        patterns: &Patterns,
-        original: &Averages,
-        places: &[usize],
-        size: [usize; 2],
-    ) -> Self {
-        let (image, noise) = mended.offsets(patterns);
-        let found = Found { image: &image, noise, pattern: patterns.offsets(), size };
-        let dark_dn = found.map(&original.offsets(patterns).0, places, |_, d| d);
-        let response = mended.response.as_ref().zip(patterns.response.as_ref()).zip(original.response.as_ref());
-        let response = response.map(|(((image, noise), pattern), (original, _))| {
-            Found { image, noise: *noise, pattern: pattern.variances, size }
-                .map(original, places, |mean, d| 1.0 + d / mean)
+    /// Patterns of averages in which defective pixels are mended: defects are figures of their own.
+    pub(super) fn new(averages: &Averages, patterns: &Patterns, size: [usize; 2]) -> Self {
+        let (image, noise) = averages.offsets(patterns);
+        let dark_dn = Found { image: &image, noise, pattern: patterns.offsets(), size }.map(|_, d| d);
+        let response = averages.response.as_ref().zip(patterns.response.as_ref()).map(|((image, noise), pattern)| {
+            Found { image, noise: *noise, pattern: pattern.variances, size }.map(|mean, d| 1.0 + d / mean)
         });
         Self { response, dark_dn }
     }
@@ -58,7 +48,7 @@ impl Found<'_> {
     /// Deviations d of the pixels from the mean as `value` (mean, d). Deviations of rows, columns and pixels have a variance
     /// s² + σ² of pattern and remaining noise; times √(s²/(s² + σ²)), which is also their correlation with the
     /// camera's own, they vary as the pattern does.
-    fn map(&self, original: &[f64], places: &[usize], value: impl Fn(f64, f64) -> f64) -> PatternMap {
+    fn map(&self, value: impl Fn(f64, f64) -> f64) -> PatternMap {
         let share = |pattern: Measured, noise: Measured| match pattern.root() {
             Ok(_) => (pattern.value / (pattern.value + noise.value)).sqrt(),
             Err(_) => 0.0,
@@ -67,9 +57,7 @@ impl Found<'_> {
         let shares = [share(s.row, sigma.row), share(s.column, sigma.column), share(s.pixel, sigma.pixel)];
         let parts = Decomposition::of(self.image, self.size);
         let of = |d: f64| value(parts.mean, d) as f32;
-        let mut values: Vec<f32> = (0..self.image.len()).map(|i| of(parts.weighted(i, shares))).collect();
-        // What defective pixels have is far above the noise.
-        places.iter().for_each(|&i| values[i] = of(original[i] - parts.mean));
+        let values = (0..self.image.len()).map(|i| of(parts.weighted(i, shares))).collect();
         PatternMap { values, correlation: shares[2] }
     }
 }

@@ -17,7 +17,7 @@ const STEP_NM: f64 = 10.0;
 const PRIOR: LogProcess = LogProcess { mean: -1.5, deviation: 2.5, length: 70.0 };
 
 /// Range of the relative error of the patches that is looked for.
-const ERRORS: [f64; 2] = [1e-3, 0.5];
+const ERRORS: [f64; 2] = [1e-3, 0.3];
 /// Part of the brightest patch below which errors do not become smaller.
 const DARK: f64 = 0.02;
 /// Error of a patch over the brightest one that is always there.
@@ -68,8 +68,8 @@ struct Signals {
     errors: Vec<f64>,
     /// Image that each is of.
     images: Vec<usize>,
-    /// Signal of the value 1, DN.
-    unit_dn: f64,
+    /// Signal per photon of the value 1, DN over photons in the unit of the light.
+    unit: f64,
 }
 
 /// Sensitivities of a camera that took these charts, whose patches have these reflectances. The signal of patch p in a
@@ -79,12 +79,25 @@ struct Signals {
 ///
 /// # Errors
 ///
-/// Charts of other patches, light that is dark, and images without enough patches.
+/// Charts of other patches, reflectances outside 0 to 1, light that is dark or negative, images without enough patches, and patches
+/// that no curves explain.
 pub fn sensitivities(
     charts: &[LitChart],
     reflectances: &[Spectrum],
     channels: &[String],
 ) -> Result<Sensitivities, Invalid> {
+    for (number, reflectance) in reflectances.iter().enumerate() {
+        if let Some((nm, value)) = in_range(reflectance).find(|(_, value)| !(0.0..=1.0).contains(value)) {
+            let message = format!("the reflectance of patch {} is {value} at {nm} nm", number + 1);
+            return Err(Invalid::new("reflectances", message).help("write reflectances from 0 to 1, not percent"));
+        }
+    }
+    for LitChart { light, .. } in charts {
+        if let Some((nm, value)) = in_range(light).find(|(_, value)| *value < 0.0) {
+            let message = format!("the power of the light is {value} at {nm} nm");
+            return Err(Invalid::new("light", message).help("write power from 0 on"));
+        }
+    }
     let steps = ((RANGE_NM[1] - RANGE_NM[0]) / STEP_NM) as usize;
     let wavelengths_nm: Vec<f64> = (0..=steps).map(|i| RANGE_NM[0] + STEP_NM * i as f64).collect();
     let signals: Vec<Signals> = (0..channels.len())
@@ -102,13 +115,19 @@ pub fn sensitivities(
         let beyond = (unknowns[0] - unknowns[0].clamp(ERRORS[0].ln(), ERRORS[1].ln())).abs();
         beyond - posteriors(unknowns).iter().map(|posterior| posterior.evidence).sum::<f64>()
     });
+    let patch_error = found[0].exp().clamp(ERRORS[0], ERRORS[1]);
+    if patch_error > 0.99 * ERRORS[1] {
+        let message = format!("the patches depart by more than {:.0} % from all curves", 100.0 * ERRORS[1]);
+        return Err(Invalid::new("corners", message).help(
+            "write the corners in the order of reading; look at the light and at the reflectances of the chart",
+        ));
+    }
     let posteriors = posteriors(&found);
-    let largest = |posterior: &Posterior, signals: &Signals| {
-        posterior.curve.iter().copied().fold(0.0, f64::max) * signals.unit_dn
-    };
+    let largest =
+        |posterior: &Posterior, signals: &Signals| posterior.curve.iter().copied().fold(0.0, f64::max) * signals.unit;
     let top = posteriors.iter().zip(&signals).map(|(p, s)| largest(p, s)).fold(0.0, f64::max);
     let curves = channels.iter().zip(&posteriors).zip(&signals).map(|((channel, posterior), signals)| {
-        let values: Vec<f64> = posterior.curve.iter().map(|q| q * signals.unit_dn / top).collect();
+        let values: Vec<f64> = posterior.curve.iter().map(|q| q * signals.unit / top).collect();
         let (peak_nm, half_maximum_nm) = shape(&wavelengths_nm, &values);
         let log_errors = posterior.log_errors.clone();
         Sensitivity { channel: channel.clone(), values, log_errors, peak_nm, half_maximum_nm }
@@ -117,9 +136,14 @@ pub fn sensitivities(
     Ok(Sensitivities {
         channels: curves.collect(),
         wavelengths_nm,
-        patch_error: found[0].exp().clamp(ERRORS[0], ERRORS[1]),
+        patch_error,
         saturated: means.filter(|mean| mean.saturated > 0).count(),
     })
+}
+
+/// Wavelengths and values of a spectrum within the range.
+fn in_range(spectrum: &Spectrum) -> impl Iterator<Item = (f64, f64)> + '_ {
+    spectrum.iter().filter(|(nm, _)| (RANGE_NM[0]..=RANGE_NM[1]).contains(nm))
 }
 
 /// Weights of the values of a curve, straight between its wavelengths, in the integral of its product with a spectrum.
@@ -167,7 +191,7 @@ impl Signals {
         wavelengths_nm: &[f64],
     ) -> Result<Self, Invalid> {
         let mut signals =
-            Self { weights: Vec::new(), values: Vec::new(), errors: Vec::new(), images: Vec::new(), unit_dn: 1.0 };
+            Self { weights: Vec::new(), values: Vec::new(), errors: Vec::new(), images: Vec::new(), unit: 1.0 };
         for (image, LitChart { light, means }) in charts.iter().enumerate() {
             if means.len() != reflectances.len() {
                 let message = format!("{} patches, and {} reflectances", means.len(), reflectances.len());
@@ -192,20 +216,19 @@ impl Signals {
         }
         /// Fewest patches that tell a curve.
         const FEWEST: usize = 6;
+        let light = signals.values.iter().filter(|value| **value > 0.0).count();
         let brightest = (0..signals.values.len()).max_by(|&a, &b| signals.values[a].total_cmp(&signals.values[b]));
-        match brightest.filter(|&i| signals.values.len() >= FEWEST && signals.values[i] > 0.0) {
+        match brightest.filter(|_| light >= FEWEST) {
             Some(brightest) => {
-                let flat: f64 = signals.weights[brightest].iter().sum();
-                let unit_dn = signals.values[brightest];
+                // A curve of 1 makes the brightest patch 1.
+                let (flat, signal): (f64, f64) = (signals.weights[brightest].iter().sum(), signals.values[brightest]);
                 signals.weights.iter_mut().flatten().for_each(|weight| *weight /= flat);
-                signals.values.iter_mut().chain(&mut signals.errors).for_each(|value| *value /= unit_dn);
-                Ok(Self { unit_dn, ..signals })
+                signals.values.iter_mut().chain(&mut signals.errors).for_each(|value| *value /= signal);
+                Ok(Self { unit: signal / flat, ..signals })
             }
             None => {
-                let message = format!(
-                    "{} patches of a channel are light and not saturated, and {FEWEST} are needed",
-                    signals.values.iter().filter(|value| **value > 0.0).count()
-                );
+                let message =
+                    format!("{light} patches of a channel are light and not saturated, and {FEWEST} are needed");
                 Err(Invalid::new("", message).help("expose so that the white patch lies below saturation"))
             }
         }
@@ -337,11 +360,17 @@ mod tests {
     }
 
     #[test]
-    fn a_chart_that_lies_otherwise_departs_from_all_curves() {
-        let mut turned = chart("generic-cmos-color", "D50", 900.0, 1);
+    fn what_no_curves_explain_is_refused() {
+        let lit = chart("generic-cmos-color", "D50", 900.0, 1);
+        let mut turned = lit.clone();
         turned.means.reverse();
-        let found = sensitivities(&[turned], &patches(), &channels()).expect("curves");
-        assert!(found.patch_error > 0.1, "{}", found.patch_error);
+        let with =
+            |lit: LitChart, patches: &[Spectrum]| sensitivities(&[lit], patches, &channels()).expect_err("refused");
+        assert!(with(turned, &patches()).message.contains("depart by more than 30 %"));
+        let percent: Vec<Spectrum> = patches().iter().map(|patch| patch.scale(100.0)).collect();
+        assert!(with(lit.clone(), &percent).message.contains("reflectance of patch 1 is"));
+        let negative = LitChart { light: lit.light.map(|nm, power| if nm < 500.0 { -power } else { power }), ..lit };
+        assert!(with(negative, &patches()).message.contains("power of the light is -"));
     }
 
     #[test]
@@ -351,6 +380,13 @@ mod tests {
         lit.means[18].iter_mut().for_each(|mean| (mean.saturated, mean.signal_dn) = (3, 5.0));
         let found = sensitivities(std::slice::from_ref(&lit), &patches(), &channels()).expect("curves");
         assert_eq!((whole.saturated, found.saturated), (0, 3));
+        // Channels keep their proportions where patches are saturated in one of them.
+        let mut green = chart("generic-cmos-color", "D50", 900.0, 1);
+        for patch in [18, 15, 11, 19] {
+            green.means[patch][1].saturated = 1;
+        }
+        let green = sensitivities(&[green], &patches(), &channels()).expect("curves");
+        assert!(compared(&green, "generic-cmos-color").0.iter().all(|deviation| *deviation < 0.1));
         assert!(compared(&found, "generic-cmos-color").0.iter().all(|deviation| *deviation < 0.1));
         lit.means.iter_mut().flatten().for_each(|mean| mean.saturated = 1);
         let invalid = sensitivities(&[lit], &patches(), &channels()).expect_err("refused");
