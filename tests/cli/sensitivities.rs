@@ -105,7 +105,7 @@ fn a_chart_that_lies_otherwise_is_refused() {
 
 #[rstest]
 #[case::chosen("{ file = \"two.csv\", column = \"b\" }", None)]
-#[case::open("{ file = \"two.csv\" }", Some("write column = \"a\", of a, b"))]
+#[case::open("{ file = \"two.csv\" }", Some("write column = \"a\", or another of a, b"))]
 #[case::unknown("{ file = \"two.csv\", column = \"c\" }", Some("has no column \"c\", only a, b"))]
 fn a_file_may_have_several_columns(#[case] source: &str, #[case] wanted: Option<&str>) {
     let folder = Folder::new([]);
