@@ -286,6 +286,26 @@ fn a_twin_with_maps_has_the_patterns_of_the_camera() {
 }
 
 #[test]
+fn a_response_that_bends_is_straightened() {
+    let folder = Folder::new([]);
+    folder.succeed(&format!("{SET} --set adc.amplifier_nonlinearity_percent=[-3]"));
+    let report = json(&folder.succeed("fit set -o twin.toml --json").stdout);
+    // The standard's gain of such a response is 4 % off, and its full well 3 %.
+    for (key, truth, most) in [
+        ("adc.amplifier_nonlinearity_percent", -3.0, 0.05),
+        ("adc.conversion_gain_dn_per_e", 0.1245, 0.02),
+        ("charge.full_well_e", 24000.0, 0.02),
+        ("noise.prnu_percent", 1.0, 0.03),
+    ] {
+        let [value, error] = parameter(&report, key);
+        assert!((value - truth).abs() < 4.0 * error && error < f64::abs(most * truth), "{key}: {value} ± {error}");
+    }
+    let text = std::fs::read_to_string(folder.path("twin.toml")).expect("a sensor file");
+    assert!(text.contains("amplifier_nonlinearity_percent = [-"), "{text}");
+    folder.succeed("info twin.toml");
+}
+
+#[test]
 fn defective_pixels_are_none_of_the_maps() {
     let folder = Folder::new([]);
     let defects = "--set defects.dead_per_million=8000 --set defects.hot_per_million=8000 --set defects.hot_dark_current_e_per_s=300";

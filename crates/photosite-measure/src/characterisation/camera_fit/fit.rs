@@ -62,7 +62,7 @@ pub fn fit_camera(frames: &CameraFrames<'_>, known: &KnownFacts) -> Result<Camer
         averages = averages_of(&mended, &survey)?;
     }
     let patterns = averages.patterns(frames.size);
-    let maps = PatternMaps::new(&averages, &patterns, frames.size);
+    let maps = PatternMaps::new(&averages, &patterns, survey.transfer.told_bend(), frames.size);
     let notes = survey.notes(frames);
     let mut sheet = Sheet::new(known, &survey);
     let shape = read_noise_shape(&mended, &survey, &patterns, sheet.system_gain())?;

@@ -7,6 +7,7 @@
 //! | analysis of variance of the images of one light: temporal noise of pixels, rows, columns | `frame_stack.rs` |
 //! | dark signal and noise over time | `dark_model.rs` |
 //! | photon transfer: gain, responsivity, saturation | `photon_transfer.rs` |
+//! | response that bends | `linearity.rs` |
 //! | patterns of averaged images, without shading | `decomposition.rs`, `pattern.rs`, `patterns.rs` |
 //! | the patterns themselves, for a twin of this very camera | `pattern_maps.rs` |
 //! | pixels that are no part of them | `defects.rs` |
@@ -27,6 +28,7 @@ mod fit;
 mod frame_group;
 mod frame_stack;
 mod gain_steps;
+mod linearity;
 mod lines;
 mod measured;
 mod parameters;
@@ -44,6 +46,7 @@ pub use defects::{Defect, DefectKind};
 pub use fit::{CameraFit, fit_camera};
 pub use frame_group::{CameraFrames, FrameGroup, FrameLight};
 pub use frame_stack::{Parts, StackStatistics};
+pub use linearity::Bend;
 pub use lines::MeasuredLine;
 pub use measured::Measured;
 pub use parameters::{Assumption, FittedGainStep, KnownFacts, Parameter};

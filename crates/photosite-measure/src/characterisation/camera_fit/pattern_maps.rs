@@ -2,6 +2,7 @@
 
 use super::decomposition::Decomposition;
 use super::frame_stack::Parts;
+use super::linearity::Bend;
 use super::measured::Measured;
 use super::patterns::{Averages, Patterns};
 
@@ -26,11 +27,12 @@ pub struct PatternMap {
 
 impl PatternMaps {
     /// Patterns of averages in which defective pixels are mended: defects are figures of their own.
-    pub(super) fn new(averages: &Averages, patterns: &Patterns, size: [usize; 2]) -> Self {
+    pub(super) fn new(averages: &Averages, patterns: &Patterns, bend: Option<Bend>, size: [usize; 2]) -> Self {
         let (image, noise) = averages.offsets(patterns);
         let dark_dn = Found { image: &image, noise, pattern: patterns.offsets(), size }.map(|_, d| d);
         let response = averages.response.as_ref().zip(patterns.response.as_ref()).map(|((image, noise), pattern)| {
-            Found { image, noise: *noise, pattern: pattern.variances, size }.map(|mean, d| 1.0 + d / mean)
+            let scale = |mean: f64| bend.map_or(mean, |bend| bend.scale_of_deviations(mean));
+            Found { image, noise: *noise, pattern: pattern.variances, size }.map(|mean, d| 1.0 + d / scale(mean))
         });
         Self { response, dark_dn }
     }

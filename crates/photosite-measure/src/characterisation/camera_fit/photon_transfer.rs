@@ -4,6 +4,7 @@ use photosite_core::units::Seconds;
 
 use super::dark_model::{DarkAt, DarkModel};
 use super::frame_stack::StackStatistics;
+use super::linearity::Bend;
 use super::lines::slope_through_origin;
 use super::measured::Measured;
 
@@ -32,13 +33,13 @@ pub struct TransferPoint {
     /// σ_y² − σ_y.dark² of the pixels, DN².
     pub noise: Measured,
     /// Variance of the pixels in the light and in the dark, DN².
-    variances: [Measured; 2],
+    pub(super) variances: [Measured; 2],
     /// Signal over the standard deviation that is left of the noise in the average of all images.
     pub clarity: f64,
     /// Mean number in the light, DN.
     pub mean: Measured,
-    clipped: f64,
-    time: Option<Seconds>,
+    pub(super) clipped: f64,
+    pub(super) time: Option<Seconds>,
     /// Whether dark images of the same exposure time were there.
     pub has_dark: bool,
 }
@@ -67,8 +68,9 @@ pub struct PhotonTransfer {
     pub gain: Result<Measured, String>,
     /// Responsivity R, DN per photon, where photons are known.
     pub responsivity: Option<Measured>,
-    /// Largest deviation of a signal from R·photons, % of it.
-    pub departure_percent: Option<f64>,
+    /// Bend of the response, where light is known and changes enough; where it is told apart from none, gain and responsivity
+    /// are those of little light.
+    pub bend: Option<Bend>,
 }
 
 /// Part of the saturated signal up to which K and R are fitted, as EMVA 1288 has it.
@@ -85,27 +87,40 @@ impl PhotonTransfer {
         let (saturation, top) = saturation(&points, peak);
         let fits = |p: &TransferPoint| p.clipped <= MOST_CLIPPED && p.signal.value <= top;
         let used = points.iter().position(|p| !fits(p)).unwrap_or(points.len());
-        let fitted = &points[..used];
-        let gain = system_gain(fitted, points.is_empty());
+        let bend = bend(&points[..used]);
+        let told = bend.filter(Bend::is_told);
+        let straightened = |point: &TransferPoint| told.map_or(*point, |bend| bend.straightened(point));
+        let fitted: Vec<TransferPoint> = points[..used].iter().map(straightened).collect();
+        let gain = system_gain(&fitted, points.is_empty()).map(|gain| match told {
+            // The slope of the noise over a signal y has the factor 1 + 3·b·y.
+            Some(bend) => {
+                let middle = 0.5 * fitted.last().map_or(0.0, |point| point.signal.value);
+                let of_bend = gain.value * 3.0 * bend.per_dn.standard_error * middle;
+                Measured::new(gain.value, gain.standard_error.hypot(of_bend))
+            }
+            None => gain,
+        });
         let with_photons: Option<Vec<(f64, Measured)>> =
             fitted.iter().map(|p| Some((p.photons.filter(|&photons| photons > 0.0)?, p.signal))).collect();
         let with_photons = with_photons.filter(|points| !points.is_empty());
         let responsivity = with_photons.as_deref().map(slope_through_origin);
-        let departure = |points: &[(f64, Measured)]| {
-            let r = responsivity?.value;
-            points
-                .iter()
-                .map(|(photons, signal)| 100.0 * (signal.value / (r * photons) - 1.0))
-                .max_by(|a, b| a.abs().total_cmp(&b.abs()))
-        };
-        let departure_percent = with_photons.as_deref().and_then(departure);
-        Self { used, saturation, gain, responsivity, departure_percent, points }
+        Self { used, saturation, gain, responsivity, bend, points }
+    }
+
+    /// Bend of the response where it is told apart from none.
+    pub(super) fn told_bend(&self) -> Option<Bend> {
+        self.bend.filter(Bend::is_told)
     }
 
     /// The point of the fits whose average tells patterns best.
     pub fn clearest(&self) -> Option<&TransferPoint> {
         self.points[..self.used].iter().max_by(|a, b| a.clarity.total_cmp(&b.clarity))
     }
+}
+
+/// Bend of points whose photons are known, or else their exposure times, which stand for light of which each second is alike.
+fn bend(points: &[TransferPoint]) -> Option<Bend> {
+    Bend::of(points, |point| point.photons).or_else(|| Bend::of(points, |point| Some(point.time?.0)))
 }
 
 fn point(frames: &BrightFrames, dark: &DarkModel) -> TransferPoint {

@@ -6,6 +6,7 @@ use photosite_core::math::float::rounded;
 
 use super::fit::CameraFit;
 use super::parameters::{Assumption, Parameter};
+use super::sheet::NONLINEARITY;
 
 /// Tables of a sensor file, with the keys of each in the order of its reference.
 const TABLES: [&str; 5] = ["", "noise", "defects", "charge", "adc"];
@@ -121,6 +122,8 @@ impl CameraFit {
             // More digits than the error has say nothing; the black level is a whole number.
             let (value, more) = if name == "black_level_dn" {
                 (format!("{}", measured.value.round().max(0.0)), format!("{} ", rounded(measured.value, 7)))
+            } else if parameter.key == NONLINEARITY {
+                (format!("[{:?}]", rounded(measured.value, 6)), String::new())
             } else {
                 (format!("{:?}", rounded(measured.value, 6)), String::new())
             };

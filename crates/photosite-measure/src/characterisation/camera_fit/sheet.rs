@@ -29,6 +29,9 @@ pub(super) struct Sheet {
 
 /// Least variance of numbers that quantisation leaves to be seen, DN², as EMVA 1288 has it.
 const LEAST_VARIANCE: f64 = 0.24;
+/// Key of the bend of the response, whose value is a list.
+pub(super) const NONLINEARITY: &str = "adc.amplifier_nonlinearity_percent";
+/// Key of the read noise.
 const READ_NOISE: &str = "noise.read_noise_e";
 /// Name of the shape where it is left out.
 pub(super) const SHAPE_OF_READ_NOISE: &str = "shape of the read noise";
@@ -90,9 +93,10 @@ impl Sheet {
         let dark_current = self.dark_current(survey, patterns);
         self.uneven_dark_current(patterns, dark_current);
         self.dark_pattern(patterns);
-        self.response_pattern(patterns);
+        self.response_pattern(survey, patterns);
         self.defective(defects, hot, dark_current.is_some(), patterns, frames);
-        self.full_well(survey, frames);
+        let full_well_dn = self.full_well(survey, frames);
+        self.linearity(survey, full_well_dn);
         self.optics();
     }
 
@@ -310,11 +314,13 @@ impl Sheet {
         self.tell_root("noise.dsnu_column_e", "DSNU of columns", "e-", column, gain);
     }
 
-    fn response_pattern(&mut self, patterns: &Patterns) {
+    fn response_pattern(&mut self, survey: &Survey, patterns: &Patterns) {
         let Some(response) = &patterns.response else {
             return self.leave("PRNU", "there are no bright images below saturation");
         };
-        let mean = Measured::new(response.mean.value / 100.0, 0.0);
+        let mean = response.mean.value;
+        let scale = survey.transfer.told_bend().map_or(mean, |bend| bend.scale_of_deviations(mean));
+        let mean = Measured::new(scale / 100.0, 0.0);
         let Parts { pixel, row, column } = response.variances;
         self.tell_root("noise.prnu_percent", "PRNU of pixels", "%", pixel, mean);
         self.tell_root("noise.prnu_row_percent", "PRNU of rows", "%", row, mean);
@@ -362,27 +368,49 @@ impl Sheet {
         }
     }
 
-    fn full_well(&mut self, survey: &Survey, frames: &CameraFrames<'_>) {
+    /// Tells the full well, or what stands for it, and returns the signal that a linear response would give there, DN.
+    fn full_well(&mut self, survey: &Survey, frames: &CameraFrames<'_>) -> f64 {
         const KEY: &str = "charge.full_well_e";
-        let black = survey.dark.black().value;
-        let range = |gain: f64| rounded(((f64::from(frames.largest()) - black) / gain).max(1.0), 6).to_string();
-        let gain = self.gain;
-        match survey.transfer.saturation {
+        let black = survey.dark.black();
+        let range_dn = f64::from(frames.largest()) - black.value;
+        let bend = survey.transfer.told_bend();
+        let linear = |signal: f64| bend.map_or(signal, |bend| bend.linear(signal));
+        let range = rounded((linear(range_dn) / self.gain.value).max(1.0), 6);
+        let reason = match survey.transfer.saturation {
             Saturation::Well(level) if self.in_electrons => {
-                self.tell(KEY, "e-", level.minus(survey.dark.black()).over(gain));
+                let level = level.minus(black);
+                let of_linear = Measured::new(linear(level.value), level.standard_error);
+                self.tell(KEY, "e-", of_linear.over(self.gain));
+                return of_linear.value;
             }
-            Saturation::Converter => {
-                self.assume(
-                    KEY,
-                    range(gain.value),
-                    "the range of the converter ends first, so pixels hold this or more",
-                );
-            }
+            Saturation::Converter => "the range of the converter ends first, so pixels hold this or more",
             Saturation::Well(_) | Saturation::NotReached(_) => {
-                let reason = "no image is saturated: the range of the converter stands for it";
-                self.assume(KEY, range(gain.value), reason);
+                "no image is saturated: the range of the converter stands for it"
             }
+        };
+        self.assume(KEY, range.to_string(), reason);
+        range * self.gain.value
+    }
+
+    /// Tells the bend of the response as the key of amplifiers has it: c₁ of q·(1 + c₁·q/F), in percent.
+    fn linearity(&mut self, survey: &Survey, full_well_dn: f64) {
+        const NAME: &str = "nonlinearity of the response";
+        let Some(bend) = survey.transfer.bend else {
+            return self.leave(
+                NAME,
+                "flats of four exposures or more over a factor of 3, in light that is known, would tell it",
+            );
+        };
+        /// Part of the bend that its error is at least: dark charge passes through the same amplifiers, which the light of the
+        /// line does not count.
+        const LEAST_ERROR: f64 = 0.0025;
+        let mut percent = bend.per_dn.times(100.0 * full_well_dn);
+        percent.standard_error = percent.standard_error.hypot(LEAST_ERROR * percent.value);
+        if bend.is_told() {
+            return self.tell(NONLINEARITY, "%", percent);
         }
+        let bound = rounded(percent.value.abs() + 1.96 * percent.standard_error, 2);
+        self.leave(NAME, &format!("not told apart from 0: below {bound} % at the full well at 95 %"));
     }
 
     fn optics(&mut self) {
