@@ -24,7 +24,7 @@ impl SensorModel {
             refuse_statistics(PRNU, &stated, false)?;
             let response = self.pattern(PRNU, file, files)?;
             let mean = response.mean();
-            if !(mean > 0.0) {
+            if mean.is_nan() || mean <= 0.0 {
                 let message = format!("has a mean of {mean}");
                 return Err(Invalid::new(PRNU, message).help("write the response of each pixel, about 1 of most"));
             }
@@ -210,7 +210,8 @@ mod tests {
             let own = d.channels.values().next().cloned().expect("a channel");
             d.channels = ["R", "G", "B"].map(|name| (name.to_owned(), own.clone())).into_iter().collect();
         };
-        let cases: [(fn(&mut SensorDescription), &str); 4] = [
+        type Change = fn(&mut SensorDescription);
+        let cases: [(Change, &str); 4] = [
             (|d| d.noise.dsnu_row_e = 1.0, "dsnu_row_e"),
             (|d| d.masked_columns = [2, 0], "masked pixels"),
             (|d| d.resolution_px = [16, 9], "16 × 8 pixels"),

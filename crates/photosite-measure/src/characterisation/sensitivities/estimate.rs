@@ -199,7 +199,7 @@ impl Signals {
             }
             let photons = light.map(|nm, power| power * nm);
             let all: f64 = weights(&photons, wavelengths_nm.len()).iter().sum();
-            if !(all > 0.0) {
+            if all.is_nan() || all <= 0.0 {
                 let message = format!("is dark from {} to {} nm", RANGE_NM[0], RANGE_NM[1]);
                 return Err(Invalid::new("light", message));
             }
