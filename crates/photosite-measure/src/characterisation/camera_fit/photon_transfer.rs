@@ -33,13 +33,13 @@ pub struct TransferPoint {
     /// σ_y² − σ_y.dark² of the pixels, DN².
     pub noise: Measured,
     /// Variance of the pixels in the light and in the dark, DN².
-    pub(super) variances: [Measured; 2],
+    variances: [Measured; 2],
     /// Signal over the standard deviation that is left of the noise in the average of all images.
     pub clarity: f64,
     /// Mean number in the light, DN.
     pub mean: Measured,
-    pub(super) clipped: f64,
-    pub(super) time: Option<Seconds>,
+    clipped: f64,
+    time: Option<Seconds>,
     /// Whether dark images of the same exposure time were there.
     pub has_dark: bool,
 }
@@ -89,7 +89,7 @@ impl PhotonTransfer {
         let used = points.iter().position(|p| !fits(p)).unwrap_or(points.len());
         let bend = bend(&points[..used]);
         let told = bend.filter(Bend::is_told);
-        let straightened = |point: &TransferPoint| told.map_or(*point, |bend| bend.straightened(point));
+        let straightened = |point: &TransferPoint| told.map_or(*point, |bend| point.straightened(bend));
         let fitted: Vec<TransferPoint> = points[..used].iter().map(straightened).collect();
         let gain = system_gain(&fitted, points.is_empty()).map(|gain| match told {
             // The slope of the noise over a signal y has the factor 1 + 3·b·y.
@@ -120,7 +120,25 @@ impl PhotonTransfer {
 
 /// Bend of points whose photons are known, or else their exposure times, which stand for light of which each second is alike.
 fn bend(points: &[TransferPoint]) -> Option<Bend> {
-    Bend::of(points, |point| point.photons).or_else(|| Bend::of(points, |point| Some(point.time?.0)))
+    let with = |light: fn(&TransferPoint) -> Option<f64>| -> Option<Vec<(f64, Measured)>> {
+        points.iter().map(|point| Some((light(point)?, point.signal))).collect()
+    };
+    Bend::of(&with(|point| point.photons).or_else(|| with(|point| Some(point.time?.0)))?)
+}
+
+impl TransferPoint {
+    /// The point that a linear response would give.
+    fn straightened(&self, bend: Bend) -> Self {
+        let signal = bend.linear(self.signal.value);
+        let slope = bend.slope(signal);
+        let [bright, dark] = self.variances;
+        Self {
+            signal: Measured::new(signal, self.signal.standard_error / slope.abs()),
+            noise: self.noise.times(slope.powi(-2)),
+            variances: [bright.times(slope.powi(-2)), dark],
+            ..*self
+        }
+    }
 }
 
 fn point(frames: &BrightFrames, dark: &DarkModel) -> TransferPoint {
