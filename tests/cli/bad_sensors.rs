@@ -215,3 +215,26 @@ fn errors_in_a_sensor_file_of_ones_own_name_its_line() {
         folder.fail("render capture.toml", 1, &[&format!("mine.toml:{}: ", line + 1), key, wrong]);
     }
 }
+
+/// Bytes of an NPY array of 4 × 4 values of a type.
+fn array(kind: &str, values: &[u8]) -> Vec<u8> {
+    let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (4, 4), }}");
+    let padded = format!("{header:<117}\n");
+    [&b"\x93NUMPY\x01\x00v\x00"[..], padded.as_bytes(), values].concat()
+}
+
+#[rstest]
+#[case::other_size(5, array("<f4", &1f32.to_le_bytes().repeat(16)), "is of 4 × 4 pixels, and the image of 4 × 5", "all pixels")]
+#[case::not_finite(4, array("<f4", &f32::NAN.to_le_bytes().repeat(16)), "map.npy: holds NaN at column 0, row 0", "NPY image of floats")]
+#[case::whole_numbers(4, array("<u2", &1u16.to_le_bytes().repeat(16)), "map.npy", "NPY image of floats")]
+#[case::dark(4, array("<f4", &0f32.to_le_bytes().repeat(16)), "has a mean of 0", "about 1 of most")]
+#[case::no_map(4, b"map".to_vec(), "map.npy", "NPY image of floats")]
+fn maps_that_cannot_be_are_named(#[case] rows: u32, #[case] bytes: Vec<u8>, #[case] message: &str, #[case] help: &str) {
+    let sensor = "noise.prnu_map = { file = 'map.npy' }\nnoise.prnu_percent = 0";
+    let folder = folder(format!("{HEAD}[sensor]\n{sensor}\nresolution_px = [4, {rows}]\n"));
+    folder.add("map.npy", bytes);
+    folder.fail("render capture.toml", 1, &["capture.toml:5", "sensor.noise.prnu_map", message, help]);
+    // The option that names another file is told, not the line that it takes the place of.
+    let other = "render capture.toml --set sensor.noise.prnu_map.file=none.npy";
+    folder.fail(other, 1, &["--set sensor.noise.prnu_map.file=none.npy", "cannot read", "relative to the file"]);
+}

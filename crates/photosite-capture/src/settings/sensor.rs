@@ -34,19 +34,23 @@ impl SensorFiles for OfSensor<'_, '_> {
     }
 
     fn pattern(&mut self, pattern: &PatternFile) -> Result<MeasuredPattern, Invalid> {
-        let path = self.0.path(&pattern.file)?;
-        const HELP: &str = "write an EXR, TIFF or NPY image of floats, one for each pixel, row by row";
-        let refused = |message: String| Invalid::new("", message).help(HELP);
+        const FORMS: &str = "write an EXR, TIFF or NPY image of floats, one for each pixel, row by row";
+        let path = self.0.path(&pattern.file).map_err(|invalid| invalid.within("file"))?;
+        let refused = |message: String| {
+            let is_there = !pattern.file.is_empty() && path.is_file();
+            let help = if is_there { FORMS } else { "write the path relative to the file that names it" };
+            Invalid::new("file", message).help(help)
+        };
+        let of_file = |what: &str| refused(format!("{}: {what}", path.display()));
         let MapFile { size, values, is_codes, warnings } =
             read_map(&path, None).map_err(|error| refused(error.to_string()))?;
         if is_codes {
-            return Err(refused(format!("{}: holds whole numbers", path.display())));
+            return Err(of_file("holds whole numbers"));
         }
         if let Some(warning) = warnings.first() {
-            return Err(refused(format!("{}: {warning}", path.display())));
+            return Err(of_file(warning));
         }
-        MeasuredPattern::new(size, values)
-            .map_err(|invalid| Invalid { message: format!("{}: {}", path.display(), invalid.message), ..invalid })
+        MeasuredPattern::new(size, values).map_err(|invalid| of_file(&invalid.message))
     }
 }
 
