@@ -39,7 +39,7 @@ mod _photosite {
     #[pymodule_export]
     use super::dataset::{Dataset, read_codes, read_exr_arrays};
     #[pymodule_export]
-    use super::emva1288::{evaluate_image_sets, fit_camera, take_image_sets};
+    use super::emva1288::{FittedCamera, evaluate_image_sets, fit_camera, take_image_sets};
     #[pymodule_export]
     use super::raw::{Raw, develop, raw_endings};
     #[pymodule_export]
