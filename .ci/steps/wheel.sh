@@ -2,7 +2,8 @@
 # crates are made of is checked without making code; --full makes a wheel of it, as pip does.
 python tools -m maturin build --release --locked --out "$SCRATCH/wheels"
 python tools -m maturin sdist --out "$SCRATCH/sdist"
-tar -xzf "$SCRATCH"/sdist/photosite-*.tar.gz -C "$SCRATCH/sdist"
+# Times of the archive are old ones: cargo would take what was compiled of an earlier distribution for this one.
+tar -xzmf "$SCRATCH"/sdist/photosite-*.tar.gz -C "$SCRATCH/sdist"
 source=$(echo "$SCRATCH"/sdist/photosite-*/)
 if [[ $CI_CASES == '*' ]]; then
     (cd "$source" && python tools -m maturin build --release --out "$SCRATCH/sdist/wheels")
