@@ -59,8 +59,7 @@ fn patch_colours(image: &Planes, patches: usize) -> Vec<DVec3> {
 
 /// Mean and largest ΔE*ab of the 24 patches.
 fn colour_errors(sensor: &SensorModel, light: &Spectrum) -> (f64, f64) {
-    let names: Vec<&str> = library::names().filter(|name| name.starts_with("colour-checker/")).collect();
-    let patches: Vec<Spectrum> = names.iter().map(|name| library::spectrum(name).expect("listed")).collect();
+    let patches: Vec<Spectrum> = library::colour_checker().map(|(_, patch)| patch).collect();
     let image = developed(&photograph(&patches, sensor, light), &DevelopSettings::default());
     let white = DVec3::from_array(cie::xyz(light));
     let d65 = *rgb::rgb_to_xyz() * DVec3::ONE;

@@ -58,8 +58,7 @@ fn photograph(sensor: &SensorModel, light: &Spectrum) -> Result<RawImage, photos
     };
     let white = electrons(&Spectrum::constant(1.0)).into_iter().fold(0.0, f64::max);
     let scale = sensor.saturation_capacity(&exposure).0 / white;
-    let patches = library::names().filter(|name| name.starts_with("colour-checker/")).filter_map(library::spectrum);
-    let patches: Vec<Vec<f64>> = patches.map(|patch| electrons(&patch)).collect();
+    let patches: Vec<Vec<f64>> = library::colour_checker().map(|(_, patch)| electrons(&patch)).collect();
     let (width, height) = (COLUMNS * PATCH, ROWS * PATCH);
     let mut light_on_sensor = Planes::zeros(width, height, sensor.cfa.channels());
     for (c, channel) in light_on_sensor.channels_mut().iter_mut().enumerate() {

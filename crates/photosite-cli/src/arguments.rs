@@ -49,6 +49,12 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0).ok_or_else(|| "write a number above 0".to_owned())
 }
 
+/// Two numbers above 0, `800x600`.
+pub(super) fn sides(text: &str) -> Option<[u32; 2]> {
+    let number = |part: &str| part.trim().parse::<u32>().ok().filter(|side| *side > 0);
+    text.split_once(['x', 'X', '×']).and_then(|(width, height)| Some([number(width)?, number(height)?]))
+}
+
 /// Evenly spaced values: first, last and step, `380..1000:10`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Steps([f64; 3]);

@@ -73,7 +73,7 @@ pub(super) struct FitArgs {
 pub(super) fn run(args: &FitArgs) -> Result<()> {
     refuse_existing(&args.output, args.force)?;
     let stem = args.output.file_stem().unwrap_or_default().to_string_lossy();
-    let mut maps = if args.maps { MapNames::beside(&stem) } else { MapNames::default() };
+    let maps = if args.maps { MapNames::beside(&stem) } else { MapNames::default() };
     for name in [&maps.prnu, &maps.dsnu].into_iter().flatten() {
         refuse_existing(&args.output.with_file_name(name), args.force)?;
     }
@@ -90,7 +90,7 @@ pub(super) fn run(args: &FitArgs) -> Result<()> {
     };
     let monitor = TerminalMonitor::new(args.quiet, args.json);
     let fitted = fit_images(&args.input, &request, &monitor)?;
-    maps = fitted.told(&maps);
+    let maps = fitted.told(&maps);
     write_maps(&fitted, &maps, args)?;
     write_result(&args.output, args.force, |to| to.write_all(fitted.sensor_file(&maps).as_bytes()))?;
     if args.json {

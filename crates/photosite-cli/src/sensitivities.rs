@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde::Serialize;
 
+use super::arguments::sides;
 use super::log::warning;
 use super::print::{print_json, println_text, refuse_existing, write_result};
 use photosite_core::spectrum::{Outside, SpectralTable, Spectrum, illuminant, library};
-use photosite_core::suggest::did_you_mean;
 use photosite_core::{Error, Invalid, Result, input};
 use photosite_develop::camera_colour::{camera_colour, chart_error};
 use photosite_files::raw_file::read_raw;
@@ -82,8 +82,8 @@ fn efficiency(text: &str) -> std::result::Result<f64, String> {
 
 /// Columns and rows of a chart.
 fn grid(text: &str) -> std::result::Result<[usize; 2], String> {
-    let sides = text.split_once('x').and_then(|(columns, rows)| Some([columns.parse().ok()?, rows.parse().ok()?]));
-    sides
+    sides(text)
+        .map(|sides| sides.map(|side| side as usize))
         .filter(|sides| sides.iter().all(|side| (2..=100).contains(side)))
         .ok_or_else(|| "expected columns and rows from 2 to 100, such as 6x4".to_owned())
 }
@@ -160,7 +160,7 @@ pub(super) fn run(args: &SensitivitiesArgs) -> Result<()> {
     println_text(&text(&found, &matrices, &args.output))
 }
 
-/// Refuses images of another pattern, or of one channel alone, and warns of what is left out.
+/// Refuses images of another pattern than that of the first, and warns of what is left out.
 fn check(path: &Path, raw: &RawImage, first: Option<&Cfa>) -> Result<()> {
     if let Some(first) = first.filter(|first| **first != raw.cfa) {
         let message = format!("has the channels {}, and the first image {first}", raw.cfa);
@@ -182,10 +182,7 @@ fn reflectances(path: Option<&Path>) -> Result<Vec<Spectrum>> {
             let table = table(path)?;
             table.names().map(|name| table.column(name).map_err(|error| error.in_file(path))).collect()
         }
-        None => {
-            let names = library::names().filter(|name| name.starts_with("colour-checker/"));
-            Ok(names.filter_map(library::spectrum).collect())
-        }
+        None => Ok(library::colour_checker().map(|(_, patch)| patch).collect()),
     }
 }
 
@@ -195,11 +192,9 @@ fn light(name: &str) -> Result<Spectrum> {
         let path = Path::new(name);
         return table(path)?.single().map_err(|error| error.in_file(path));
     }
-    illuminant::illuminant(name).ok_or_else(|| {
-        let names: Vec<String> = illuminant::names().collect();
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        let message = format!("--light: there is no illuminant {name:?}{}", did_you_mean(name, names.iter().copied()));
-        Error::Usage { message, help: Some("write A, D50, D65, F1 to F12, LED-B1 …, 3000K, or a .csv file".into()) }
+    illuminant::named(name).map_err(|Invalid { message, help, .. }| Error::Usage {
+        message: format!("--light: {message}"),
+        help: help.map(|help| format!("{help}; or write a .csv file").into()),
     })
 }
 

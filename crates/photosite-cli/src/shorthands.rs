@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::arguments::sides;
 use photosite_capture::relative_path;
 use photosite_core::{Error, Result};
 
@@ -50,7 +51,5 @@ impl Shorthands {
 
 /// Parses a size as people write it, `800x600`.
 fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let number = |part: &str| part.trim().parse::<u32>().ok().filter(|pixels| *pixels > 0);
-    let sides = text.split_once(['x', 'X', '×']).and_then(|(width, height)| Some([number(width)?, number(height)?]));
-    sides.ok_or_else(|| "write columns and rows, for example 800x600".to_owned())
+    sides(text).ok_or_else(|| "write columns and rows, for example 800x600".to_owned())
 }

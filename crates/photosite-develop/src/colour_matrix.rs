@@ -247,7 +247,7 @@ impl Chart {
 
 /// Reflectances of the 24 patches.
 fn checker() -> impl Iterator<Item = Spectrum> {
-    library::names().filter(|name| name.starts_with("colour-checker/")).filter_map(library::spectrum)
+    library::colour_checker().map(|(_, patch)| patch)
 }
 
 #[cfg(test)]

@@ -182,12 +182,7 @@ impl<'a> Finder<'a> {
             return Ok(LightSpectrum { colour: Colour::Rgb(rgb), is_absolute: false });
         }
         let name = keys.illuminant.unwrap_or("D65");
-        let spectrum = illuminant::illuminant(name).ok_or_else(|| {
-            let names: Vec<String> = illuminant::names().collect();
-            let names = names.iter().map(String::as_str);
-            Invalid::new("illuminant", format!("there is no illuminant {name:?}{}", did_you_mean(name, names.clone())))
-                .help(format!("known names are {}, daylight as D40–D250 and blackbodies as 3000K", list(name, names)))
-        })?;
+        let spectrum = illuminant::named(name)?;
         // Of the named lights, blackbodies alone are physical; all others are tables relative to 560 nm.
         let is_absolute = name.to_ascii_lowercase().ends_with('k');
         Ok(LightSpectrum { colour: Colour::Spectrum(spectrum), is_absolute })

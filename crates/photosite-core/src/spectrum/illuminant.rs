@@ -16,6 +16,8 @@ use std::sync::OnceLock;
 
 pub use super::planck::planck;
 use super::{Outside, Spectrum, library};
+use crate::Invalid;
+use crate::suggest::{did_you_mean, list};
 
 /// Ratio of today's second radiation constant to the one by which D50, D55, D65 and D75 were named: D65 has a
 /// correlated colour temperature of 6500 K × 1.4388/1.4380 (CIE 015:2018, 4.1.2).
@@ -54,6 +56,20 @@ pub fn illuminant(name: &str) -> Option<Spectrum> {
     let temperature = name.strip_prefix("blackbody-").unwrap_or(&name).strip_suffix('k')?.trim();
     let temperature = temperature.parse::<f64>().ok()?;
     blackbody(temperature)
+}
+
+/// Illuminant by name, as [`illuminant`] has it.
+///
+/// # Errors
+///
+/// A name that no illuminant has, with those that are near.
+pub fn named(name: &str) -> Result<Spectrum, Invalid> {
+    illuminant(name).ok_or_else(|| {
+        let known: Vec<String> = names().collect();
+        let known = known.iter().map(String::as_str);
+        Invalid::new("illuminant", format!("there is no illuminant {name:?}{}", did_you_mean(name, known.clone())))
+            .help(format!("known names are {}, daylight as D40–D250 and blackbodies as 3000K", list(name, known)))
+    })
 }
 
 /// The names of the fixed illuminants, for lists and suggestions.

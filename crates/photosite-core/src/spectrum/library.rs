@@ -119,6 +119,11 @@ pub fn reflectances() -> impl Iterator<Item = &'static str> {
     TABLES.iter().filter(|(_, text)| holds(text, "reflectance")).map(|(name, _)| *name)
 }
 
+/// Names and reflectances of the 24 patches of a colour checker, in the order of reading.
+pub fn colour_checker() -> impl Iterator<Item = (&'static str, Spectrum)> {
+    names().filter(|name| name.starts_with("colour-checker/")).filter_map(|name| Some((name, spectrum(name)?)))
+}
+
 /// Names of tables that can serve as transmittances: measured ones, and reflectances, whose spectra serve as well.
 pub fn transmittances() -> impl Iterator<Item = &'static str> {
     let is_one = |text| holds(text, "transmittance") || holds(text, "reflectance");
@@ -273,6 +278,7 @@ mod tests {
     #[test]
     fn reflectances_are_physical() {
         assert_eq!(reflectances().filter(|name| name.starts_with("colour-checker/")).count(), 24);
+        assert_eq!(colour_checker().count(), 24);
         for name in reflectances() {
             let spectrum = reflectance(&name.to_uppercase()).expect("listed");
             assert!(spectrum.min() >= 0.0 && spectrum.max() <= 1.0, "{name}");

@@ -35,8 +35,7 @@ pub fn measure_checker(image: &Planes, image_path: &Path, path: &Path, sandbox: 
     let mut capture = Capture::load_within(sandbox, path, &[])?;
     let size = [image.width(), image.height()];
     let description = Arc::unwrap_or_clone(capture.take_scene());
-    let names: Vec<&str> = library::names().filter(|name| name.starts_with("colour-checker/")).collect();
-    let spectra: Vec<Spectrum> = names.iter().filter_map(|name| library::spectrum(name)).collect();
+    let (names, spectra): (Vec<&str>, Vec<Spectrum>) = library::colour_checker().unzip();
     let patch_of_material: Vec<Option<usize>> =
         description.materials.iter().map(|material| patch_of(material, &spectra)).collect();
     let scene = scene::build(description, &Spectrum::constant(1.0));

@@ -123,9 +123,8 @@ pub fn sensitivities(
         ));
     }
     let posteriors = posteriors(&found);
-    let largest =
-        |posterior: &Posterior, signals: &Signals| posterior.curve.iter().copied().fold(0.0, f64::max) * signals.unit;
-    let top = posteriors.iter().zip(&signals).map(|(p, s)| largest(p, s)).fold(0.0, f64::max);
+    let peaks = posteriors.iter().zip(&signals).map(|(p, s)| p.curve[largest(&p.curve)] * s.unit);
+    let top = peaks.fold(0.0, f64::max);
     let curves = channels.iter().zip(&posteriors).zip(&signals).map(|((channel, posterior), signals)| {
         let values: Vec<f64> = posterior.curve.iter().map(|q| q * signals.unit / top).collect();
         let (peak_nm, half_maximum_nm) = shape(&wavelengths_nm, &values);
@@ -174,9 +173,14 @@ fn exposure_over_first(signals: &[Signals], image: usize) -> f64 {
     if ratio.is_finite() && ratio > 0.0 { ratio } else { 1.0 }
 }
 
+/// Place of the largest value.
+fn largest(values: &[f64]) -> usize {
+    (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0)
+}
+
 /// Wavelength of the peak and the ends of the range about it with at least half of the value.
 fn shape(wavelengths_nm: &[f64], values: &[f64]) -> (f64, [f64; 2]) {
-    let peak = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0);
+    let peak = largest(values);
     let is_low = |i: &usize| values[*i] < 0.5 * values[peak];
     let first = (0..peak).rev().find(is_low).map_or(0, |i| i + 1);
     let last = (peak..values.len()).find(is_low).map_or(values.len(), |i| i) - 1;
@@ -217,8 +221,7 @@ impl Signals {
         /// Fewest patches that tell a curve.
         const FEWEST: usize = 6;
         let light = signals.values.iter().filter(|value| **value > 0.0).count();
-        let brightest = (0..signals.values.len()).max_by(|&a, &b| signals.values[a].total_cmp(&signals.values[b]));
-        match brightest.filter(|_| light >= FEWEST) {
+        match (light >= FEWEST).then(|| largest(&signals.values)) {
             Some(brightest) => {
                 // A curve of 1 makes the brightest patch 1.
                 let (flat, signal): (f64, f64) = (signals.weights[brightest].iter().sum(), signals.values[brightest]);
@@ -265,8 +268,7 @@ impl Sensitivity {
 
     /// Standard error at the peak, as a part of the value.
     pub fn error_at_peak(&self) -> f64 {
-        let peak = (0..self.values.len()).max_by(|&a, &b| self.values[a].total_cmp(&self.values[b])).unwrap_or(0);
-        self.log_errors[peak]
+        self.log_errors[largest(&self.values)]
     }
 }
 
@@ -281,8 +283,7 @@ mod tests {
     use super::*;
 
     fn patches() -> Vec<Spectrum> {
-        let names = library::names().filter(|name| name.starts_with("colour-checker/"));
-        names.map(|name| library::spectrum(name).expect("listed")).collect()
+        library::colour_checker().map(|(_, patch)| patch).collect()
     }
 
     /// Sensitivity behind an infrared filter.
