@@ -22,7 +22,12 @@ fn curves_of_a_known_sensor_come_back() {
     let folder = chart();
     let command =
         format!("measure sensitivities chart/raw.dng --light D50 --corners {CORNERS} --peak 0.6 -o camera.csv");
-    let report: Value = serde_json::from_str(&folder.succeed(&format!("{command} --json")).stdout).expect("JSON");
+    // A camera profile is colour tags of a DNG file behind another magic number.
+    let mut profile = std::fs::read(folder.path("chart/raw.dng")).expect("a raw file");
+    profile[2..4].copy_from_slice(b"RC");
+    folder.add("camera.dcp", profile);
+    let outcome = folder.succeed(&format!("{command} --profile camera.dcp --json"));
+    let report: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
     // Shot noise of some 200 pixels of up to 30 000 e-, and PRNU.
     assert!(report["patch_error"].as_f64().is_some_and(|error| error < 0.02), "{report}");
     let text = std::fs::read_to_string(folder.path("camera.csv")).expect("a table");
@@ -52,6 +57,10 @@ fn curves_of_a_known_sensor_come_back() {
         assert!(deviation < 0.12, "{deviation}");
     }
     let largest = pairs.iter().flatten().map(|(_, q)| *q).fold(0.0, f64::max);
+    for check in report["matrices"].as_array().expect("a list") {
+        assert_eq!(check["profile_delta_e_2000"], check["stated_delta_e_2000"], "{check}");
+        assert!(check["profile_delta_e_2000"].is_f64(), "{check}");
+    }
     assert!((largest - 0.6).abs() < 1e-6, "{largest}");
     // Matrices of the file are those of the true curves, which show charts in the light of the image as well.
     let matrices = report["matrices"].as_array().expect("a list");
@@ -87,6 +96,7 @@ fn peaks_of(info: &str) -> Vec<String> {
 #[case::outside("--light D50 --corners 45,45,295,45,195,135,45,135", 1, &["295, 45 lies outside"])]
 #[case::other_chart("--light D50 --corners 45,45,195,45,195,135,45,135 --grid 5x4 --reflectances two.csv", 2, &["5 x 4 patches, and 2"])]
 #[case::peak("--light D50 --corners 45,45,195,45,195,135,45,135 --peak -1", 2, &["expected a number above 0, up to 1"])]
+#[case::no_profile("--light D50 --corners 45,45,195,45,195,135,45,135 --profile two.csv", 1, &["two.csv", "cannot read it as TIFF"])]
 #[case::no_file("--light none.csv --corners 45,45,195,45,195,135,45,135", 1, &["none.csv", "cannot read"])]
 fn what_is_wrong_is_named(#[case] arguments: &str, #[case] status: i32, #[case] wanted: &[&str]) {
     let folder = chart();

@@ -1,5 +1,6 @@
 //! `photosite measure sensitivities`: spectral sensitivities of a camera from photographs of a chart.
 
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -8,6 +9,7 @@ use serde::Serialize;
 use super::arguments::sides;
 use super::log::warning;
 use super::print::{print_json, println_text, refuse_existing, write_result};
+use photosite_core::sandbox::trust;
 use photosite_core::spectrum::{Outside, SpectralTable, Spectrum, illuminant, library};
 use photosite_core::{Error, Invalid, Result, input};
 use photosite_develop::camera_colour::{camera_colour, chart_error};
@@ -15,7 +17,7 @@ use photosite_files::raw_file::read_raw;
 use photosite_measure::characterisation::sensitivities::{
     ChartGrid, LitChart, Sensitivities, patch_means, sensitivities,
 };
-use photosite_raw::{Cfa, RawImage};
+use photosite_raw::{Cfa, ColourCalibration, RawImage, read_profile};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -25,6 +27,10 @@ Examples:
       --corners 99,80,912,85,908,640,97,637 \\
       --corners 97,82,915,84,911,642,95,639 -o camera.csv";
 
+/// Usage in less than 80 columns.
+const USAGE: &str = "photosite measure sensitivities [OPTIONS] --light <NAME|FILE>
+         --corners <X,Y,X,Y,X,Y,X,Y> --output <FILE> <RAW>...";
+
 /// Relative departure of the patches from the curves from which on something is wrong.
 const LARGE_ERROR: f64 = 0.05;
 
@@ -32,7 +38,7 @@ const LARGE_ERROR: f64 = 0.05;
 const ROUGH: f64 = 0.3;
 
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, override_usage = USAGE)]
 pub(super) struct SensitivitiesArgs {
     /// Raw images of the chart, in light that differs, such as incandescent light and daylight.
     #[arg(required = true, value_name = "RAW")]
@@ -55,6 +61,10 @@ pub(super) struct SensitivitiesArgs {
     /// Largest quantum efficiency of all channels, which images of a chart do not tell.
     #[arg(long, value_name = "QE", default_value_t = 1.0, value_parser = efficiency, allow_hyphen_values = true)]
     peak: f64,
+    /// Camera profile (.dcp, or a DNG file) whose matrices are compared with those of the curves, as those of the first
+    /// image are.
+    #[arg(long, value_name = "FILE")]
+    profile: Option<PathBuf>,
     /// Where to write the curves: a CSV file with a column per channel, as sensor files name them.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -94,6 +104,8 @@ struct MatrixCheck {
     light: &'static str,
     /// By the matrices that the file states.
     stated_delta_e_2000: Option<f64>,
+    /// By the matrices of a camera profile.
+    profile_delta_e_2000: Option<f64>,
     /// By those that follow from the curves.
     derived_delta_e_2000: Option<f64>,
 }
@@ -115,6 +127,7 @@ pub(super) fn run(args: &SensitivitiesArgs) -> Result<()> {
             return Err(Error::Usage { message, help: Some(help.into()) });
         }
     }
+    let profile = args.profile.as_deref().map(profile).transpose()?;
     let reflectances = reflectances(args.reflectances.as_deref())?;
     let patches = args.grid.unwrap_or([6, 4]);
     if patches[0] * patches[1] != reflectances.len() {
@@ -149,7 +162,7 @@ pub(super) fn run(args: &SensitivitiesArgs) -> Result<()> {
             100.0 * channel.error_at_peak()
         );
     }
-    let matrices = matrix_checks(&found, &first).unwrap_or_else(|Invalid { message, .. }| {
+    let matrices = matrix_checks(&found, &first, profile.as_deref()).unwrap_or_else(|Invalid { message, .. }| {
         warning!("the colours of the curves are not compared: {message}");
         Vec::new()
     });
@@ -204,8 +217,19 @@ fn table(path: &Path) -> Result<SpectralTable> {
     SpectralTable::parse(&text, Outside::Zero).map_err(|error| error.in_file(path))
 }
 
-/// Colours of a colour checker by the matrices of the file, and by those that follow from the curves.
-fn matrix_checks(found: &Sensitivities, raw: &RawImage) -> Result<Vec<MatrixCheck>, Invalid> {
+/// Colour calibrations of a camera profile.
+fn profile(path: &Path) -> Result<Vec<ColourCalibration>> {
+    trust(path);
+    let file = input::open(path).map_err(|source| Error::io(path, "read", source))?;
+    read_profile(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
+}
+
+/// Colours of a colour checker by the matrices of the file and of a profile, and by those that follow from the curves.
+fn matrix_checks(
+    found: &Sensitivities,
+    raw: &RawImage,
+    profile: Option<&[ColourCalibration]>,
+) -> Result<Vec<MatrixCheck>, Invalid> {
     if found.channels.len() < 3 {
         return Ok(Vec::new());
     }
@@ -223,6 +247,7 @@ fn matrix_checks(found: &Sensitivities, raw: &RawImage) -> Result<Vec<MatrixChec
         checks.push(MatrixCheck {
             light: name,
             stated_delta_e_2000: error(&raw.metadata.calibrations)?,
+            profile_delta_e_2000: profile.map_or(Ok(None), error)?,
             derived_delta_e_2000: derived.map_or(Ok(None), |derived| error(&derived.calibrations))?,
         });
     }
@@ -268,12 +293,18 @@ fn text(found: &Sensitivities, matrices: &[MatrixCheck], output: &Path) -> Strin
         text += &format!("; {} that are saturated in a channel are left out of it", found.saturated);
     }
     for check in matrices {
-        let MatrixCheck { light, stated_delta_e_2000: stated, derived_delta_e_2000: derived } = check;
+        let MatrixCheck {
+            light,
+            stated_delta_e_2000: stated,
+            profile_delta_e_2000: profile,
+            derived_delta_e_2000: derived,
+        } = check;
         if let Some(derived) = derived {
             text += &format!(
                 "\ncolours of a colour checker in {light}: mean ΔE2000 {derived:.2} by matrices of the curves"
             );
             text += &stated.map_or(String::new(), |stated| format!(", {stated:.2} by those of the file"));
+            text += &profile.map_or(String::new(), |profile| format!(", {profile:.2} by those of the profile"));
         }
     }
     let [first, last] = [0, found.wavelengths_nm.len() - 1].map(|i| found.wavelengths_nm[i]);

@@ -48,7 +48,9 @@ fn examples_can_be_given_as_they_are() {
     assert!(with_examples >= 26, "{with_examples}");
     commands.push(command());
     for after in commands.iter().filter_map(Command::get_after_help) {
-        for line in after.to_string().lines().filter(|line| line.starts_with("  photosite")) {
+        // A backslash joins a line to the next, as in a shell.
+        let joined = after.to_string().split(" \\\n").map(str::trim_start).collect::<Vec<_>>().join(" ");
+        for line in joined.lines().filter(|line| line.starts_with("  photosite")) {
             let line = line.trim().split("   ").next().unwrap_or_default().split(" > ").next().unwrap_or_default();
             let parsed = command().try_get_matches_from(line.split_whitespace());
             assert!(parsed.is_ok(), "{line}: {}", parsed.err().map(|e| e.to_string()).unwrap_or_default());

@@ -33,7 +33,9 @@ pub use black_level::BlackLevel;
 pub use calibration::{ColourCalibration, LightSource};
 pub use cfa::{Cfa, NAMED as NAMED_FILTER_ARRAYS};
 pub use distortion::Distortion;
-pub use dng::{DngCompression, dng_can_hold, read_dng, read_dng_or_tiff, write_compressed_dng, write_dng};
+pub use dng::{
+    DngCompression, dng_can_hold, read_dng, read_dng_or_tiff, read_profile, write_compressed_dng, write_dng,
+};
 pub use exif::Exif;
 pub use gain_map::{GainMap, Reach};
 pub use lens_model::{LensModel, Undistortion};

@@ -80,12 +80,18 @@ pub(super) struct Openable<'a> {
     directory: Vec<u8>,
 }
 
-/// Opens a TIFF or BigTIFF file whatever its images are. Also where its first directory is.
+/// Opens a TIFF or BigTIFF file whatever its images are, or a camera profile, which is a TIFF file of another magic
+/// number. Also where its first directory is.
 pub(super) fn open(from: &mut dyn ReadSeek) -> TiffResult<(Decoder<Openable<'_>>, IfdPointer)> {
     let length = from.seek(SeekFrom::End(0))?;
     from.rewind()?;
     let mut magic = [0; 4];
     from.read_exact(&mut magic)?;
+    match &magic {
+        b"IIRC" => magic = *b"II*\0",
+        b"MMCR" => magic = *b"MM\0*",
+        _ => {}
+    }
     let layout = match &magic {
         b"II*\0" => Layout { is_big: false, is_big_endian: false },
         b"MM\0*" => Layout { is_big: false, is_big_endian: true },

@@ -16,6 +16,7 @@ mod filters;
 mod ifd;
 mod numbers;
 mod opcodes;
+mod profile;
 mod read;
 mod read_pixel_values;
 #[cfg(test)]
@@ -36,6 +37,7 @@ use photosite_core::Invalid;
 
 use ifd::{Ifd, pad, write_text, write_undefined};
 pub use numbers::DngCompression;
+pub use profile::read_profile;
 pub use read::{read_dng, read_dng_or_tiff};
 
 /// Checks that a DNG file can describe this layout.
