@@ -7,6 +7,7 @@ mod bad_usage;
 mod bombs;
 mod bracket;
 mod cells;
+mod compare_raw;
 mod dataset;
 mod dataset_told;
 mod develop;

@@ -16,12 +16,16 @@ use photosite_core::{Error, Invalid, Result};
 use photosite_develop::EncodedImage;
 use photosite_files::developed::write_png;
 use photosite_files::image_file::read_image_file;
-use photosite_measure::validation::{ComparedImage, ComparisonSettings, FalseColour, Limits, compare, false_colour};
+use photosite_files::raw_file::read_raw;
+use photosite_measure::validation::{
+    ComparedImage, ComparisonSettings, FalseColour, FixedPattern, Limits, compare, false_colour,
+};
 use photosite_raw::Pixels;
 
 const EXAMPLES: &str = "\
-Example:
-  photosite compare out/electrons.exr mitsuba.exr --picture differences.png";
+Examples:
+  photosite compare out/electrons.exr mitsuba.exr --picture differences.png
+  photosite compare photograph.dng twin/raw.dng --noise-profile --prnu 0.8";
 
 /// Compare two images: is it noise, or do they differ?
 ///
@@ -33,8 +37,8 @@ Example:
 /// to get them: render.py, which `photosite export-mitsuba` writes beside scene.xml, renders batches with different
 /// seeds and writes their mean and its variance; --variance-b takes variances from elsewhere, such as the spread of
 /// several runs of any program; and --samples-b computes them from the second moments m2_X of Mitsuba's integrator
-/// moment. Write --variance-b 0 if B is exact. A variance from fewer than 64 batches or samples is too uncertain for a
-/// verdict.
+/// moment. Raw files state that of their temporal noise in their noise profile: --noise-profile takes it. Write
+/// --variance-b 0 if B is exact. A variance from fewer than 64 batches or samples is too uncertain for a verdict.
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct CompareArgs {
@@ -56,6 +60,16 @@ pub(super) struct CompareArgs {
     /// Samples per pixel of B, as --samples-a for A.
     #[arg(long, value_name = "N", conflicts_with = "variance_b", value_parser = clap::value_parser!(u64).range(2..))]
     samples_b: Option<u64>,
+    /// Take the variances of raw files from their noise profiles (DNG NoiseProfile), which are those of temporal noise.
+    #[arg(long)]
+    noise_profile: bool,
+    /// Photo response non-uniformity in percent, where A and B are of two cameras, each with a pattern of its own; 0 of
+    /// one and the same.
+    #[arg(long, value_name = "PERCENT", requires = "noise_profile", value_parser = not_negative, default_value_t = 0.0)]
+    prnu: f64,
+    /// Dark signal non-uniformity of each of two cameras, DN.
+    #[arg(long, value_name = "DN", requires = "noise_profile", value_parser = not_negative, default_value_t = 0.0)]
+    dsnu: f64,
     /// Compare the masked pixels of raw files, too, not only those that see light.
     #[arg(long)]
     masked: bool,
@@ -106,8 +120,8 @@ pub(super) fn run(args: &CompareArgs) -> Result<bool> {
     if let Some(path) = &args.picture {
         refuse_image(path, args.force)?;
     }
-    let a = read(&args.a, args.variance_a.as_deref(), args.samples_a, args.masked)?;
-    let b = read(&args.b, args.variance_b.as_deref(), args.samples_b, args.masked)?;
+    let a = read(args, &args.a, args.variance_a.as_deref(), args.samples_a)?;
+    let b = read(args, &args.b, args.variance_b.as_deref(), args.samples_b)?;
     if !args.quiet {
         warn(&a, &b);
     }
@@ -164,13 +178,19 @@ fn unfit(Invalid { message, help, .. }: Invalid) -> Error {
 }
 
 /// Image with the variances that its file or the command line states.
-fn read(path: &Path, variance: Option<&str>, samples: Option<u64>, masked: bool) -> Result<ComparedImage> {
-    let pixels = if masked { Pixels::All } else { Pixels::Active };
+fn read(args: &CompareArgs, path: &Path, variance: Option<&str>, samples: Option<u64>) -> Result<ComparedImage> {
+    let pixels = if args.masked { Pixels::All } else { Pixels::Active };
     let image = read_image_file(path, pixels)?;
     if let Some(samples) = samples {
         return image.with_second_moments(samples).map_err(unfit);
     }
-    let Some(text) = variance else { return Ok(image) };
+    let Some(text) = variance else {
+        let pattern = FixedPattern { prnu: args.prnu / 100.0, dsnu_dn: args.dsnu };
+        return match args.noise_profile {
+            true => image.with_noise_profile(&read_raw(path)?, pattern).map_err(unfit),
+            false => Ok(image),
+        };
+    };
     trust(text.as_ref());
     match text.parse::<f64>() {
         Ok(variance) if variance.is_finite() && variance >= 0.0 => Ok(image.with_constant_variance(variance)),

@@ -3,6 +3,7 @@
 use super::compared_image::ComparedImage;
 use photosite_core::Invalid;
 use photosite_core::image::{Channel, Planes};
+use photosite_raw::RawImage;
 
 /// Channels of variances are called `variance.X` in files.
 const VARIANCE: &str = "variance.";
@@ -10,6 +11,15 @@ const VARIANCE: &str = "variance.";
 const SECOND_MOMENT: &str = "m2_";
 /// Bits of a 32-bit float that one made of 16 bits leaves 0.
 const BEYOND_HALF: u32 = 0x1fff;
+
+/// Fixed pattern of a camera, of which the other camera of a comparison has another.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FixedPattern {
+    /// Photo response non-uniformity: standard deviation of the pixels' responses over their mean.
+    pub prnu: f64,
+    /// Dark signal non-uniformity: standard deviation of the pixels' offsets, DN.
+    pub dsnu_dn: f64,
+}
 
 impl ComparedImage {
     /// Sets one variance for every pixel value: 0 for an exact image.
@@ -41,6 +51,41 @@ impl ComparedImage {
                 .help(format!("name its channels {VARIANCE}X or X, with X one of {}", names.join(", "))));
         }
         self.variance = Planes::new(self.mean.width(), self.mean.height(), found)?;
+        Ok(self)
+    }
+
+    /// Takes the variances that the noise profile of the raw image states which this image was made of: with a black
+    /// level b and a white level w, both in DN, a pixel value y has
+    ///
+    /// variance (w − b)²·(S·x + O) + (p·(w − b)·x)² + d², x = (y − b)/(w − b), at least 0
+    ///
+    /// The first term is that of temporal noise (DNG 1.6 specification, NoiseProfile). The others are those of a fixed
+    /// pattern that the other image does not have, with the PRNU p (a ratio) and the DSNU d in DN.
+    pub fn with_noise_profile(mut self, raw: &RawImage, pattern: FixedPattern) -> Result<Self, Invalid> {
+        let profile = &raw.metadata.noise_profile;
+        let refused = |message: String| Err(Invalid::new("", message).help("state its variances in another way"));
+        if profile.is_empty() {
+            return refused(format!("{} states no noise profile", self.name));
+        }
+        if raw.linearisation.is_some() {
+            return refused(format!("the noise profile of {} is that of linear values, which its are not", self.name));
+        }
+        let samples = raw.cfa.samples_per_pixel();
+        let [left, top] = self.active_area.map_or([0, 0], |area| [area.x, area.y]);
+        let width = self.mean.width();
+        self.variance = self.mean.clone();
+        for (sample, plane) in self.variance.channels_mut().iter_mut().enumerate() {
+            for (i, value) in plane.data.iter_mut().enumerate() {
+                let (x, y) = ((left + i % width) * samples + sample, top + i / width);
+                let channel = raw.cfa.channel_at(x, y);
+                let [s, o] = *profile.get(channel).unwrap_or(&profile[0]);
+                let black = f64::from(raw.black_level_dn.at(x, y));
+                let range = f64::from(raw.white_of(channel)) - black;
+                let signal = ((f64::from(*value) - black) / range).max(0.0);
+                let fixed = (pattern.prnu * range * signal).powi(2) + pattern.dsnu_dn.powi(2);
+                *value = (range * range * (s * signal + o) + fixed) as f32;
+            }
+        }
         Ok(self)
     }
 
@@ -90,9 +135,11 @@ mod tests {
     use rand::RngExt;
     use rand_distr::StandardNormal;
 
+    use super::*;
     use crate::validation::compared_image::tests::image;
-    use crate::validation::{ComparisonSettings, compare};
+    use crate::validation::{ComparisonSettings, MOSAIC, compare};
     use photosite_core::math::philox::Philox;
+    use photosite_raw::{Cfa, PixelArea, Pixels, RawMetadata};
 
     #[test]
     fn second_moments_give_calibrated_z_scores() {
@@ -120,6 +167,46 @@ mod tests {
         // 199/197; a spread of n numbers errs by 1/√(2n), 4 of that.
         assert!((z.spread - 1.0).abs() < 1.0 / 197.0 + 4.0 / (2.0 * PIXELS as f64).sqrt(), "{z:?}");
         assert!(z.of_mean.abs() < 4.0, "{z:?}");
+    }
+
+    #[test]
+    fn variances_of_a_noise_profile_by_hand() {
+        let metadata = RawMetadata { noise_profile: vec![[0.01, 1e-4], [0.02, 4e-4]], ..RawMetadata::default() };
+        let cfa = Cfa::parse("GRBG").expect("a layout");
+        let data = vec![100, 600, 1100, 50];
+        let bare = RawImage { metadata, black_level_dn: 100.into(), ..RawImage::bare(2, 2, data, cfa, 1100) };
+        let image = |raw: &RawImage, pixels| ComparedImage::from_raw("a".to_owned(), raw.clone(), pixels);
+        let found = image(&bare, Pixels::All).with_noise_profile(&bare, FixedPattern::default()).expect("variances");
+        // 10⁶ · (S·x + O): channels in the order G, R, B, the last with the profile of the first; below black O alone.
+        let order: Vec<usize> = (0..4).map(|i| bare.cfa.channel_at(i % 2, i / 2)).collect();
+        let wanted: Vec<f32> = order
+            .iter()
+            .zip([0.0, 0.5, 1.0, 0.0])
+            .map(|(&channel, x)| {
+                let [s, o] = if channel == 1 { [0.02, 4e-4] } else { [0.01, 1e-4] };
+                (1e6 * (s * x + o)) as f32
+            })
+            .collect();
+        assert_eq!(found.variance.plane(MOSAIC), Some(&wanted[..]));
+        // 1 % of 0, 500, 1000 and nothing below black, and 2 DN.
+        let pattern = FixedPattern { prnu: 0.01, dsnu_dn: 2.0 };
+        let found = image(&bare, Pixels::All).with_noise_profile(&bare, pattern).expect("variances");
+        let with_pattern: Vec<f32> =
+            wanted.iter().zip([0.0, 5.0, 10.0, 0.0f32]).map(|(wanted, p)| wanted + p * p + 4.0).collect();
+        assert_eq!(found.variance.plane(MOSAIC), Some(&with_pattern[..]));
+        // Of the active area alone, the channels are those of its places.
+        let masked = RawImage { active_area: Some(PixelArea { x: 1, y: 1, width: 1, height: 1 }), ..bare.clone() };
+        let found =
+            image(&masked, Pixels::Active).with_noise_profile(&masked, FixedPattern::default()).expect("variances");
+        assert_eq!(found.variance.plane(MOSAIC), Some(&wanted[3..]));
+        for (raw, complaint) in [
+            (RawImage { metadata: RawMetadata::default(), ..bare.clone() }, "states no noise profile"),
+            (RawImage { linearisation: Some(vec![0, 9]), ..bare }, "linear values"),
+        ] {
+            let error =
+                image(&raw, Pixels::All).with_noise_profile(&raw, FixedPattern::default()).expect_err("refused");
+            assert!(error.message.contains(complaint), "{error}");
+        }
     }
 
     #[test]
