@@ -71,7 +71,23 @@ fn the_table_is_a_file_that_others_read() {
     folder.fail("noise model generic-cmos-color -o noise.csv", 2, &["noise.csv already exists", "--force"]);
 }
 
+/// The fields are those of the gain, and what they have no place for is told.
+#[test]
+fn a_sensor_becomes_fields_of_isetcam() {
+    let folder = Folder::new([]);
+    let said = folder
+        .succeed("noise model sony-imx249-mono --set noise.row_noise_e=1 --gains 12..12:1 --isetcam a.json")
+        .stderr;
+    assert!(said.contains("no place for:") && said.contains("row-noise"), "{said}");
+    let found = json(&std::fs::read_to_string(folder.path("a.json")).expect("fields"));
+    assert!((found["analogGain"].as_f64().expect("a gain") - 10f64.powf(-0.6)).abs() < 1e-8, "{found}");
+    assert_eq!(found["color"]["filterNames"], serde_json::json!(["w"]));
+    folder.fail("noise model sony-imx249-mono --isetcam a.json", 2, &["a.json already exists", "--force"]);
+    folder.fail("noise model generic-stacked-color --isetcam b.json", 2, &["one colour filter a pixel"]);
+}
+
 #[rstest]
+#[case::fields("noise model generic-cmos-color --isetcam twin.mat", "the sensor is a .json file")]
 #[case::gain("noise model generic-cmos-color --gains 0..600:100", "is not among the gains")]
 #[case::ending("noise model generic-cmos-color -o noise.xlsx", "the table is a .csv file")]
 #[case::steps("noise model generic-cmos-color --gains 0..6", "write first, last and step")]

@@ -25,6 +25,7 @@ mod fit;
 mod help;
 mod info;
 mod init;
+mod isetcam;
 mod json_text;
 mod layout;
 mod lens;

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::arguments::{Steps, parse_steps, positive};
 use super::file_args::FileArgs;
+use super::isetcam;
 use super::log::{say, warning};
 use super::print::{print_json, println_out};
 use photosite_capture::{NamedSensor, read_named_sensor};
@@ -18,7 +19,8 @@ use photosite_sensor::{Exposure, GainLine, NoiseAtGain, SensorModel, Stage};
 const EXAMPLES: &str = "\
 Examples:
   photosite noise model sony-imx249-mono
-  photosite noise model twin.toml --gains 0..24:6 -o noise.csv";
+  photosite noise model twin.toml --gains 0..24:6 -o noise.csv
+  photosite noise model twin.toml --isetcam twin.json";
 
 /// Number of gains where none are asked for.
 const DEFAULT_GAINS: u32 = 5;
@@ -48,6 +50,9 @@ pub(super) struct NoiseModelArgs {
     /// Table to write, .csv.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Write the sensor at the first of these gains as the fields of ISETCam's sensor and pixel structures, .json.
+    #[arg(long, value_name = "FILE")]
+    isetcam: Option<PathBuf>,
     #[command(flatten)]
     file: FileArgs,
 }
@@ -103,16 +108,18 @@ impl Lines {
 
 pub(super) fn run(args: &NoiseModelArgs, sandbox: &Sandbox) -> Result<()> {
     trust(args.sensor.as_ref());
-    if let Some(path) = &args.output {
-        if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("csv")) {
-            let message = format!("{}: the table is a .csv file", path.display());
-            return Err(Error::Usage { message, help: Some("for example -o noise.csv; --json prints JSON".into()) });
-        }
-        args.file.check(path)?;
-    }
+    check_outputs(args)?;
     let NamedSensor { model: sensor, mut warnings, .. } = read_named_sensor(sandbox, &args.sensor, &args.overrides)?;
-    let rows = rows(args, &sensor)?;
+    let exposures = exposures(args, &sensor);
+    let rows = rows(&exposures, &sensor)?;
     warnings.extend(left_out(&sensor));
+    let isetcam = match (&args.isetcam, exposures.first()) {
+        (Some(path), Some(exposure)) => {
+            warnings.extend(isetcam::left_out(&sensor, exposure));
+            Some((path, isetcam::fields(&sensor, exposure)?))
+        }
+        _ => None,
+    };
     let report = Report {
         photosite_version: env!("CARGO_PKG_VERSION"),
         sensor: &sensor.name,
@@ -127,20 +134,42 @@ pub(super) fn run(args: &NoiseModelArgs, sandbox: &Sandbox) -> Result<()> {
     if let Some(path) = &args.output {
         args.file.write(path, |to| to.write_all(csv(&rows).as_bytes()))?;
     }
+    if let Some((path, fields)) = &isetcam {
+        args.file.write(path, |to| to.write_all(format!("{fields:#}\n").as_bytes()))?;
+    }
     if args.file.json {
         return print_json(&report);
     }
     if !args.file.quiet {
         warnings.iter().for_each(|what| warning!("{what}"));
         println_out(&text(&report))?;
-        if let Some(path) = &args.output {
+        for path in args.output.iter().chain(&args.isetcam) {
             say!("wrote {}", path.display());
         }
     }
     Ok(())
 }
 
-fn rows(args: &NoiseModelArgs, sensor: &SensorModel) -> Result<Vec<NoiseAtGain>> {
+/// Refuses names of files that cannot be written, before anything is read.
+fn check_outputs(args: &NoiseModelArgs) -> Result<()> {
+    let outputs =
+        [(&args.output, "csv", "table", "-o noise.csv"), (&args.isetcam, "json", "sensor", "--isetcam twin.json")];
+    for (path, wanted, what, example) in outputs {
+        let Some(path) = path else { continue };
+        if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case(wanted)) {
+            let message = format!("{}: the {what} is a .{wanted} file", path.display());
+            return Err(Error::Usage {
+                message,
+                help: Some(format!("for example {example}; --json prints JSON").into()),
+            });
+        }
+        args.file.check(path)?;
+    }
+    Ok(())
+}
+
+/// Exposures at all gains.
+fn exposures(args: &NoiseModelArgs, sensor: &SensorModel) -> Vec<Exposure> {
     let [least, most] = sensor.converter.gain_range.map(|gain| gain.0);
     let gains = match &args.gains {
         Some(steps) => steps.values(),
@@ -150,16 +179,17 @@ fn rows(args: &NoiseModelArgs, sensor: &SensorModel) -> Result<Vec<NoiseAtGain>>
             (0..DEFAULT_GAINS).map(|i| least + part(i) * (most - least)).collect()
         }
     };
-    let row = |gain: f64| {
-        let exposure = Exposure {
-            gain: Decibels(gain),
-            temperature: Celsius(args.temperature_c),
-            ..Exposure::of(Seconds(args.time_s))
-        };
-        sensor.noise_at_gain(&exposure)
+    let exposure = |gain: f64| Exposure {
+        gain: Decibels(gain),
+        temperature: Celsius(args.temperature_c),
+        ..Exposure::of(Seconds(args.time_s))
     };
+    gains.into_iter().map(exposure).collect()
+}
+
+fn rows(exposures: &[Exposure], sensor: &SensorModel) -> Result<Vec<NoiseAtGain>> {
     let unfit = |Invalid { message, help, .. }| Error::Usage { message, help };
-    gains.into_iter().map(|gain| row(gain).map_err(unfit)).collect()
+    exposures.iter().map(|exposure| sensor.noise_at_gain(exposure).map_err(unfit)).collect()
 }
 
 /// What a table of one number for each gain does not tell of a sensor.
