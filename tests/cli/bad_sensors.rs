@@ -216,6 +216,13 @@ fn errors_in_a_sensor_file_of_ones_own_name_its_line() {
     }
 }
 
+#[test]
+fn a_sensor_file_stands_on_no_preset() {
+    let folder = folder(format!("{HEAD}[sensor]\npreset = 'mine.toml'\n"));
+    folder.add("mine.toml", "serial = 7\npreset = 'sony-imx249-mono'\n");
+    folder.fail("render capture.toml", 1, &["mine.toml:2: ", "`preset` stands in [sensor] of a capture", "all keys"]);
+}
+
 /// Bytes of an NPY array of 4 × 4 values of a type.
 fn array(kind: &str, values: &[u8]) -> Vec<u8> {
     let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (4, 4), }}");

@@ -67,6 +67,9 @@ const NOTHING: &str = "none";
 /// Name of a sensor that begins from nothing and has no name.
 pub(crate) const UNNAMED: &str = "sensor";
 
+/// Keys of `[sensor]` that say which sensor it is, and are not of the sensor itself.
+const OF_CAPTURES: [&str; 3] = ["preset", "without", "scaled_to_px"];
+
 /// Reads the sensor and puts the merged table in the place of `[sensor]`, so that errors of its keys find their line.
 /// Paths of curves are relative to `folder` no more, but can be used as they are.
 pub(crate) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<MergedSensor> {
@@ -79,8 +82,13 @@ pub(crate) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
         None => empty_table(),
     };
     let mut changes = table.clone();
-    let [preset, without, scaled_to] = ["preset", "without", "scaled_to_px"].map(|key| changes.remove(key));
+    let [preset, without, scaled_to] = OF_CAPTURES.map(|key| changes.remove(key));
     let (mut merged, name) = base(source, folder, preset.as_ref(), &changes)?;
+    if let Some((key, node)) = OF_CAPTURES.into_iter().find_map(|key| Some((key, merged.at(&[key])?))) {
+        let message = format!("`{key}` stands in [sensor] of a capture; a sensor file states its sensor by itself");
+        let help = "write all keys of the sensor, or name the preset in the capture and change its keys there";
+        return Err(source.error_at_node(node, Invalid::new(format!("sensor.{key}"), message).help(help)));
+    }
     if let Some(without) = without {
         take_away(source, &mut merged, &name, &without)?;
     }
@@ -110,7 +118,7 @@ pub(crate) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     source.replace("sensor", merged);
 
     let table = source.get("sensor").ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
-    let description = source.read_beside("sensor", table, PhantomData, &["preset", "without", "scaled_to_px"])?;
+    let description = source.read_beside("sensor", table, PhantomData, &OF_CAPTURES)?;
     Ok(MergedSensor { name, description, warnings })
 }
 

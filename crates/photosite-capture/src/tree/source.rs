@@ -308,6 +308,11 @@ impl CaptureSource {
         self.error_at(span, invalid)
     }
 
+    /// The error of a value that cannot stand where it does.
+    pub(crate) fn error_at_node(&self, node: &Node, invalid: Invalid) -> Error {
+        self.error_at(Some(&node.span), invalid)
+    }
+
     /// An error at a span of the imagined text.
     fn error_at(&self, span: Option<&Range<usize>>, invalid: Invalid) -> Error {
         let text = span.and_then(|span| self.texts.iter().rev().find(|text| text.start <= span.start));
