@@ -119,12 +119,12 @@ fn a_folder_of_flats_and_darks_tells_all_but_the_quantum_efficiency() {
     folder.fail("emva1288 b.toml --like frames -o x", 1, &["does not state the photons", "frames.csv"]);
 }
 
-/// Case: a camera whose read noise falls with gain, as images at two gains in one folder, makes a sensor that does so.
+/// Case: a camera whose read noise falls and whose black level rises with gain, as images at two gains in one folder, makes a sensor that does so.
 #[test]
 fn images_of_several_gains_become_steps_of_gain() {
     const CAMERA: &str = "emva1288 sony-imx249-mono --size 64x64 -q --set noise.dsnu_e=4 --set adc.gain_db_range=[0,24] \
-                          --set noise.gain_steps=[{gain_db=0,read_noise_e=20,row_noise_e=8,dsnu_e=16},\
-                          {gain_db=12,read_noise_e=12,row_noise_e=5,dsnu_e=10}]";
+                          --set noise.gain_steps=[{gain_db=0,read_noise_e=20,row_noise_e=8,dsnu_e=16,black_level_dn=64},\
+                          {gain_db=12,read_noise_e=12,row_noise_e=5,dsnu_e=10,black_level_dn=80}]";
     let folder = Folder::new([]);
     for gain in [0, 12] {
         folder.succeed(&format!("{CAMERA} --gain-db {gain} --seed {gain} -o set{gain}"));
@@ -133,8 +133,9 @@ fn images_of_several_gains_become_steps_of_gain() {
     let report = json(&folder.succeed("fit frames -o twin.toml --json").stdout);
     let steps = report["gain_steps"].as_array().expect("steps");
     assert_eq!(steps.iter().map(|step| step["gain_db"].as_f64()).collect::<Vec<_>>(), [Some(0.0), Some(12.0)]);
-    for (step, [read, row]) in steps.iter().zip([[20.0, 8.0], [12.0, 5.0]]) {
-        for (key, wanted) in [("noise.read_noise_e", read), ("noise.row_noise_e", row)] {
+    let keys = ["noise.read_noise_e", "noise.row_noise_e", "adc.black_level_dn"];
+    for (step, figures) in steps.iter().zip([[20.0, 8.0, 64.0], [12.0, 5.0, 80.0]]) {
+        for (key, wanted) in keys.into_iter().zip(figures) {
             let parameters = step["parameters"].as_array().expect("parameters");
             let found = parameters.iter().find(|p| p["key"] == key).unwrap_or_else(|| panic!("{key}: {step}"));
             let [value, error] = ["value", "standard_error"].map(|part| found[part].as_f64().expect("a number"));
@@ -143,7 +144,8 @@ fn images_of_several_gains_become_steps_of_gain() {
         }
     }
     let info = json(&folder.succeed("info twin.toml --json").stdout);
-    assert_eq!(info["gain_steps"].as_array().map(Vec::len), Some(2), "{info}");
+    let blacks: Vec<_> = info["gain_steps"].as_array().expect("steps").iter().map(|s| &s["black_level_dn"]).collect();
+    assert_eq!(blacks, [64, 80], "{info}");
     // The twin is taken at a gain between.
     folder.succeed("emva1288 twin.toml --gain-db 6 --size 32x32 -q -o between");
     folder.fail("emva1288 twin.toml --like frames -o x", 1, &["has images of several gains"]);

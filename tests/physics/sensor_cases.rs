@@ -19,7 +19,7 @@ pub(crate) fn quiet_sensor() -> SensorModel {
     sensor.converter = Converter {
         bits: 16,
         conversion_gain_dn_per_e: 1.0,
-        black_level_dn: 1000,
+        black_level: 1000.into(),
         gain_range: [Decibels(0.0), Decibels(24.0)],
         ..Converter::ideal()
     };
@@ -110,7 +110,7 @@ pub(crate) fn noisy_sensor_with(stage: Stage) -> SensorModel {
             let branch = |conversion_gain_dn_per_e| Converter {
                 bits: 12,
                 conversion_gain_dn_per_e,
-                black_level_dn: 200,
+                black_level: 200.into(),
                 ..sensor.converter.clone()
             };
             let dual_gain = DualGain { high: branch(8.0), low: branch(1.0), low_read_noise: Electrons(50.0) };

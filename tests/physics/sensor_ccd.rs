@@ -163,7 +163,7 @@ fn masked_pixels_surround_the_image_and_see_no_light() {
         raw.validate().expect("an image whose parts belong together");
         assert_eq!((raw.width, raw.height), (12 + 7, 9 + 4));
         assert_eq!(raw.cropped(), plain, "{preset}: numbers and the phase of the tile");
-        let dark = raw.data.iter().filter(|&&dn| dn == bare.converter.black_level_dn).count();
+        let dark = raw.data.iter().filter(|&&dn| dn == bare.converter.black_level_dn(Default::default())).count();
         let samples = bare.cfa.samples_per_pixel();
         assert!(dark >= (19 * 13 - 12 * 9) * samples, "{preset}: {dark}");
     }

@@ -166,7 +166,7 @@ fn charge_ends_between_black_and_the_full_well(
         let stages = Stages::only(&[stage, Stage::FullWell, Stage::AmplifierNonlinearity]);
         for (level, raw) in LEVELS.iter().zip(exposed(&sensor, &EXPOSURE, stages, lit, &[])) {
             // Of two gains, the merged number of black is that of the converter's black level.
-            let range = sensor.converter.black_level_dn..=raw.white_level_dn;
+            let range = sensor.converter.black_level_dn(Default::default())..=raw.white_level_dn;
             assert!(raw.data.iter().all(|dn| range.contains(dn)), "{stage:?} {lit:?} {level}: beyond {range:?}");
         }
     }

@@ -16,7 +16,7 @@ const PIXELS: f64 = (SIDE * SIDE) as f64;
 fn numbers(sensor: &SensorModel, exposure: &Exposure, mean_e: f32, frame: u64) -> Vec<f64> {
     let light = flat(sensor, SIDE, SIDE, mean_e);
     let raw = expose(&light, sensor, exposure, Stages::ALL, NoiseKey { seed: 4, frame }).expect("valid");
-    raw.data.iter().map(|&dn| f64::from(dn) - f64::from(sensor.converter.black_level_dn)).collect()
+    raw.data.iter().map(|&dn| f64::from(dn) - f64::from(sensor.converter.black_level_dn(Default::default()))).collect()
 }
 
 fn moments(numbers: &[f64]) -> Moments {
@@ -25,7 +25,7 @@ fn moments(numbers: &[f64]) -> Moments {
 
 fn counter(counting: Counting) -> SensorModel {
     let mut sensor = quiet_sensor();
-    sensor.converter.black_level_dn = 0;
+    sensor.converter.black_level = 0.into();
     SensorModel { architecture: Architecture::Spad(Spad { counting, afterpulsing: 0.0 }), ..sensor }
 }
 

@@ -156,7 +156,7 @@ fn nonlinear_amplifiers_bend_as_stated_and_straight_ones_not_at_all() {
 fn converters_bend_and_step_by_what_is_stated() {
     let mut sensor = quiet_sensor();
     sensor.converter.bits = 12;
-    sensor.converter.black_level_dn = 0;
+    sensor.converter.black_level = 0.into();
     sensor.full_well = Electrons(4095.0);
     let light = ramp(&sensor, 4095.0);
     let run = |sensor: &SensorModel| {

@@ -41,7 +41,7 @@ fn dual_gain() -> SensorModel {
     let branch = |conversion_gain_dn_per_e| Converter {
         bits: 12,
         conversion_gain_dn_per_e,
-        black_level_dn: 400,
+        black_level: 400.into(),
         ..sensor.converter.clone()
     };
     let dual_gain = DualGain { high: branch(4.0), low: branch(1.0), low_read_noise: Electrons(20.0) };

@@ -35,7 +35,7 @@ fn the_full_well_clips_every_pixel() {
         let raw = image(&sensor, 100_000.0, Stages::ALL, 3, 0);
         assert!(raw.data.iter().all(|&dn| dn == raw.white_level_dn));
         let gain = sensor.converter.conversion_gain_dn_per_e;
-        let expected = f64::from(sensor.converter.black_level_dn) + 10_000.0 * gain;
+        let expected = f64::from(sensor.converter.black_level_dn(Default::default())) + 10_000.0 * gain;
         assert!((f64::from(raw.white_level_dn) - expected).abs() <= 0.5);
     }
 }
@@ -44,7 +44,7 @@ fn the_full_well_clips_every_pixel() {
 fn the_converter_clips_what_the_well_does_not() {
     let mut sensor = quiet_sensor();
     sensor.converter.bits = 10;
-    sensor.converter.black_level_dn = 20;
+    sensor.converter.black_level = 20.into();
     let raw = image(&sensor, 50_000.0, Stages::ALL, 3, 0);
     assert!(raw.data.iter().all(|&dn| dn == 1023));
     assert_eq!(raw.white_level_dn, 1023);
@@ -222,7 +222,7 @@ fn the_black_level_keeps_negative_noise() {
     assert!((kept.mean() - 1000.0).abs() < 5.0 * 20.0 / PIXELS.sqrt(), "{}", kept.mean());
     assert!((kept.variance().sqrt() / 20.0 - 1.0).abs() < 5.0 / (2.0 * PIXELS).sqrt() + 1e-3);
     // Without a black level half of the noise is lost: the mean of max(0, n) is σ/√(2π), its variance σ²·(½ − 1/(2π)).
-    sensor.converter.black_level_dn = 0;
+    sensor.converter.black_level = 0.into();
     let lost = moments(&image(&sensor, 0.0, Stages::ALL, 4, 0));
     let expected = 20.0 / (2.0 * std::f64::consts::PI).sqrt();
     let spread = 20.0 * (0.5 - 0.5 / std::f64::consts::PI).sqrt();

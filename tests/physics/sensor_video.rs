@@ -71,7 +71,7 @@ fn noise_behind_the_line_is_not_shared_by_neighbours() {
     let mut sensor = narrow(0.6);
     sensor.converter =
         photosite::sensor::Converter { bits: 6, conversion_gain_dn_per_e: 63.0 / 20_000.0, ..sensor.converter };
-    sensor.converter.black_level_dn = 0;
+    sensor.converter.black_level = 0.into();
     // A ramp that takes all parts of a step in turn: rounding is the only noise.
     let data: Vec<f32> = (0..SIDE * SIDE).map(|i| 10_000.0 + (i % 997) as f32 * 3.7).collect();
     let planes = Planes::new(SIDE, SIDE, vec![Channel { name: "Y".to_owned(), data }]).expect("right sizes");
@@ -108,7 +108,7 @@ fn few_levels_have_the_error_of_their_steps(#[values(16, 8, 6, 3, 1)] bits: u32)
     let (range_e, levels) = (60_000.0, f64::from(1u32 << bits));
     let step = range_e / (levels - 1.0);
     sensor.converter.bits = bits;
-    sensor.converter.black_level_dn = 0;
+    sensor.converter.black_level = 0.into();
     sensor.converter.conversion_gain_dn_per_e = 1.0 / step;
     sensor.full_well = Electrons(1e9);
     let count = 240_000;

@@ -318,21 +318,22 @@ fn of_sensor(sensor: &SensorModel) -> Map<String, Value> {
     facts
 }
 
-/// Noise of the read-out at a step of gain.
-fn noise_of_step((gain, noise): &(Decibels, ReadOutNoise)) -> Value {
+/// Noise of the read-out and black level at a step of gain.
+fn step_of_gain(sensor: &SensorModel, (gain, noise): &(Decibels, ReadOutNoise)) -> Value {
     json!({
         "gain_db": gain.0,
         "read_noise_e": noise.read.0,
         "row_noise_e": noise.row.0,
         "column_noise_e": noise.column.0,
         "dsnu_e": round(noise.dsnu.total()),
+        "black_level_dn": sensor.converter.black_level_dn(*gain),
     })
 }
 
 fn of_plain_sensor(sensor: &SensorModel) -> Map<String, Value> {
     // Of a sensor whose noise changes with gain, that at 0 dB, and all steps beside it.
     let read_out = sensor.noise.read_out.at(Decibels(0.0));
-    let steps: Vec<_> = sensor.noise.read_out.steps().iter().map(noise_of_step).collect();
+    let steps: Vec<_> = sensor.noise.read_out.steps().iter().map(|step| step_of_gain(sensor, step)).collect();
     let peaks: Vec<_> = sensor.efficiencies().iter().map(|qe| round(qe.max().into())).collect();
     let mut facts = map(json!({
         "name": sensor.name,
@@ -356,7 +357,7 @@ fn of_plain_sensor(sensor: &SensorModel) -> Map<String, Value> {
         "bits": sensor.converter.bits,
         "output_bits": sensor.output_bits(),
         "conversion_gain_dn_per_e": sensor.converter.conversion_gain_dn_per_e,
-        "black_level_dn": sensor.converter.black_level_dn,
+        "black_level_dn": sensor.converter.black_level_dn(Decibels(0.0)),
     }));
     if !steps.is_empty() {
         facts.insert("gain_steps".to_owned(), steps.into());

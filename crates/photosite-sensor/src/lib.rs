@@ -31,9 +31,9 @@ pub use exposure::{
 };
 pub use image_electrons::{ImageElectrons, ImageUnit, image_electrons, without_negative};
 pub use model::{
-    AdcDescription, Architecture, Ccd, CcdArchitecture, CcdDescription, CellShapeName, ChannelDescription,
-    ChargeDescription, Companding, CompandingCurve, CompandingDescription, Converter, Converters, Counting,
-    CountingMode, CurveFile, DarkCurrentLaw, DarkCurrentLawName, Defects, DefectsDescription, DualGain,
+    AdcDescription, Architecture, BlackLevelByGain, Ccd, CcdArchitecture, CcdDescription, CellShapeName,
+    ChannelDescription, ChargeDescription, Companding, CompandingCurve, CompandingDescription, Converter, Converters,
+    Counting, CountingMode, CurveFile, DarkCurrentLaw, DarkCurrentLawName, Defects, DefectsDescription, DualGain,
     DualGainDescription, FORMATS, FilterDescription, FixedPattern, Flicker, FlickerDescription, FlickerOrder, Format,
     FrameGrabber, FrameGrabberDescription, GainStepDescription, ImageLag, ImageLagDescription, Kernel, Logarithmic,
     LowPass, MaskedPixels, MeasuredPattern, Noise, NoiseDescription, Obstacle, Overscan, PatternFile, ReadOutNoise,

@@ -19,6 +19,10 @@ const IN_DUAL_DN: [&[&str]; 3] = [
     &["adc", "dual_gain", "low_gain_dn_per_e"],
 ];
 
+/// Steps of gain, whose black levels are in DN of the converter.
+const GAIN_STEPS: &[&str] = &["noise", "gain_steps"];
+const BLACK_LEVEL: &[&str] = &["black_level_dn"];
+
 const BITS: &[&str] = &["adc", "bits"];
 const DUAL_BITS: &[&str] = &["adc", "dual_gain", "bits"];
 /// Figure of the converters that measure charge: both of dual gain where there are two.
@@ -61,6 +65,12 @@ pub(crate) fn follow_bits(base: &mut Node, changes: &Node) -> Vec<String> {
                  bits; state that of yours"
             )
         }));
+    }
+    if let (Some(change), None) = (merged, changes.at(GAIN_STEPS)) {
+        if let Some(Node { value: Value::Array(steps), .. }) = base.at_mut(GAIN_STEPS) {
+            let blacks = steps.iter_mut().filter_map(|step| step.at_mut(BLACK_LEVEL));
+            blacks.for_each(|black| scale(black, BLACK_LEVEL, factor(change)));
+        }
     }
     if let (Some(change), None) = (merged, changes.at(KNEES)) {
         base.at_mut(KNEES).into_iter().for_each(|knees| move_knees(knees, change));
@@ -111,7 +121,7 @@ fn short_counter(base: &Node, changes: &Node, bits: u32) -> Option<String> {
 mod tests {
     use crate::{NamedSensor, read_named_sensor};
     use photosite_core::Sandbox;
-    use photosite_core::units::Seconds;
+    use photosite_core::units::{Decibels, Seconds};
     use photosite_sensor::{Exposure, presets};
 
     /// Case: whatever the bits, the sensor holds the same charge. The largest number is 2^b − 1 rather than 2^b, and
@@ -140,6 +150,26 @@ mod tests {
         }
     }
 
+    /// Case: black levels of steps of gain are numbers of the converter, too, unless the capture states the steps.
+    #[test]
+    fn black_levels_of_gain_steps_follow_the_bits() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("camera.toml");
+        let steps = "[[noise.gain_steps]]\ngain_db = 0\nblack_level_dn = 64\n\
+                     [[noise.gain_steps]]\ngain_db = 12\nblack_level_dn = 100\n";
+        let sensor = presets::table("sony-imx249-mono").expect("listed");
+        std::fs::write(&path, format!("{sensor}\n{steps}")).expect("written");
+        let blacks = |set: &[&str]| {
+            let set: Vec<String> = set.iter().map(|&set| set.to_owned()).collect();
+            let name = path.to_str().expect("a name");
+            let sensor = read_named_sensor(&Sandbox::default(), name, &set).expect("valid").model;
+            [0.0, 12.0].map(|db| sensor.converter.black_level_dn(Decibels(db)))
+        };
+        assert_eq!(blacks(&[]), [64, 100]);
+        assert_eq!(blacks(&["adc.bits=10"]), [16, 25]);
+        assert_eq!(blacks(&["adc.bits=10", "noise.gain_steps=[{gain_db=0,black_level_dn=30}]"]), [30, 30]);
+    }
+
     /// Case: each of two converters holds the same charge.
     #[test]
     fn the_converters_of_dual_gain_follow_their_own_bits() {
@@ -150,7 +180,8 @@ mod tests {
         let gains = |dual: &photosite_sensor::DualGain| [&dual.high, &dual.low].map(|c| c.conversion_gain_dn_per_e);
         assert_eq!(gains(after), [gains(before)[0] / 4.0, 0.03]);
         // 50/4 = 12.5.
-        assert_eq!((before.high.black_level_dn, after.high.black_level_dn), (50, 13));
+        let black = |dual: &photosite_sensor::DualGain| dual.high.black_level_dn(Decibels(0.0));
+        assert_eq!((black(before), black(after)), (50, 13));
         assert_eq!(sensor.converter.bits, preset.converter.bits);
         assert_eq!(sensor.converter.conversion_gain_dn_per_e, preset.converter.conversion_gain_dn_per_e);
     }

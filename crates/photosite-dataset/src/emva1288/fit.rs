@@ -230,8 +230,6 @@ fn fit_gains(
 ) -> Result<CameraFit> {
     /// Departure of measured gains from stated ones that is told, dB, where it is no chance either.
     const TOLD_DB: f64 = 0.1;
-    /// Difference of black levels that is told, DN, where it is no chance either.
-    const TOLD_DN: f64 = 0.1;
     let mut first = fit_set(&sets[0], system_gain)?;
     let (Some(lowest), [_, higher @ ..]) = (&sets[0].gain, sets) else { return Ok(first) };
     let own = first.parameter("adc.conversion_gain_dn_per_e").map(|parameter| parameter.measured.value);
@@ -248,15 +246,6 @@ fn fit_gains(
             first.notes.push(format!(
                 "by photon transfer {} is {db:.2} ± {error:.2} dB above {}, and by its name {stated_db:.2} dB",
                 gain.name, lowest.name
-            ));
-        }
-        let black = |fit: &CameraFit| fit.parameter("adc.black_level_dn").map(|parameter| parameter.measured);
-        if let (Some(own), Some(of_first)) = (black(&fit), black(&first))
-            && (own.value - of_first.value).abs() > TOLD_DN.max(3.0 * own.standard_error.hypot(of_first.standard_error))
-        {
-            first.notes.push(format!(
-                "the black level of {} is {:.2} DN, and that of {}, which the sensor file has for all gains, {:.2} DN",
-                gain.name, own.value, lowest.name, of_first.value
             ));
         }
         // Settings in decibels are what a capture names; of others, light tells what they are.

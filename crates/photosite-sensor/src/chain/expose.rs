@@ -176,7 +176,7 @@ fn expose_once(
     let maps = NoiseMaps {
         planes: record.finish(part.unwrap_or(all), names)?,
         system_gain: sensor.system_gain(exposure),
-        black_level_dn: sensor.converter.black_level_dn.into(),
+        black_level_dn: sensor.converter.black_level_dn(exposure.gain).into(),
     };
     let raw = match part {
         None => whole,
@@ -270,13 +270,13 @@ fn amplify(frame: &Frame<'_>) -> impl Fn(&mut RecordedRow<'_>) + Sync {
 
 /// Converts a row of signals to digital numbers.
 fn convert<'a>(frame: &Frame<'a>) -> impl Fn(&mut RecordedRow<'_>, &mut RecordedRow<'_, u16>) + Sync + 'a {
-    let converter = &frame.sensor.converter;
-    let gain = Gain::new(frame);
-    let digitiser = Digitiser::new(frame);
-    let dual_gain = DualGainDigitiser::new(frame);
-    let stuck_pixels = StuckPixels::new(frame);
+    let frame = *frame;
+    let gain = Gain::new(&frame);
+    let digitiser = Digitiser::new(&frame);
+    let dual_gain = DualGainDigitiser::new(&frame);
+    let stuck_pixels = StuckPixels::new(&frame);
     move |row, numbers| {
-        numbers.convert(converter, |numbers| match &dual_gain {
+        numbers.convert(&frame, |numbers| match &dual_gain {
             Some(dual_gain) => {
                 row.change(NoiseMap::ReadNoiseE, |row| dual_gain.convert(row, numbers));
                 row.amplify(&gain);
@@ -289,7 +289,7 @@ fn convert<'a>(frame: &Frame<'a>) -> impl Fn(&mut RecordedRow<'_>, &mut Recorded
 
 /// Processes the digital numbers and sends them out.
 fn process(frame: &Frame<'_>, numbers: DigitalNumbers) -> DigitalNumbers {
-    let mut numbers = numbers.add(&frame.exposure.region.binning, frame.sensor);
+    let mut numbers = numbers.add(frame);
     let frame = &Frame { size: numbers.size, ..*frame };
     let digital_gain = DigitalGain::new(frame);
     let compander = Compander::new(frame).filter(|_| !frame.is_mean);
@@ -329,7 +329,13 @@ fn raw_image(
         cfa: tile_from_corner(&layout, area),
         active_area: ([width, height] != [area.width, area.height]).then_some(area),
         bits: sensor.output_bits(),
-        black_level_dn: linearisation.as_ref().map_or(sensor.converter.black_level_dn, |l| l.black_level_dn).into(),
+        black_level_dn: linearisation
+            .as_ref()
+            .map_or_else(
+                || sensor.converter.black_level_dn(exposure.gain),
+                |linearisation| linearisation.black_level_dn,
+            )
+            .into(),
         white_level_dn: sensor.white_level_dn(exposure),
         channel_whites_dn: None,
         linearisation: linearisation.map(|linearisation| linearisation.table),

@@ -19,8 +19,9 @@ use crate::signal::charge_plane::{ChargePlane, Row, RowStage};
 use crate::signal::effects::{MapUnit, NoiseMap};
 use crate::stages::dark_current::DarkCurrent;
 use crate::stages::digital_gain::DigitalGain;
+use crate::stages::frame::Frame;
 use crate::stages::frame_grabber::Sampling;
-use crate::{Binning, BinningMethod, Converter, SensorModel};
+use crate::{Binning, BinningMethod};
 
 /// The maps of an image.
 #[derive(Clone, Debug, PartialEq)]
@@ -166,17 +167,18 @@ impl Recorder {
     }
 
     /// Adds digital numbers, or takes their mean, in bins of pixels, with `binned` as the result.
-    pub(super) fn add_numbers(&mut self, binning: &Binning, sensor: &SensorModel, binned: &[u16], width: usize) {
+    pub(super) fn add_numbers(&mut self, frame: &Frame<'_>, binned: &[u16], width: usize) {
+        let binning = &frame.exposure.region.binning;
         if self.is_off() || binning.method == BinningMethod::Charge || binning.pixels() == 1 {
             return;
         }
         // The black level is that of every number, and of every bin.
-        let black = f32::from(sensor.converter.black_level_dn);
+        let black = f32::from(frame.black_level_dn());
         self.reshape(|kind, values, size| match kind {
             None => (values.iter().map(|number| number - black).collect(), size),
             Some(_) => (values, size),
         });
-        self.bin(binning, &sensor.cfa, |unit| match unit {
+        self.bin(binning, &frame.sensor.cfa, |unit| match unit {
             MapUnit::DigitalNumbers => binning.weight(),
             MapUnit::Electrons | MapUnit::None => 1.0,
         });
@@ -222,11 +224,12 @@ impl Recorder {
 
     /// Records the conversion of a row of signals to digital numbers.
     #[inline]
-    pub(super) fn converted(&self, numbers: &Row<'_, u16>, converter: &Converter) {
+    pub(super) fn converted(&self, numbers: &Row<'_, u16>, frame: &Frame<'_>) {
         if self.is_off() {
             return;
         }
-        let (black, max) = (f64::from(converter.black_level_dn), f64::from(converter.max_dn()));
+        let converter = &frame.sensor.converter;
+        let (black, max) = (f64::from(frame.black_level_dn()), f64::from(converter.max_dn()));
         let maps = [NoiseMap::ClippingDn, NoiseMap::AdcNonlinearityDn, NoiseMap::QuantisationDn];
         let maps = maps.map(|map| self.index(map));
         let mut planes = self.row(numbers.y);

@@ -4,12 +4,13 @@
 use std::ops::Deref;
 
 use super::noise_maps::Recorder;
+use crate::Binning;
 use crate::signal::charge_plane::{ChargePlane, Row, RowStage, for_each_row};
 use crate::signal::effects::NoiseMap;
 use crate::stages::amplifiers::Gain;
 use crate::stages::digital_gain::DigitalGain;
+use crate::stages::frame::Frame;
 use crate::stages::frame_grabber::Sampling;
-use crate::{Binning, Converter, SensorModel};
 use photosite_raw::Cfa;
 
 /// Charge of all pixels, which can be read by all and changed under the name of a map.
@@ -100,9 +101,14 @@ pub(super) struct DigitalNumbers {
 
 impl DigitalNumbers {
     /// Adds the digital numbers of bins, or takes their mean.
-    pub(super) fn add(mut self, binning: &Binning, sensor: &SensorModel) -> Self {
-        (self.data, self.size) = binning.add_numbers(self.data, self.size, sensor);
-        self.record.add_numbers(binning, sensor, &self.data, self.size[0]);
+    pub(super) fn add(mut self, frame: &Frame<'_>) -> Self {
+        (self.data, self.size) = frame.exposure.region.binning.add_numbers(
+            self.data,
+            self.size,
+            &frame.sensor.cfa,
+            [frame.black_level_dn(), frame.sensor.converter.max_dn()],
+        );
+        self.record.add_numbers(frame, &self.data, self.size[0]);
         self
     }
 
@@ -163,9 +169,9 @@ impl RecordedRow<'_> {
 impl RecordedRow<'_, u16> {
     /// Lets a converter turn signals into digital numbers.
     #[inline]
-    pub(super) fn convert(&mut self, converter: &Converter, convert: impl FnOnce(&mut Row<'_, u16>)) {
+    pub(super) fn convert(&mut self, frame: &Frame<'_>, convert: impl FnOnce(&mut Row<'_, u16>)) {
         convert(&mut self.row);
-        self.record.converted(&self.row, converter);
+        self.record.converted(&self.row, frame);
     }
 
     /// Multiplies the digital numbers by a digital gain.

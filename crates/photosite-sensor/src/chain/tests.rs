@@ -2,11 +2,12 @@
 
 use photosite_core::image::Planes;
 use photosite_core::units::{Decibels, Electrons, Seconds};
+use photosite_raw::RawImage;
 
 use super::expose_with_maps;
 use crate::{
-    Exposure, GainStepDescription, Noise, NoiseDescription, NoiseKey, NoiseMap, SensorDescription, SensorModel, Stage,
-    Stages, presets,
+    Binning, BinningMethod, Exposure, GainStepDescription, Noise, NoiseDescription, NoiseKey, NoiseMap,
+    RegionOfInterest, SensorDescription, SensorModel, Stage, Stages, presets,
 };
 
 const SIZE: [usize; 2] = [96, 64];
@@ -109,16 +110,21 @@ fn steps_of_gain_are_at_each_gain_a_sensor_without_steps() {
         dsnu_e: Some(2.0 * factor),
         dsnu_row_e: Some(0.5 * factor),
         dsnu_column_e: Some(0.7 * factor),
+        // 65 + 30·K/K₀ at the gain of the factor, which falls by half over 24 dB.
+        black_level_dn: Some(65 + (30.0 * 10f64.powf(-24.0 * factor.log2() / 20.0)).round() as u32),
     };
     for preset in ["sony-imx249-mono", "generic-cmos-color"] {
-        let of = |noise: NoiseDescription| {
+        let of = |noise: NoiseDescription, black_level_dn| {
             let mut description: SensorDescription = presets::table(preset).expect("listed").try_into().expect("keys");
             description.noise = noise;
+            description.adc.black_level_dn = black_level_dn;
             description.adc.gain_db_range = [-6.0, 30.0];
             SensorModel::new(preset, &description, presets::library_spectrum).expect("a sensor")
         };
-        let stepped =
-            of(NoiseDescription { gain_steps: vec![step(0.0, 1.0), step(24.0, 0.5)], ..NoiseDescription::default() });
+        let stepped = of(
+            NoiseDescription { gain_steps: vec![step(0.0, 1.0), step(24.0, 0.5)], ..NoiseDescription::default() },
+            64,
+        );
         let key = NoiseKey { seed: 5, frame: 0 };
         let mut noises = Vec::new();
         for gain_db in [-6.0_f64, 0.0, 6.0, 12.0, 24.0, 30.0] {
@@ -128,7 +134,7 @@ fn steps_of_gain_are_at_each_gain_a_sensor_without_steps() {
             let [read_noise_e, row_noise_e, column_noise_e, dsnu_e, dsnu_row_e, dsnu_column_e] =
                 [s.read_noise_e, s.row_noise_e, s.column_noise_e, s.dsnu_e, s.dsnu_row_e, s.dsnu_column_e]
                     .map(Option::unwrap_or_default);
-            let plain = of(NoiseDescription {
+            let noise = NoiseDescription {
                 read_noise_e,
                 row_noise_e,
                 column_noise_e,
@@ -136,14 +142,16 @@ fn steps_of_gain_are_at_each_gain_a_sensor_without_steps() {
                 dsnu_row_e,
                 dsnu_column_e,
                 ..NoiseDescription::default()
-            });
+            };
+            let plain = of(noise, s.black_level_dn.unwrap_or_default());
             let exposure = Exposure { gain: Decibels(gain_db), ..Exposure::of(Seconds(0.05)) };
             let facts = |sensor: &SensorModel| {
                 let clipped = sensor.clipped_blacks(&exposure, Stages::ALL).is_some();
                 let profile = sensor.noise_profile(&exposure).unwrap_or_default();
                 let of_light = [0.0, 100.0].map(|e| sensor.noise_variance(Electrons(e), &exposure));
                 let alone = sensor.signal_variance(Electrons(50.0), &exposure);
-                (clipped, [profile, of_light, [alone, sensor.read_noise(&exposure).0]].concat())
+                let levels = [sensor.saturation_capacity(&exposure).0, sensor.number(Electrons(50.0), exposure.gain)];
+                (clipped, [profile, of_light, [alone, sensor.read_noise(&exposure).0], levels].concat())
             };
             let (found, wanted) = (facts(&stepped), facts(&plain));
             assert_eq!(found.0, wanted.0);
@@ -156,6 +164,19 @@ fn steps_of_gain_are_at_each_gain_a_sensor_without_steps() {
                 expose_with_maps(&light(sensor), sensor, &exposure, Stages::ALL, key, &NoiseMap::ALL).expect("exposed")
             };
             let ((raw, maps), (wanted_raw, wanted_maps)) = (expose(&stepped), expose(&plain));
+            let levels = |raw: &RawImage| (raw.black_level_dn.clone(), raw.white_level_dn);
+            assert_eq!(levels(&raw), levels(&wanted_raw), "{preset} {gain_db} dB");
+            // Numbers are multiplied and added above the black level of their gain.
+            let binning = Binning { factor: [2, 2], method: BinningMethod::Mean };
+            let processed = Exposure {
+                digital_gain: Decibels(3.0),
+                region: RegionOfInterest { binning, ..RegionOfInterest::WHOLE },
+                ..exposure
+            };
+            let [a, b] = [&stepped, &plain].map(|sensor| {
+                crate::expose(&light(sensor), sensor, &processed, Stages::ALL, key).expect("an image").data
+            });
+            assert!(a.iter().zip(&b).all(|(a, b)| a.abs_diff(*b) <= 2), "{preset} {gain_db} dB");
             // A last bit of σ moves a number that lies on the edge of rounding.
             let moved = raw.data.iter().zip(&wanted_raw.data).filter(|(a, b)| a != b).count();
             assert!(moved <= raw.data.len() / 1000, "{preset} {gain_db} dB: {moved}");

@@ -48,19 +48,21 @@ impl SensorModel {
     pub(crate) fn gains_for_capacity(&self, capacity: Electrons, binning: Binning) -> [Decibels; 2] {
         let [least, most] = self.converter.gain_range;
         let signal = self.amplified(capacity.0 * binning.pixels_per_number());
-        let before_merging = self.converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| dual.low.range_e());
+        let before_merging = self.converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| dual.low.range_e(least));
         let [across, down] = binning.numbers();
-        let merged = self.converter.range_e() / (binning.weight() * (across * down) as f64);
+        let merged = |gain| self.converter.range_e(gain) / (binning.weight() * (across * down) as f64);
         if capacity.0 >= self.full_well.0 {
             return [least, Decibels(0.0)];
         }
-        let analogue = Decibels::of_factor(before_merging.min(merged) / signal);
+        let saturating = |at: Decibels| Decibels::of_factor(before_merging.min(merged(at)) / signal);
+        // The black level is that of the gain that is looked for, and changes little with it.
+        let analogue = (0..4).fold(saturating(least), |found, _| saturating(found));
         if analogue.0 <= most.0 {
             return [Decibels(analogue.0.max(least.0)), Decibels(0.0)];
         }
         // A curve bends before a digital gain multiplies: what is to be multiplied by d² through a root needs d.
         let power = self.video.curve.map_or(1.0, |curve| curve.gamma);
-        [most, Decibels((power * Decibels::of_factor(merged / (signal * most.factor())).0).max(0.0))]
+        [most, Decibels((power * Decibels::of_factor(merged(most) / (signal * most.factor())).0).max(0.0))]
     }
 
     /// Electrons that 1 lx·s of D65 frees in a pixel of the channel that sees most of it.

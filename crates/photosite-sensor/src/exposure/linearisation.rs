@@ -29,23 +29,23 @@ impl SensorModel {
             None if self.is_bent() => (0..=converter.max_dn()).map(f64::from).collect(),
             None => return None,
         };
-        let white = self.nonlinear_white_level_dn(exposure);
+        let (black, white) = (converter.black_level_dn(exposure.gain), self.nonlinear_white_level_dn(exposure));
         let linear = |dn: f64| -> u16 {
             if !self.is_bent() {
                 return dn.round() as u16;
             }
             let charge = |dn: f64| {
-                let signal = self.signal_of_number(dn - f64::from(converter.black_level_dn), exposure);
+                let signal = self.signal_of_number(dn - f64::from(black), exposure);
                 self.pixel_charge(self.charge_for(signal), exposure.time)
             };
             let part = charge(dn) / charge(white.into());
-            let black = f64::from(LINEAR_BLACK_DN);
-            (black + part * (f64::from(u16::MAX) - black)).round().clamp(0.0, u16::MAX.into()) as u16
+            let first = f64::from(LINEAR_BLACK_DN);
+            (first + part * (f64::from(u16::MAX) - first)).round().clamp(0.0, u16::MAX.into()) as u16
         };
         let table: Vec<u16> = expanded.iter().map(|&dn| linear(dn)).collect();
         // Saturation is where its own number comes back to, which companding may have rounded downwards.
         let code = converter.companding.as_ref().map_or(white, |companding| companding.code(white, converter.max_dn()));
-        let black_level_dn = if self.is_bent() { LINEAR_BLACK_DN } else { converter.black_level_dn };
+        let black_level_dn = if self.is_bent() { LINEAR_BLACK_DN } else { black };
         let white_level_dn = table[usize::from(code)].max(black_level_dn + 1);
         Some(Linearisation { table, black_level_dn, white_level_dn })
     }

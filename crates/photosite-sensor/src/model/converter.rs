@@ -8,6 +8,7 @@ use photosite_core::keys::Keys;
 use photosite_core::schema_range::{above, within};
 use photosite_core::units::{Decibels, Electrons};
 
+use super::black_level::{BlackLevelByGain, checked_black_level};
 use super::checks::{finite, not_negative, positive};
 use super::companding::{Companding, CompandingDescription};
 
@@ -18,14 +19,14 @@ pub struct AdcDescription {
     /// Bits of the converter, 1–16. Where a capture gives a preset other bits, what the preset states in digital
     /// numbers of this converter follows, so that it takes the same charge: by the factor 2^(new − old), and with fewer
     /// than 8 bits by that of the largest numbers, (2^new − 1)/(2^old − 1), so that the few levels span the range. What
-    /// the capture states too stays: conversion gain, black level, offsets of columns, inl_dn and knee points (but not dnl_dn,
+    /// the capture states too stays: conversion gain, black levels, offsets of columns, inl_dn and knee points (but not dnl_dn,
     /// which is of a single step, nor the numbers of single-photon detectors, which are counts).
     #[schemars(transform = within(1.0..=16.0))]
     pub bits: u32,
     /// System gain K at 0 dB, DN per electron.
     #[schemars(transform = above(0.0..))]
     pub conversion_gain_dn_per_e: f64,
-    /// Digital number of no charge.
+    /// Digital number of no charge, at all gains for which no step of `noise.gain_steps` states another.
     #[schemars(transform = within(0.0..65_535.0))]
     pub black_level_dn: u32,
     /// Smallest and largest gain that an exposure may ask for, dB. Left out: 0 dB alone.
@@ -101,8 +102,8 @@ pub struct Converter {
     pub bits: u32,
     /// System gain K at 0 dB, DN/e⁻.
     pub conversion_gain_dn_per_e: f64,
-    /// Digital number of no charge.
-    pub black_level_dn: u16,
+    /// Digital number of no charge at each gain.
+    pub black_level: BlackLevelByGain,
     /// Smallest and largest gain.
     pub gain_range: [Decibels; 2],
     /// Nonlinearity of the amplifiers: c₁, c₂ … of q·(1 + c₁·q/F + c₂·(q/F)² + …) with the full well F; empty for
@@ -144,9 +145,15 @@ impl Converter {
         self.conversion_gain_dn_per_e * gain.factor()
     }
 
-    /// The signal at the end of the range at 0 dB, referred to electrons.
-    pub(crate) fn range_e(&self) -> f64 {
-        f64::from(self.max_dn() - self.black_level_dn) / self.conversion_gain_dn_per_e
+    /// Digital number of no charge at a gain setting.
+    pub fn black_level_dn(&self, gain: Decibels) -> u16 {
+        self.black_level.at(gain)
+    }
+
+    /// The signal that would reach the end of the range, of the black level of a gain setting, at 0 dB, referred to
+    /// electrons.
+    pub(crate) fn range_e(&self, gain: Decibels) -> f64 {
+        f64::from(self.max_dn() - self.black_level_dn(gain)) / self.conversion_gain_dn_per_e
     }
 
     /// Largest digital number, 2^bits − 1.
@@ -160,7 +167,7 @@ impl Converter {
         Self {
             bits: 16,
             conversion_gain_dn_per_e: 1.0,
-            black_level_dn: 0,
+            black_level: 0.into(),
             gain_range: [Decibels(0.0); 2],
             amplifier_nonlinearity: Vec::new(),
             inl_dn: 0.0,
@@ -216,7 +223,7 @@ impl Converter {
         Ok(Self {
             bits: d.bits,
             conversion_gain_dn_per_e: positive("conversion_gain_dn_per_e", d.conversion_gain_dn_per_e, "0.4")?,
-            black_level_dn,
+            black_level: black_level_dn.into(),
             gain_range,
             amplifier_nonlinearity,
             // Merging two numbers adds no nonlinearity of its own.
@@ -253,7 +260,7 @@ impl DualGain {
         let converter = |conversion_gain_dn_per_e| Converter {
             bits: d.bits,
             conversion_gain_dn_per_e,
-            black_level_dn,
+            black_level: black_level_dn.into(),
             gain_range,
             inl_dn: adc.inl_dn,
             dnl_dn: adc.dnl_dn,
@@ -284,12 +291,6 @@ fn converter_range(bits: u32, black_level_dn: u32) -> Result<u16, Invalid> {
         let message = format!("must lie between 1 and 16, got {bits}");
         return Err(Invalid::new("bits", message).help("for example bits = 12"));
     }
-    let max_dn = (1 << bits) - 1;
-    if black_level_dn >= max_dn {
-        let message = format!("{black_level_dn} leaves no room below the largest number, {max_dn}");
-        return Err(Invalid::new("black_level_dn", message)
-            .help(format!("write less than {max_dn}, the largest number of {bits} bits")));
-    }
-    // Below 2^16, as there are at most 16 bits.
-    Ok(black_level_dn as u16)
+    // At most 16 bits.
+    checked_black_level(black_level_dn, ((1u32 << bits) - 1) as u16)
 }

@@ -1,4 +1,5 @@
-//! `[[noise.gain_steps]]`: noise of the read-out that changes with the analogue gain.
+//! `[[noise.gain_steps]]`: noise of the read-out that changes with the analogue gain. Black levels that do are in
+//! [`black_level`](super::black_level).
 //!
 //! What amplifiers add before the gain stays when it rises, and what comes after it becomes less, referred to electrons:
 //! a camera of 3.0 e⁻ at 0 dB may have 1.5 e⁻ at 24 dB. Between two steps the logarithm of a standard deviation goes
@@ -17,7 +18,7 @@ use photosite_core::units::{Decibels, Electrons};
 use super::checks::{electrons, finite, not_negative};
 use super::fixed_pattern::FixedPattern;
 
-/// Noise of the read-out at one analogue gain. A figure that no step has is that of the table above at all gains; one
+/// Noise of the read-out and black level at one analogue gain. A figure that no step has is that of the table above at all gains; one
 /// that a step has, all have.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(deny_unknown_fields)]
@@ -48,6 +49,11 @@ pub struct GainStepDescription {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(transform = within(0.0..))]
     pub dsnu_column_e: Option<f64>,
+    /// Digital number of no charge, in place of `adc.black_level_dn`. Between two steps it goes along a straight line
+    /// over the system gain.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = within(0.0..65_535.0))]
+    pub black_level_dn: Option<u32>,
 }
 
 /// Noise of the read-out at a gain, referred to electrons.
@@ -135,8 +141,9 @@ impl ReadOutNoiseByGain {
                     None => {}
                 }
             }
-            if FIGURES.iter().all(|(_, stated, _)| stated(step).is_none()) {
-                return Err(at(Invalid::new("", "states no noise").help("for example read_noise_e = 3.0")));
+            if FIGURES.iter().all(|(_, stated, _)| stated(step).is_none()) && step.black_level_dn.is_none() {
+                let message = "states neither noise nor black level";
+                return Err(at(Invalid::new("", message).help("for example read_noise_e = 3.0")));
             }
             found.push((Decibels(gain), noise));
         }

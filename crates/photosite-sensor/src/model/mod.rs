@@ -4,6 +4,7 @@
 //! relied on. Reading files is left to the caller.
 
 mod architecture;
+mod black_level;
 mod ccd;
 mod cells;
 mod charge;
@@ -41,6 +42,7 @@ mod uncommon;
 mod video;
 
 pub use architecture::Architecture;
+pub use black_level::BlackLevelByGain;
 pub use ccd::{Ccd, CcdArchitecture, CcdDescription, Overscan};
 pub use cells::CellShapeName;
 pub use charge::ChargeDescription;

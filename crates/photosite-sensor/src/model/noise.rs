@@ -83,9 +83,10 @@ pub struct NoiseDescription {
     /// Temporal noise that the pixels of a column share, standard deviation in e⁻.
     #[schemars(transform = within(0.0..))]
     pub column_noise_e: f64,
-    /// Read noise, row and column noise and DSNU that change with the analogue gain, in place of the figures here: for
-    /// each of some gains, in their order, gain_db with read_noise_e, row_noise_e, column_noise_e, dsnu_e, dsnu_row_e or
-    /// dsnu_column_e. Between them log σ goes along a straight line over log K; beyond them the first and the last hold.
+    /// Read noise, row and column noise, DSNU and black level that change with the analogue gain, in place of the figures
+    /// here and of adc.black_level_dn: for each of some gains, in their order, gain_db with read_noise_e, row_noise_e,
+    /// column_noise_e, dsnu_e, dsnu_row_e, dsnu_column_e or black_level_dn. Between them log σ goes along a straight line
+    /// over log K, and the black level along one over K; beyond them the first and the last hold.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gain_steps: Vec<GainStepDescription>,
     /// Noise of resetting the sense node (kTC).

@@ -165,8 +165,10 @@ mod tests {
     fn images_have_the_measured_pattern() {
         let noise = NoiseDescription { dsnu_map: file(), ..NoiseDescription::default() };
         let sensor = SensorModel::new("ramp", &description(noise), Ramp(500.0, 1.0)).expect("a sensor");
-        let (gain, black) =
-            (sensor.converter.system_gain(Default::default()), f64::from(sensor.converter.black_level_dn));
+        let (gain, black) = (
+            sensor.converter.system_gain(Default::default()),
+            f64::from(sensor.converter.black_level_dn(Default::default())),
+        );
         let mean = |step: f64| step * (8.0 * 7.5 + 3.5);
         for (i, &dn) in numbers(&sensor, 1000.0, RegionOfInterest::WHOLE).iter().enumerate() {
             let offset = (8 * (i % SIZE[0]) + i / SIZE[0]) as f64 - mean(1.0);

@@ -3,10 +3,11 @@
 use photosite_core::Invalid;
 use photosite_core::cells::CellLayout;
 use photosite_core::spectrum::Spectrum;
-use photosite_core::units::{Electrons, PLANCK, SPEED_OF_LIGHT, Seconds};
+use photosite_core::units::{Decibels, Electrons, PLANCK, SPEED_OF_LIGHT, Seconds};
 use photosite_raw::Cfa;
 
 use super::architecture::Architecture;
+use super::black_level::BlackLevelByGain;
 use super::cells::{cell_layout, warnings};
 use super::checks::{MAX_RESOLUTION, fraction, positive};
 use super::converter::Converter;
@@ -130,7 +131,12 @@ impl SensorModel {
         let resolution = d.resolution_px.map(|n| n as usize);
         let cells = cell_layout(d.cells, d.image_circle_mm, resolution, pixel_pitch_m)?;
         check_cells(&cells, &shutter, d)?;
-        let converter = Converter::new(&d.adc).map_err(|e| e.within("adc"))?;
+        let mut converter = Converter::new(&d.adc).map_err(|e| e.within("adc"))?;
+        // Checks that the gains of the steps rise, too.
+        let noise = Noise::new(&d.noise, &d.defects)?;
+        converter.black_level =
+            BlackLevelByGain::new(converter.black_level_dn(Decibels(0.0)), converter.max_dn(), &d.noise.gain_steps)
+                .map_err(|e| e.within("noise"))?;
         let logarithmic = logarithmic(d, &converter)?;
         let video = Video::new(&d.video, d.kind, &converter)?;
         let frame_grabber = d.frame_grabber.as_ref().map(|grabber| {
@@ -157,7 +163,7 @@ impl SensorModel {
             cfa,
             filter,
             quantum_efficiency,
-            noise: Noise::new(&d.noise, &d.defects)?,
+            noise,
             full_well: Electrons(d.charge.full_well_e),
             brighter_fatter_per_e: brighter_fatter(d)?,
             image_lag: image_lag(d, &shutter)?,

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use photosite_core::Invalid;
 use photosite_core::keys::Keys;
 use photosite_core::schema_range::{above, within};
+use photosite_core::units::Decibels;
 
 use super::checks::positive;
 use super::converter::Converter;
@@ -113,7 +114,11 @@ impl Video {
             let message = format!("must lie between {least} and {most}, got {gamma}");
             return Err(Invalid::new("video.gamma", message).help("for example gamma = 0.45; leave it out for a line"));
         }
-        let range_dn = f64::from(converter.max_dn() - converter.black_level_dn);
+        if gamma.is_some() && converter.black_level.changes() {
+            let message = "cannot be combined with black levels that change with gain, in noise.gain_steps";
+            return Err(Invalid::new("video.gamma", message).help("keep one of them"));
+        }
+        let range_dn = f64::from(converter.max_dn() - converter.black_level_dn(Decibels(0.0)));
         let curve = gamma.filter(|gamma| *gamma != 1.0).map(|gamma| VideoCurve { gamma, range_dn });
         let low_pass = match (bandwidth_mhz, pixel_clock_mhz) {
             (None, None) => None,

@@ -72,7 +72,7 @@ impl SensorModel {
             dsnu_dn: noise.dsnu.total() * gain,
             quantisation_dn: 12.0_f64.sqrt().recip(),
             dark_noise_dn: self.noise_variance(Electrons(0.0), exposure).sqrt() * gain,
-            black_level_dn: self.converter.black_level_dn,
+            black_level_dn: self.converter.black_level_dn(exposure.gain),
             white_level_dn: self.white_level_dn(exposure),
             saturation_e: self.pixel_saturation(exposure).0,
             noise_profile: self.noise_profile(exposure),

@@ -97,7 +97,8 @@ impl SensorModel {
     fn companding_variance(&self, signal_e: f64, exposure: &Exposure) -> f64 {
         let gain = self.system_gain(exposure);
         let level = signal_e * gain;
-        let step = self.step_dn((level + f64::from(self.converter.black_level_dn)) as u16);
+        let black = f64::from(self.converter.black_level_dn(exposure.gain));
+        let step = self.step_dn((level + black) as u16);
         (step * step - 1.0) / 12.0 / (gain * gain)
     }
 
@@ -113,13 +114,13 @@ impl SensorModel {
     /// end of what a digital gain leaves of that, whichever comes first; of a bin, those of all its pixels together.
     pub fn saturation_capacity(&self, exposure: &Exposure) -> Electrons {
         let converter = &self.converter;
-        let before_merging = converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| dual.low.range_e());
+        let before_merging = converter.dual_gain.as_ref().map_or(f64::INFINITY, |dual| dual.low.range_e(exposure.gain));
         let binning = exposure.region.binning;
         let [across, down] = binning.numbers();
         let numbers = (across * down) as f64;
         let digital = exposure.digital_gain.factor() * binning.weight() * numbers;
         // A digital gain leaves the start of what the curve has bent.
-        let range = self.video.curve.map_or(converter.range_e() / digital, |curve| {
+        let range = self.video.curve.map_or(converter.range_e(exposure.gain) / digital, |curve| {
             curve.straightened(curve.range_dn / digital) / converter.conversion_gain_dn_per_e
         });
         let signal = before_merging.min(range) / exposure.gain.factor();
@@ -147,13 +148,13 @@ impl SensorModel {
         let signal = self.amplified(charge.0.min(self.full_well.0));
         let convert = |converter: &Converter, signal: f64| {
             let max = f64::from(converter.max_dn());
-            let level = f64::from(converter.black_level_dn) + converter.system_gain(gain) * signal;
+            let level = f64::from(converter.black_level_dn(gain)) + converter.system_gain(gain) * signal;
             (level + bow_dn(converter.inl_dn, level / max)).clamp(0.0, max).round()
         };
         let low = self.low_gain_counts(charge, gain);
         let branch = self.converter.dual_gain.as_ref().map(|dual| if low { &dual.low } else { &dual.high });
         let merged = branch.map_or(signal, |converter| {
-            (convert(converter, signal) - f64::from(converter.black_level_dn)) / converter.system_gain(gain)
+            (convert(converter, signal) - f64::from(converter.black_level_dn(gain))) / converter.system_gain(gain)
         });
         convert(&self.converter, merged)
     }
@@ -169,9 +170,9 @@ impl SensorModel {
     pub(crate) fn nonlinear_white_level_dn(&self, exposure: &Exposure) -> u16 {
         let converter = &self.converter;
         let signal = self.signal(self.saturation_capacity(exposure).0, exposure);
-        let black = f64::from(converter.black_level_dn);
-        let level = DigitalNumber(black + self.number_of_signal(signal, exposure) + 0.5);
-        (level.0 as u16).clamp(converter.black_level_dn + 1, converter.max_dn())
+        let black = converter.black_level_dn(exposure.gain);
+        let level = DigitalNumber(f64::from(black) + self.number_of_signal(signal, exposure) + 0.5);
+        (level.0 as u16).clamp(black + 1, converter.max_dn())
     }
 
     /// Noise as a raw file states it: variance of the normalised signal x = (DN − black)/(white − black) is
@@ -183,7 +184,7 @@ impl SensorModel {
     /// and behind a video curve has another form, and `None` is said of it.
     pub(crate) fn noise_profile(&self, exposure: &Exposure) -> Option<[f64; 2]> {
         let gain = self.system_gain(exposure);
-        let range = f64::from(self.white_level_dn(exposure) - self.converter.black_level_dn);
+        let range = f64::from(self.white_level_dn(exposure) - self.converter.black_level_dn(exposure.gain));
         let pixels = exposure.region.binning.pixels() as f64;
         let model = NoiseModel::new(self, exposure, Stages::ALL);
         let heat = model.shares.heat_e * pixels;

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use photosite_core::image::Planes;
 use photosite_core::math::statistics::Moments;
-use photosite_core::units::{Electrons, Seconds};
+use photosite_core::units::{Decibels, Electrons, Seconds};
 
 use super::noise_model::NoiseModel;
 use super::shares::Share;
@@ -26,7 +26,7 @@ fn pair(sensor: &SensorModel, stages: Stages, [mean_e, step_e]: [f64; 2], number
         channel.data.iter_mut().enumerate().for_each(|(i, electrons)| *electrons = of_pixel(i) as f32);
     }
     let sensor = SensorModel { serial: number, ..sensor.clone() };
-    let black = f64::from(sensor.converter.black_level_dn);
+    let black = f64::from(sensor.converter.black_level_dn(Decibels(0.0)));
     [0, 1].map(|take| {
         let key = NoiseKey { seed: 2 * number + take, frame: 0 };
         let raw = expose(&light, &sensor, &EXPOSURE, stages, key).expect("an exposure");

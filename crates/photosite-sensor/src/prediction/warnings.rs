@@ -20,6 +20,12 @@ impl SensorModel {
                 rounded(of_steps, 4)
             ));
         }
+        warnings.extend(self.converter.black_level.idle().map(|[own, of_steps]| {
+            format!(
+                "sensor.adc.black_level_dn = {own} has no effect: sensor.noise.gain_steps has {of_steps} at 0 dB; change the \
+                 steps, or write {of_steps}"
+            )
+        }));
         warnings
     }
 
@@ -27,8 +33,8 @@ impl SensorModel {
     pub fn gain_beyond_steps(&self, exposure: &Exposure) -> Option<String> {
         let [least, most] = self.noise.read_out.beyond(exposure.gain)?.map(|gain| gain.0);
         Some(format!(
-            "sensor.noise.gain_steps: they go from {least} to {most} dB, and the gain is {} dB; the noise of the nearest \
-             step is taken",
+            "sensor.noise.gain_steps: they go from {least} to {most} dB, and the gain is {} dB; what the nearest step \
+             has is taken",
             rounded(exposure.gain.0, 4)
         ))
     }
@@ -46,6 +52,7 @@ impl SensorModel {
         let variance_e2 = shares.pixel_e2[0] + shares.shared_e2([1.0; 2]) + pattern_e2;
         let (converter, key) = match &self.converter.dual_gain {
             Some(dual) => (&dual.high, "sensor.adc.dual_gain.black_level_dn"),
+            None if self.converter.black_level.changes() => (&self.converter, "sensor.noise.gain_steps"),
             None => (&self.converter, "sensor.adc.black_level_dn"),
         };
         let gain = converter.system_gain(exposure.gain);
@@ -54,13 +61,13 @@ impl SensorModel {
         } else {
             0.0
         };
-        let level = f64::from(converter.black_level_dn) + gain * dark;
+        let black = converter.black_level_dn(exposure.gain);
+        let level = f64::from(black) + gain * dark;
         let sigma = gain * variance_e2.sqrt();
         (level < SIGMAS * sigma).then(|| {
             format!(
-                "{key}: blacks are clipped: {} DN are only {:.1} σ of the noise in the dark above 0, so that black is too \
+                "{key}: blacks are clipped: {black} DN are only {:.1} σ of the noise in the dark above 0, so that black is too \
                  bright on average; write {} or more",
-                converter.black_level_dn,
                 level / sigma,
                 (4.0 * sigma).ceil()
             )
@@ -103,7 +110,7 @@ mod tests {
             let exposure = Exposure::of(Seconds(1e-5));
             assert_eq!(sensor.clipped_blacks(&exposure, Stages::ALL), None, "{name}");
             // 2 σ of 20 DN; a counter without read noise has nothing to clip.
-            sensor.converter.black_level_dn = 40;
+            sensor.converter.black_level = 40.into();
             sensor.converter.conversion_gain_dn_per_e = 2.0;
             sensor.noise.read_out = ReadOutNoise { read: Electrons(10.0), ..ReadOutNoise::NONE }.into();
             let told = sensor.clipped_blacks(&exposure, Stages::NONE.with(Stage::ReadNoise));
@@ -116,7 +123,7 @@ mod tests {
                 );
             }
             assert_eq!(sensor.clipped_blacks(&exposure, Stages::NONE), None, "{name}: no noise, nothing to clip");
-            sensor.converter.black_level_dn = 64;
+            sensor.converter.black_level = 64.into();
             let loud = Exposure { gain: Decibels(12.0), ..exposure };
             if sensor.converter.dual_gain.is_none() {
                 assert!(sensor.clipped_blacks(&loud, Stages::NONE.with(Stage::ReadNoise)).is_some(), "{name}");

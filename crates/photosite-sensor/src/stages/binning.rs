@@ -5,7 +5,7 @@ use photosite_core::rows::for_each_row;
 use photosite_raw::Cfa;
 
 use crate::signal::charge_plane::ChargePlane;
-use crate::{Binning, BinningMethod, SensorModel};
+use crate::{Binning, BinningMethod};
 
 impl Binning {
     /// Adds charge; what makes no whole bin at the end of rows and columns is lost.
@@ -18,15 +18,16 @@ impl Binning {
         ChargePlane { width, height, samples: charge.samples, electrons }
     }
 
-    /// Adds digital numbers or takes their mean; returns them with their columns and rows.
+    /// Adds digital numbers above the black level, up to the largest, or takes their mean; returns them with their
+    /// columns and rows.
     pub(crate) fn add_numbers(
         &self,
         numbers: Vec<u16>,
         size: [usize; 2],
-        sensor: &SensorModel,
+        cfa: &Cfa,
+        [black, max]: [u16; 2],
     ) -> (Vec<u16>, [usize; 2]) {
-        let black = i64::from(sensor.converter.black_level_dn);
-        let max = i64::from(sensor.converter.max_dn());
+        let [black, max] = [black, max].map(i64::from);
         let pixels = self.pixels() as i64;
         let divisor = match self.method {
             BinningMethod::Charge => return (numbers, size),
@@ -36,7 +37,7 @@ impl Binning {
         if self.is_none() {
             return (numbers, size);
         }
-        self.bins(&numbers, size, &sensor.cfa, |sum| {
+        self.bins(&numbers, size, cfa, |sum| {
             let sum = sum as i64 - pixels * black;
             // The nearest number, halves upwards.
             (black + (2 * sum + divisor).div_euclid(2 * divisor)).clamp(0, max) as u16
@@ -79,7 +80,6 @@ impl Binning {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presets;
 
     fn binned(cfa: &str, factor: [usize; 2], width: usize, values: &[f32]) -> Vec<f32> {
         let cfa = Cfa::parse(cfa).expect("a layout");
@@ -105,10 +105,9 @@ mod tests {
 
     #[test]
     fn numbers_are_added_above_the_black_level() {
-        let mut sensor = presets::model("sony-imx249-mono").expect("a preset");
-        sensor.converter.black_level_dn = 100;
         let numbers = |method, values: &[u16]| {
-            Binning { factor: [2, 1], method }.add_numbers(values.to_vec(), [values.len(), 1], &sensor).0
+            let size = [values.len(), 1];
+            Binning { factor: [2, 1], method }.add_numbers(values.to_vec(), size, &Cfa::mono(), [100, 4095]).0
         };
         assert_eq!(numbers(BinningMethod::Sum, &[101, 103, 90, 95, 4000, 4000]), [104, 85, 4095]);
         // Halves are rounded up: 1.5 and −7.5.

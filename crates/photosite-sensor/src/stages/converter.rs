@@ -1,6 +1,7 @@
 //! Analogue-to-digital conversion: from signals to digital numbers.
 
 use photosite_core::math::hash::{hash64, unit_f32};
+use photosite_core::units::Decibels;
 
 use super::frame::Frame;
 use crate::model::Converter;
@@ -87,17 +88,17 @@ pub(crate) fn dnl_variance_dn2(dnl_dn: f64) -> f64 {
 
 impl Digitiser {
     pub(crate) fn new(frame: &Frame<'_>) -> Self {
-        Self::of(&frame.sensor.converter, frame.fixed(Stage::ConverterNonlinearity))
+        Self::of(&frame.sensor.converter, frame.exposure.gain, frame.fixed(Stage::ConverterNonlinearity))
     }
 
-    /// A converter of unequal steps, which `streams` decide on; equal without.
-    pub(crate) fn of(converter: &Converter, streams: Option<Streams>) -> Self {
-        Self { nonlinearity: Nonlinearity::new(converter, streams), ..Self::ideal(converter) }
+    /// A converter at an analogue gain, of unequal steps, which `streams` decide on; equal without.
+    pub(crate) fn of(converter: &Converter, gain: Decibels, streams: Option<Streams>) -> Self {
+        Self { nonlinearity: Nonlinearity::new(converter, streams), ..Self::ideal(converter, gain) }
     }
 
-    /// A converter of equal steps.
-    pub(crate) fn ideal(converter: &Converter) -> Self {
-        let (black_level_dn, max_dn) = (converter.black_level_dn.into(), converter.max_dn().into());
+    /// A converter at an analogue gain, of equal steps.
+    pub(crate) fn ideal(converter: &Converter, gain: Decibels) -> Self {
+        let (black_level_dn, max_dn) = (converter.black_level_dn(gain).into(), converter.max_dn().into());
         Self { black_level_dn, max_dn, nonlinearity: None }
     }
 

@@ -40,7 +40,7 @@ pub(crate) struct DigitalGain {
 impl DigitalGain {
     pub(crate) fn new(frame: &Frame<'_>) -> Option<Self> {
         let (converter, factor) = (&frame.sensor.converter, frame.exposure.digital_gain.factor());
-        let (black_level_dn, max_dn) = (converter.black_level_dn.into(), converter.max_dn().into());
+        let (black_level_dn, max_dn) = (frame.black_level_dn().into(), converter.max_dn().into());
         (factor != 1.0).then_some(Self { factor, black_level_dn, max_dn })
     }
 

@@ -22,7 +22,7 @@ impl DualGain {
 
     /// Whether the low gain counts for an amplified charge.
     pub(crate) fn is_clipped(&self, charge_e: f64, gain: Decibels) -> bool {
-        let level = f64::from(self.high.black_level_dn) + self.high.system_gain(gain) * charge_e;
+        let level = f64::from(self.high.black_level_dn(gain)) + self.high.system_gain(gain) * charge_e;
         level >= self.threshold_dn().into()
     }
 }
@@ -64,9 +64,9 @@ impl DualGainDigitiser {
             read_noise_e: noise.0 as f32,
             spread,
             streams: frame.temporal(stage),
-            digitiser: Digitiser::of(converter, steps.map(|streams| streams.part(number))),
+            digitiser: Digitiser::of(converter, gain, steps.map(|streams| streams.part(number))),
             system_gain: converter.system_gain(gain),
-            black_level_dn: converter.black_level_dn.into(),
+            black_level_dn: converter.black_level_dn(gain).into(),
         };
         let low_branch = branch(low, *low_read_noise, Stage::LowGainReadNoise, 1);
         Some(Self {
@@ -74,7 +74,7 @@ impl DualGainDigitiser {
             range_of_mean_e: frame.is_mean.then(|| [0, low.max_dn()].map(|number| low_branch.electrons(number) as f32)),
             low: low_branch,
             threshold_dn: dual.threshold_dn(),
-            merged: Digitiser::ideal(converter),
+            merged: Digitiser::ideal(converter, gain),
             system_gain: converter.system_gain(gain),
         })
     }

@@ -23,6 +23,11 @@ impl Frame<'_> {
         self.sensor.noise.read_out.at(self.exposure.gain)
     }
 
+    /// Digital number of no charge at the gain of the image.
+    pub(crate) fn black_level_dn(&self) -> u16 {
+        self.sensor.converter.black_level_dn(self.exposure.gain)
+    }
+
     /// Random numbers that are new in each frame, unless the stage is switched off or takes its mean.
     pub(crate) fn temporal(&self, stage: Stage) -> Option<Streams> {
         (self.stages.has(stage) && !self.is_mean).then(|| self.key.temporal(stage))

@@ -1,21 +1,24 @@
-//! Noise of the read-out at several gains of a camera, each fitted alone.
+//! Noise of the read-out and black level at several gains of a camera, each fitted alone.
 
 use photosite_core::math::float::rounded;
 
 use super::fit::CameraFit;
 use super::parameters::{Assumption, FittedGainStep, Parameter};
+use super::sensor_file::whole_number;
 use super::sheet::SHAPE_OF_READ_NOISE;
 use crate::characterisation::NotMeasured;
 
 /// Figures that may change with gain: their keys, and their names in sentences.
-const FIGURES: [(&str, &str); 6] = [
+const FIGURES: [(&str, &str); 7] = [
     ("noise.read_noise_e", "read noise by gain"),
     ("noise.row_noise_e", "row noise by gain"),
     ("noise.column_noise_e", "column noise by gain"),
     ("noise.dsnu_e", "DSNU of pixels by gain"),
     ("noise.dsnu_row_e", "DSNU of rows by gain"),
     ("noise.dsnu_column_e", "DSNU of columns by gain"),
+    (BLACK_LEVEL, "black level by gain"),
 ];
+const BLACK_LEVEL: &str = "adc.black_level_dn";
 /// Figures of the shape of the read noise, which is the same at all gains.
 const SHAPE: [&str; 2] = ["noise.read_noise_spread_percent", "noise.read_noise_degrees_of_freedom"];
 const GAIN: &str = "adc.conversion_gain_dn_per_e";
@@ -45,7 +48,7 @@ impl CameraFit {
         for (key, figure) in FIGURES {
             let found: Vec<Option<Parameter>> =
                 std::iter::once(at(self, key)).chain(others.iter().map(|(_, _, fit)| at(fit, key))).collect();
-            if found.iter().all(Option::is_none) {
+            if found.iter().all(Option::is_none) || key == BLACK_LEVEL && is_same_number(&found) {
                 continue;
             }
             let missing: Vec<&str> =
@@ -93,13 +96,23 @@ impl CameraFit {
             text +=
                 &format!("\n[[noise.gain_steps]]\ngain_db = {gain_db:?}  # {}\n", name.replace(char::is_control, " "));
             for Parameter { key, unit, measured } in parameters.iter().filter(|p| is_told(p.key)) {
-                let key = key.trim_start_matches("noise.");
-                let (value, error) = (rounded(measured.value, 6), rounded(measured.standard_error, 2));
-                text += &format!("{key} = {value:?}  # ± {error} {unit}\n");
+                let key = key.rsplit('.').next().unwrap_or(key);
+                let error = rounded(measured.standard_error, 2);
+                text += &match key {
+                    "black_level_dn" => whole_number(key, measured, unit),
+                    _ => format!("{key} = {:?}  # ± {error} {unit}", rounded(measured.value, 6)),
+                };
+                text.push('\n');
             }
         }
         text
     }
+}
+
+/// Whether figures of all gains are the same whole number, or one that is not told everywhere.
+fn is_same_number(found: &[Option<Parameter>]) -> bool {
+    let numbers: Vec<f64> = found.iter().flatten().map(|parameter| parameter.measured.value.round()).collect();
+    numbers.iter().all(|number| *number == numbers[0])
 }
 
 #[cfg(test)]
@@ -131,8 +144,9 @@ mod tests {
 
     #[test]
     fn figures_that_all_gains_tell_become_steps_and_others_are_left_out() {
-        let mut first = fit(&[(GAIN, 0.5), ("noise.read_noise_e", 3.0), ("noise.row_noise_e", 1.0)]);
-        let second = fit(&[(GAIN, 2.0), ("noise.read_noise_e", 2.0)]);
+        let read = "noise.read_noise_e";
+        let mut first = fit(&[(GAIN, 0.5), (read, 3.0), ("noise.row_noise_e", 1.0), (BLACK_LEVEL, 64.25)]);
+        let second = fit(&[(GAIN, 2.0), (read, 2.0), (BLACK_LEVEL, 70.0)]);
         let [db, error] = second.gain_over(&first).expect("both have K");
         // 20·log₁₀ 4, and 1 % twice of 8.69 dB.
         assert!((db - 12.0412).abs() < 1e-4 && (error - 0.1228).abs() < 1e-3, "{db} {error}");
@@ -141,7 +155,9 @@ mod tests {
         assert_eq!(
             text,
             "\n[[noise.gain_steps]]\ngain_db = 0.0  # ISO 100\nread_noise_e = 3.0  # ± 0.03 e-\n\
-             \n[[noise.gain_steps]]\ngain_db = 12.0  # ISO 400\nread_noise_e = 2.0  # ± 0.02 e-\n"
+             black_level_dn = 64  # 64.25 ± 0.64 e-\n\
+             \n[[noise.gain_steps]]\ngain_db = 12.0  # ISO 400\nread_noise_e = 2.0  # ± 0.02 e-\n\
+             black_level_dn = 70  # 70 ± 0.7 e-\n"
         );
         assert_eq!(first.left_out.len(), 1);
         assert!(

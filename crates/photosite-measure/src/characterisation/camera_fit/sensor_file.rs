@@ -5,6 +5,7 @@ use std::fmt::Write;
 use photosite_core::math::float::rounded;
 
 use super::fit::CameraFit;
+use super::measured::Measured;
 use super::parameters::{Assumption, Parameter};
 use super::sheet::NONLINEARITY;
 
@@ -119,16 +120,15 @@ impl CameraFit {
             let Some(name) = of_table(parameter.key) else { continue };
             let Parameter { unit, measured, .. } = parameter;
             let error = rounded(measured.standard_error, 2);
-            // More digits than the error has say nothing; the black level is a whole number.
-            let (value, more) = if name == "black_level_dn" {
-                (format!("{}", measured.value.round().max(0.0)), format!("{} ", rounded(measured.value, 7)))
-            } else if parameter.key == NONLINEARITY {
-                (format!("[{:?}]", rounded(measured.value, 6)), String::new())
-            } else {
-                (format!("{:?}", rounded(measured.value, 6)), String::new())
-            };
+            if name == "black_level_dn" {
+                lines.push(whole_number(name, measured, unit));
+                continue;
+            }
+            // More digits than the error has say nothing.
+            let value = rounded(measured.value, 6);
+            let value = if parameter.key == NONLINEARITY { format!("[{value:?}]") } else { format!("{value:?}") };
             let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-            lines.push(format!("{name} = {value}  # {more}± {error}{unit}"));
+            lines.push(format!("{name} = {value}  # ± {error}{unit}"));
         }
         if table == "noise" {
             lines.extend(maps.lines());
@@ -155,4 +155,10 @@ fn escaped(text: &str) -> String {
         }
     }
     out
+}
+
+/// Line of a figure that a sensor file has as a whole number, with what was measured beside it.
+pub(super) fn whole_number(key: &str, measured: &Measured, unit: &str) -> String {
+    let error = rounded(measured.standard_error, 2);
+    format!("{key} = {}  # {} ± {error} {unit}", measured.value.round().max(0.0), rounded(measured.value, 7))
 }
