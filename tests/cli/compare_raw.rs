@@ -12,7 +12,8 @@ const UNEVEN: &str = "--set sensor.noise.prnu_percent=5";
 /// A folder with photographs of the wall beside a chart, each with its options, by a sensor without fixed pattern.
 fn photographs(options: [&str; 2]) -> Folder {
     let folder = Folder::new([]);
-    let sensor = "--set sensor.noise.prnu_percent=0 --set sensor.noise.dsnu_e=0 --size 120x90 --spp 64 \
+    let sensor = "--set sensor.noise.prnu_percent=0 --set sensor.noise.dsnu_e=0 --spp 64 \
+                  --set sensor.resolution_px=[120,90] --set lens.focal_length_mm=1.8 \
                   --set camera.position_m=[0.8,0,0.92] --set camera.look_at_m=[0.8,0,0]";
     for (name, options) in ["a", "b"].into_iter().zip(options) {
         folder.succeed(&format!("render {CHART} {sensor} {options} -q -o {name}"));
