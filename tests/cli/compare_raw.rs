@@ -51,4 +51,6 @@ fn files_without_a_profile_are_named() {
     folder.add("a.pgm", "P2 1 1 255 7");
     folder.fail("compare a.pgm a.pgm --noise-profile", 2, &["a.pgm", "states no noise profile", "another way"]);
     folder.fail("compare a.pgm a.pgm --prnu 1", 2, &["--noise-profile"]);
+    let stated = "--noise-profile --variance-a 1 --variance-b 1";
+    folder.fail(&format!("compare a.pgm a.pgm {stated}"), 2, &["no effect", "leave out one"]);
 }

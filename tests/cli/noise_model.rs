@@ -82,8 +82,11 @@ fn a_sensor_becomes_fields_of_isetcam() {
     let found = json(&std::fs::read_to_string(folder.path("a.json")).expect("fields"));
     assert!((found["analogGain"].as_f64().expect("a gain") - 10f64.powf(-0.6)).abs() < 1e-8, "{found}");
     assert_eq!(found["color"]["filterNames"], serde_json::json!(["w"]));
+    let odd = "--set masked_columns=[8,0] --set shutter.kind=rolling --set shutter.row_time_us=10 --set resolution_px=[64,48]";
+    let said = folder.succeed(&format!("noise model generic-cmos-color --isetcam b.json {odd}")).stderr;
+    assert!(said.contains("masked pixels") && said.contains("the times of rows"), "{said}");
     folder.fail("noise model sony-imx249-mono --isetcam a.json", 2, &["a.json already exists", "--force"]);
-    folder.fail("noise model generic-stacked-color --isetcam b.json", 2, &["one colour filter a pixel"]);
+    folder.fail("noise model generic-stacked-color --isetcam c.json", 2, &["one colour filter a pixel"]);
 }
 
 #[rstest]

@@ -60,7 +60,8 @@ pub(super) struct CompareArgs {
     /// Samples per pixel of B, as --samples-a for A.
     #[arg(long, value_name = "N", conflicts_with = "variance_b", value_parser = clap::value_parser!(u64).range(2..))]
     samples_b: Option<u64>,
-    /// Take the variances of raw files from their noise profiles (DNG NoiseProfile), which are those of temporal noise.
+    /// Take the variances of raw files from their noise profiles (DNG NoiseProfile), which are those of temporal noise. A
+    /// variance that is stated beside it is taken as it is.
     #[arg(long)]
     noise_profile: bool,
     /// Photo response non-uniformity in percent, where A and B are of two cameras, each with a pattern of its own; 0 of
@@ -119,6 +120,14 @@ pub(super) struct CompareArgs {
 pub(super) fn run(args: &CompareArgs) -> Result<bool> {
     if let Some(path) = &args.picture {
         refuse_image(path, args.force)?;
+    }
+    let is_stated = |variance: &Option<String>, samples: &Option<u64>| variance.is_some() || samples.is_some();
+    if args.noise_profile
+        && is_stated(&args.variance_a, &args.samples_a)
+        && is_stated(&args.variance_b, &args.samples_b)
+    {
+        let message = "--noise-profile has no effect where the variances of both images are stated".to_owned();
+        return Err(Error::Usage { message, help: Some("leave out one or the other".into()) });
     }
     let a = read(args, &args.a, args.variance_a.as_deref(), args.samples_a)?;
     let b = read(args, &args.b, args.variance_b.as_deref(), args.samples_b)?;

@@ -6,11 +6,13 @@
 
 use serde_json::{Value, json};
 
+use photosite_core::cells::CellShape;
 use photosite_core::math::float::rounded;
 use photosite_core::spectrum::Spectrum;
 use photosite_core::units::Decibels;
 use photosite_core::{Error, Result};
-use photosite_sensor::{Exposure, SensorModel, Stage};
+use photosite_raw::Cfa;
+use photosite_sensor::{Exposure, MaskedPixels, SensorModel, Shutter, Stage};
 
 /// Wavelengths, nm.
 const WAVE: std::ops::RangeInclusive<u32> = 380..=780;
@@ -55,7 +57,7 @@ pub(super) fn fields(sensor: &SensorModel, exposure: &Exposure) -> Result<Value>
         "quantization": { "bits": converter.bits, "method": "linear" },
         "spectrum": { "wave": wave },
         "color": {
-            "filterNames": sensor.cfa.channels().iter().map(|name| filter_name(name)).collect::<Vec<_>>(),
+            "filterNames": sensor.cfa.channels().iter().map(|name| filter_name(&sensor.cfa, name)).collect::<Vec<_>>(),
             "filterSpectra": spectra,
             "irFilter": ones,
         },
@@ -83,11 +85,16 @@ fn pattern(sensor: &SensorModel) -> Vec<Vec<usize>> {
     (0..rows).map(|y| (0..columns).map(|x| 1 + sensor.cfa.channel_at(x, y)).collect()).collect()
 }
 
-/// Name whose first letter is a colour that ISETCam knows: red, green, blue, cyan, yellow, magenta or white.
-fn filter_name(channel: &str) -> String {
+/// Letters of the colours that ISETCam knows: red, green, blue, cyan, magenta, yellow and white.
+const COLOURS: &str = "rgbcmyw";
+
+/// Name of a filter, whose first letter is its colour.
+fn filter_name(cfa: &Cfa, channel: &str) -> String {
+    let has = |other: &str| cfa.channels().iter().any(|name| name == other);
     match channel {
-        // Monochrome sensors.
-        "Y" => "w".to_owned(),
+        "Y" if cfa.is_mono() => "w".to_owned(),
+        // Clear beside red, cyan beside magenta.
+        "C" if !has("M") && !has("Y") => "w".to_owned(),
         other => other.to_lowercase(),
     }
 }
@@ -103,12 +110,20 @@ pub(super) fn left_out(sensor: &SensorModel, exposure: &Exposure) -> Vec<String>
     also("PRNU of rows and columns", noise.prnu.row != 0.0 || noise.prnu.column != 0.0);
     also("maps of DSNU and PRNU", noise.dsnu_map.is_some() || noise.prnu_map.is_some());
     also("the shape of the read noise", noise.read_degrees_of_freedom.is_some() || noise.read_spread != 0.0);
+    also("hexagonal cells", sensor.cells.shape != CellShape::Rectangular);
+    also("an image circle", sensor.cells.image_circle.is_some());
+    also("masked pixels", sensor.masked != MaskedPixels::default());
+    also("a frame grabber", sensor.frame_grabber.is_some());
+    also("the times of rows", sensor.shutter != Shutter::default());
     also("companding", sensor.converter.companding.is_some());
     also("a video curve", sensor.video.curve.is_some());
     also("logarithmic pixels", sensor.logarithmic.is_some());
     also("two converters", sensor.converter.dual_gain.is_some());
-    let beyond = |qe: &Spectrum| (*WAVE.end()..=1200).step_by(STEP).any(|nm| qe.eval(nm as f32 + STEP as f32) > 1e-3);
-    also("light beyond 780 nm", sensor.efficiencies().iter().any(beyond));
+    let beyond = |qe: &Spectrum| qe.iter().any(|(nm, qe)| qe > 1e-3 && !(380.0..=780.0).contains(&nm));
+    also("light below 380 and beyond 780 nm", sensor.efficiencies().iter().any(beyond));
+    let unknown = |name: &&String| !filter_name(&sensor.cfa, name).starts_with(|letter| COLOURS.contains(letter));
+    let unknown: Vec<&str> = sensor.cfa.channels().iter().filter(unknown).map(|name| &name[..]).collect();
+    also(&format!("the colours of the filters {}", unknown.join(", ")), !unknown.is_empty());
     let mut told = Vec::new();
     if !names.is_empty() {
         told.push(format!("ISETCam's fields have no place for: {}", names.join(", ")));
@@ -156,6 +171,17 @@ mod tests {
         assert_eq!(found["color"]["filterNames"], json!(["r", "g", "b"]));
         let area = of("/pixel/pdWidth") * of("/pixel/pdHeight") / (of("/pixel/width") * of("/pixel/height"));
         assert!((area - sensor.fill_factor).abs() < 1e-6);
+    }
+
+    #[test]
+    fn filters_begin_with_their_colour() {
+        for (layout, wanted) in
+            [("mono", "w"), ("RGGB", "r g b"), ("ryyb", "r b y"), ("rccb", "r b w"), ("cygm", "g c y m")]
+        {
+            let cfa = Cfa::parse(layout).expect("a layout");
+            let names: Vec<String> = cfa.channels().iter().map(|name| filter_name(&cfa, name)).collect();
+            assert_eq!(names.join(" "), wanted, "{layout}");
+        }
     }
 
     /// Property: whatever stage a sensor has beyond the ones that are held is told by its name.

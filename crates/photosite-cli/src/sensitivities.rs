@@ -145,6 +145,9 @@ pub(super) fn run(args: &SensitivitiesArgs) -> Result<()> {
         first.get_or_insert(raw);
     }
     let Some(first) = first else { return Ok(()) };
+    if let (Some(path), Some(profile)) = (&args.profile, &profile) {
+        check_profile(path, profile, &first.cfa)?;
+    }
     let mut found = sensitivities(&charts, &reflectances, first.cfa.channels())
         .map_err(|invalid| invalid.in_file(&args.images[0]))?;
     found.channels.iter_mut().flat_map(|channel| &mut channel.values).for_each(|value| *value *= args.peak);
@@ -224,6 +227,23 @@ fn profile(path: &Path) -> Result<Vec<ColourCalibration>> {
     read_profile(BufReader::new(file)).map_err(|invalid| invalid.in_file(path))
 }
 
+/// Refuses a profile of another number of channels than the camera's, or of channels without colours.
+fn check_profile(path: &Path, profile: &[ColourCalibration], cfa: &Cfa) -> Result<()> {
+    let channels = cfa.channels().len();
+    let refused = |message: String| Err(Invalid::new("", message).help("leave out --profile").in_file(path));
+    if channels < 3 {
+        return refused(format!("is of colours, and the camera has the channels {}", cfa.channels().join(", ")));
+    }
+    match profile.iter().find(|calibration| calibration.colour_matrix.len() != channels) {
+        Some(other) => refused(format!(
+            "is of {} channels, and the camera has {channels}: {}",
+            other.colour_matrix.len(),
+            cfa.channels().join(", ")
+        )),
+        None => Ok(()),
+    }
+}
+
 /// Colours of a colour checker by the matrices of the file and of a profile, and by those that follow from the curves.
 fn matrix_checks(
     found: &Sensitivities,
@@ -247,7 +267,10 @@ fn matrix_checks(
         checks.push(MatrixCheck {
             light: name,
             stated_delta_e_2000: error(&raw.metadata.calibrations)?,
-            profile_delta_e_2000: profile.map_or(Ok(None), error)?,
+            profile_delta_e_2000: profile.map_or(Ok(None), error).unwrap_or_else(|Invalid { message, .. }| {
+                warning!("the matrices of the profile are not compared in {name}: {message}");
+                None
+            }),
             derived_delta_e_2000: derived.map_or(Ok(None), |derived| error(&derived.calibrations))?,
         });
     }
@@ -299,12 +322,13 @@ fn text(found: &Sensitivities, matrices: &[MatrixCheck], output: &Path) -> Strin
             profile_delta_e_2000: profile,
             derived_delta_e_2000: derived,
         } = check;
-        if let Some(derived) = derived {
-            text += &format!(
-                "\ncolours of a colour checker in {light}: mean ΔE2000 {derived:.2} by matrices of the curves"
-            );
-            text += &stated.map_or(String::new(), |stated| format!(", {stated:.2} by those of the file"));
-            text += &profile.map_or(String::new(), |profile| format!(", {profile:.2} by those of the profile"));
+        let by = [(derived, "the curves"), (stated, "the file"), (profile, "the profile")];
+        let by: Vec<String> = by
+            .iter()
+            .filter_map(|(error, whose)| Some(format!("{:.2} by matrices of {whose}", error.as_ref()?)))
+            .collect();
+        if !by.is_empty() {
+            text += &format!("\ncolours of a colour checker in {light}: mean ΔE2000 {}", by.join(", "));
         }
     }
     let [first, last] = [0, found.wavelengths_nm.len() - 1].map(|i| found.wavelengths_nm[i]);

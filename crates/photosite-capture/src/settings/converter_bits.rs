@@ -66,16 +66,28 @@ pub(crate) fn follow_bits(base: &mut Node, changes: &Node) -> Vec<String> {
             )
         }));
     }
-    if let (Some(change), None) = (merged, changes.at(GAIN_STEPS)) {
-        if let Some(Node { value: Value::Array(steps), .. }) = base.at_mut(GAIN_STEPS) {
-            let blacks = steps.iter_mut().filter_map(|step| step.at_mut(BLACK_LEVEL));
-            blacks.for_each(|black| scale(black, BLACK_LEVEL, factor(change)));
-        }
+    if let Some(change) = merged {
+        follow_in_steps(base, changes.at(GAIN_STEPS), factor(change));
     }
     if let (Some(change), None) = (merged, changes.at(KNEES)) {
         base.at_mut(KNEES).into_iter().for_each(|knees| move_knees(knees, change));
     }
     warnings
+}
+
+/// Multiplies the black levels of steps of gain, but for those that are stated in `changes`: a list of steps in place of
+/// all, or single ones by their numbers.
+fn follow_in_steps(base: &mut Node, changes: Option<&Node>, factor: f64) {
+    let Some(Node { value: Value::Array(steps), .. }) = base.at_mut(GAIN_STEPS) else { return };
+    if changes.is_some_and(|changes| matches!(changes.value, Value::Array(_))) {
+        return;
+    }
+    for (i, step) in steps.iter_mut().enumerate() {
+        let is_stated = changes.is_some_and(|changes| changes.at(&[&i.to_string(), BLACK_LEVEL[0]]).is_some());
+        if let Some(black) = step.at_mut(BLACK_LEVEL).filter(|_| !is_stated) {
+            scale(black, BLACK_LEVEL, factor);
+        }
+    }
 }
 
 /// Digital numbers of the new bits for one of the old bits.
@@ -167,6 +179,11 @@ mod tests {
         };
         assert_eq!(blacks(&[]), [64, 100]);
         assert_eq!(blacks(&["adc.bits=10"]), [16, 25]);
+        assert_eq!(
+            blacks(&["adc.bits=10", "noise.gain_steps.1.read_noise_e=1.5", "noise.gain_steps.0.read_noise_e=2"]),
+            [16, 25]
+        );
+        assert_eq!(blacks(&["adc.bits=10", "noise.gain_steps.0.black_level_dn=20"]), [20, 25]);
         assert_eq!(blacks(&["adc.bits=10", "noise.gain_steps=[{gain_db=0,black_level_dn=30}]"]), [30, 30]);
     }
 

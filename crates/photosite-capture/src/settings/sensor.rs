@@ -84,11 +84,7 @@ pub(crate) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     let mut changes = table.clone();
     let [preset, without, scaled_to] = OF_CAPTURES.map(|key| changes.remove(key));
     let (mut merged, name) = base(source, folder, preset.as_ref(), &changes)?;
-    if let Some((key, node)) = OF_CAPTURES.into_iter().find_map(|key| Some((key, merged.at(&[key])?))) {
-        let message = format!("`{key}` stands in [sensor] of a capture; a sensor file states its sensor by itself");
-        let help = "write all keys of the sensor, or name the preset in the capture and change its keys there";
-        return Err(source.error_at_node(node, Invalid::new(format!("sensor.{key}"), message).help(help)));
-    }
+    by_itself(source, &merged, "sensor.")?;
     if let Some(without) = without {
         take_away(source, &mut merged, &name, &without)?;
     }
@@ -120,6 +116,17 @@ pub(crate) fn read_sensor(source: &mut CaptureSource, folder: &Path) -> Result<M
     let table = source.get("sensor").ok_or_else(|| source.error(Invalid::new("sensor", "is missing")))?;
     let description = source.read_beside("sensor", table, PhantomData, &OF_CAPTURES)?;
     Ok(MergedSensor { name, description, warnings })
+}
+
+/// Refuses a sensor file that names another sensor. `prefix` begins its keys in messages.
+fn by_itself(source: &CaptureSource, file: &Node, prefix: &str) -> Result<()> {
+    let Some((key, node)) = OF_CAPTURES.into_iter().find_map(|key| Some((key, file.at(&[key])?))) else {
+        return Ok(());
+    };
+    let message = format!("`{key}` stands in [sensor] of a capture; a sensor file states its sensor by itself");
+    let help =
+        "write all keys of the sensor, or name the preset where a sensor is asked for, and change its keys by --set";
+    Err(source.error_at_node(node, Invalid::new(format!("{prefix}{key}"), message).help(help)))
 }
 
 /// Warning where an override names the preset and the file's own keys of `[sensor]`, meant for another, stay over it.
@@ -205,6 +212,9 @@ pub fn read_sensor_file(path: &Path, sandbox: &Sandbox) -> Result<Option<SensorM
     let source = CaptureSource::parse(path, read_text(path)?)?;
     if !source.sections().any(|(key, _)| key == "adc") {
         return Ok(None);
+    }
+    if let Some(root) = source.get("") {
+        by_itself(&source, root, "")?;
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();

@@ -46,7 +46,7 @@ pub fn failures(comparison: &Comparison, limits: &Limits) -> Vec<String> {
             let pixels = if v.pixels_past_bound == 1 { "pixel" } else { "pixels" };
             // Where the means agree, the variances are in doubt before the images are.
             let doubt = if v.channels_past_bound.is_empty() {
-                "; the means agree, and variances of few samples are uncertain: render both with more to be sure"
+                "; the means agree: look for images that do not lie on each other; variances of few samples are uncertain, too"
             } else {
                 ""
             };

@@ -57,6 +57,13 @@ mod tests {
         bytes[2..4].copy_from_slice(&magic);
         assert_eq!(read_profile(Cursor::new(&bytes)).expect("a profile"), calibrations);
         assert!(read_profile(Cursor::new(&bytes[..20])).is_err());
+        // The order of bytes of another machine.
+        let mut big = b"MMCR\0\0\0\x08\0\x01".to_vec();
+        // ColorMatrix1: nine signed rationals at 26, and no further directory.
+        big.extend([0xc6, 0x21, 0, 10, 0, 0, 0, 9, 0, 0, 0, 26, 0, 0, 0, 0]);
+        (1..10_i32).for_each(|i| big.extend([i.to_be_bytes(), 2_i32.to_be_bytes()].concat()));
+        let found = read_profile(Cursor::new(big)).expect("a profile");
+        assert_eq!(found[0].colour_matrix, [[0.5, 1.0, 1.5], [2.0, 2.5, 3.0], [3.5, 4.0, 4.5]]);
         let bare = RawImage::bare(1, 1, vec![1], crate::Cfa::mono(), 255);
         let mut file = Cursor::new(Vec::new());
         write_dng(&bare, &mut file).expect("written");

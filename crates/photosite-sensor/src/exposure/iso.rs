@@ -55,8 +55,16 @@ impl SensorModel {
             return [least, Decibels(0.0)];
         }
         let saturating = |at: Decibels| Decibels::of_factor(before_merging.min(merged(at)) / signal);
-        // The black level is that of the gain that is looked for, and changes little with it.
-        let analogue = (0..4).fold(saturating(least), |found, _| saturating(found));
+        let mut analogue = saturating(least);
+        if self.converter.black_level.changes() {
+            // The black level is that of the gain that is looked for: halves of the range, down to 1e-12 of it.
+            let (mut below, mut above) = (least.0, most.0);
+            for _ in 0..40 {
+                let middle = f64::midpoint(below, above);
+                if saturating(Decibels(middle)).0 > middle { below = middle } else { above = middle }
+            }
+            analogue = if saturating(most).0 > most.0 { saturating(most) } else { Decibels(above) };
+        }
         if analogue.0 <= most.0 {
             return [Decibels(analogue.0.max(least.0)), Decibels(0.0)];
         }
@@ -76,6 +84,7 @@ impl SensorModel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::{BlackLevelByGain, GainStepDescription};
     use crate::presets;
 
     fn exposure([gain, digital_gain]: [Decibels; 2]) -> Exposure {
@@ -160,6 +169,30 @@ mod tests {
             }
             for iso in [base.round() - 1.0, f64::NAN] {
                 assert!(sensor.gains_for_iso(iso, Binning::NONE).is_err());
+            }
+        }
+    }
+
+    /// Property: a black level that changes with gain, however much, leaves speeds as they are asked for. A step of it
+    /// moves the range by 1 of its numbers, of which 95 are left at the least here.
+    #[test]
+    fn speeds_count_the_black_level_of_their_gain() {
+        let mut sensor = presets::model("sony-imx249-mono").expect("a preset");
+        let [least, most] = sensor.converter.gain_range;
+        for last in [10, 64, 400, 2000, 4000] {
+            let step = |gain: Decibels, black| GainStepDescription {
+                gain_db: gain.0,
+                black_level_dn: Some(black),
+                ..GainStepDescription::default()
+            };
+            sensor.converter.black_level =
+                BlackLevelByGain::new(64, 4095, &[step(least, 64), step(most, last)]).expect("valid");
+            let base = sensor.base_iso(Binning::NONE).expect("linear");
+            for factor in [1.0, 1.5, 4.0, 15.0, 40.0] {
+                let gains = sensor.gains_for_iso(base * factor, Binning::NONE).expect("above the base speed");
+                let found = sensor.iso(&exposure(gains)).expect("linear") / base;
+                let left = f64::from(4095 - sensor.converter.black_level_dn(gains[0]));
+                assert!((found / factor - 1.0).abs() < 1.0 / left + 1e-9, "{last}: {found} for {factor}");
             }
         }
     }

@@ -20,7 +20,7 @@ pub struct BlackLevelByGain {
 impl BlackLevelByGain {
     /// Steps over the black level of `[adc]`, which stands where no step states one. `max_dn` is the largest number of
     /// the converter. Keys of errors are those of `[noise]`.
-    pub(super) fn new(of_all: u16, max_dn: u16, steps: &[GainStepDescription]) -> Result<Self, Invalid> {
+    pub(crate) fn new(of_all: u16, max_dn: u16, steps: &[GainStepDescription]) -> Result<Self, Invalid> {
         if steps.iter().all(|step| step.black_level_dn.is_none()) {
             return Ok(Self::from(of_all));
         }
@@ -55,9 +55,14 @@ impl BlackLevelByGain {
         self.steps.windows(2).any(|pair| pair[0].1 != pair[1].1)
     }
 
-    /// Black level of `[adc]`, which has no effect as steps state another at 0 dB.
-    pub(crate) fn idle(&self) -> Option<[u16; 2]> {
-        let stated = self.at(Decibels(0.0));
+    /// Whether steps state it.
+    pub(crate) fn is_of_steps(&self) -> bool {
+        !self.steps.is_empty()
+    }
+
+    /// Black level of `[adc]`, which has no effect as steps state another at a gain.
+    pub(crate) fn idle(&self, gain: Decibels) -> Option<[u16; 2]> {
+        let stated = self.at(gain);
         (self.of_all != stated).then_some([self.of_all, stated])
     }
 }
@@ -98,10 +103,10 @@ mod tests {
         for (gain, wanted) in [(-6.0, 64), (0.0, 64), (20.0 * 4f64.log10(), 76), (20.0, 100), (30.0, 100)] {
             assert_eq!(black.at(Decibels(gain)), wanted, "{gain} dB");
         }
-        assert!(black.changes() && black.idle().is_none());
+        assert!(black.changes() && black.idle(Decibels(0.0)).is_none());
         let same = steps(&[(0.0, 70), (20.0, 70)]).expect("valid");
         assert!(!same.changes());
-        assert_eq!(same.idle(), Some([64, 70]));
+        assert_eq!(same.idle(Decibels(0.0)), Some([64, 70]));
         assert_eq!(steps(&[]).expect("valid").at(Decibels(3.0)), 64);
     }
 

@@ -18,8 +18,8 @@ use photosite_core::units::{Decibels, Electrons};
 use super::checks::{electrons, finite, not_negative};
 use super::fixed_pattern::FixedPattern;
 
-/// Noise of the read-out and black level at one analogue gain. A figure that no step has is that of the table above at all gains; one
-/// that a step has, all have.
+/// Noise of the read-out and black level at one analogue gain. A figure that no step has is at all gains that of `[noise]`, or
+/// of `[adc]` for the black level; one that a step has, all have.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema, Keys)]
 #[serde(deny_unknown_fields)]
 pub struct GainStepDescription {

@@ -73,6 +73,21 @@ fn what_no_sensor_can_be_is_refused_by_key() {
         ("dsnu_e = 0.5", "dsnu_e = 0.5, row_noise_e = -1", "noise.row_noise_e"),
         (
             "dsnu_e = 0.5",
+            "dsnu_e = 0.5, gain_steps = [{ gain_db = 0, black_level_dn = 4095 }]",
+            "noise.gain_steps[0].black_level_dn",
+        ),
+        (
+            "dsnu_e = 0.5",
+            "dsnu_e = 0.5, gain_steps = [{ gain_db = 0, black_level_dn = 64 }, { gain_db = 3, dsnu_e = 1 }]",
+            "noise.gain_steps[0]",
+        ),
+        (
+            "dsnu_e = 0.5 }",
+            "dsnu_e = 0.5, gain_steps = [{ gain_db = 0, black_level_dn = 64 }, { gain_db = 3, black_level_dn = 65 }] }\nvideo.gamma = 0.45",
+            "video.gamma",
+        ),
+        (
+            "dsnu_e = 0.5",
             "dsnu_e = 0.5, gain_steps = [{ gain_db = 0, read_noise_e = -1 }]",
             "noise.gain_steps[0].read_noise_e",
         ),

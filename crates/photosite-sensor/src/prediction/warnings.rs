@@ -20,10 +20,12 @@ impl SensorModel {
                 rounded(of_steps, 4)
             ));
         }
-        warnings.extend(self.converter.black_level.idle().map(|[own, of_steps]| {
+        let least = self.converter.gain_range[0];
+        warnings.extend(self.converter.black_level.idle(least).map(|[own, of_steps]| {
             format!(
-                "sensor.adc.black_level_dn = {own} has no effect: sensor.noise.gain_steps has {of_steps} at 0 dB; change the \
-                 steps, or write {of_steps}"
+                "sensor.adc.black_level_dn = {own} has no effect: by sensor.noise.gain_steps it is {of_steps} at {} dB; change \
+                 the steps, or write {of_steps}",
+                rounded(least.0, 4)
             )
         }));
         warnings
@@ -52,7 +54,7 @@ impl SensorModel {
         let variance_e2 = shares.pixel_e2[0] + shares.shared_e2([1.0; 2]) + pattern_e2;
         let (converter, key) = match &self.converter.dual_gain {
             Some(dual) => (&dual.high, "sensor.adc.dual_gain.black_level_dn"),
-            None if self.converter.black_level.changes() => (&self.converter, "sensor.noise.gain_steps"),
+            None if self.converter.black_level.is_of_steps() => (&self.converter, "sensor.noise.gain_steps"),
             None => (&self.converter, "sensor.adc.black_level_dn"),
         };
         let gain = converter.system_gain(exposure.gain);
@@ -99,9 +101,22 @@ impl SensorModel {
 #[cfg(test)]
 mod tests {
     use crate::ReadOutNoise;
+    use crate::model::{BlackLevelByGain, GainStepDescription};
     use crate::prediction::warnings::{Exposure, Seconds, Stage, Stages};
     use crate::presets;
     use photosite_core::units::{Decibels, Electrons};
+
+    /// Test of black levels that steps of gain state: keys that act are named, and those that do not.
+    #[test]
+    fn black_levels_of_steps_are_told_by_their_key() {
+        let mut sensor = presets::model("sony-imx249-mono").expect("a preset");
+        let step = GainStepDescription { black_level_dn: Some(1), ..GainStepDescription::default() };
+        sensor.converter.black_level = BlackLevelByGain::new(64, 4095, &[step]).expect("valid");
+        let told = sensor.warnings();
+        assert!(told.iter().any(|what| what.contains("sensor.adc.black_level_dn = 64 has no effect")), "{told:?}");
+        let clipped = sensor.clipped_blacks(&Exposure::of(Seconds(1e-5)), Stages::ALL).expect("1 DN");
+        assert!(clipped.starts_with("sensor.noise.gain_steps: ") && clipped.contains("1 DN are only"), "{clipped}");
+    }
 
     #[test]
     fn blacks_that_the_converter_clips_are_told() {
