@@ -62,7 +62,8 @@ class CameraFit:
 
     def save(self, path: Path) -> None:
         """Writes the sensor file, which :class:`Sensor` and captures name by its path. Maps stand beside it, as
-        ``NAME.prnu.npy`` and ``NAME.dsnu.npy``, and take the place of PRNU and DSNU.
+        ``NAME.prnu.npy`` and ``NAME.dsnu.npy``, and take the place of PRNU and DSNU; with them ``NAME.defects.csv``, the
+        places of defective pixels.
 
         Args:
             path: its name ends in ``.toml``.
@@ -73,6 +74,9 @@ class CameraFit:
             if values is not None:
                 np.save(file.with_name(f"{file.stem}.{name}.npy"), values)
         has_maps = any(values is not None for values in maps.values())
+        defects = self._fitted.defects_csv() if has_maps else None
+        if defects is not None:
+            file.with_name(f"{file.stem}.defects.csv").write_text(defects, encoding="utf-8")
         text = self._fitted.sensor_file(file.stem) if has_maps else self.sensor_file
         file.write_text(text, encoding="utf-8")
 

@@ -316,11 +316,19 @@ fn defective_pixels_are_none_of_the_maps() {
     let count = report["defects"].as_array().expect("a list").len();
     assert!(count > 30, "{count}");
     assert!(report["notes"].to_string().contains(&format!("leave out {count} defective pixels")), "{report}");
+    let text = std::fs::read_to_string(folder.path("twin.toml")).expect("a sensor file");
+    assert!(text.contains("pixels = { file = \"twin.defects.csv\" }") && !text.contains("per_million"), "{text}");
     folder.succeed("emva1288 twin.toml --like set -o again -q --seed 3");
     let again = json(&folder.succeed("fit again -o second.toml --json").stdout);
-    let other = again["defects"].as_array().expect("a list").len();
-    // As many, elsewhere: within four standard deviations of both counts.
-    assert!((other as f64 - count as f64).abs() < 4.0 * (2.0 * count as f64).sqrt(), "{count} {other}");
+    // The same pixels, but for those whose dark current lies near the threshold.
+    let places = |report: &Value, kind: &str| -> Vec<(u64, u64)> {
+        let defects = report["defects"].as_array().expect("a list").iter().filter(|defect| defect["kind"] == kind);
+        defects.map(|d| (d["x"].as_u64().expect("a column"), d["y"].as_u64().expect("a row"))).collect()
+    };
+    assert_eq!(places(&report, "dead"), places(&again, "dead"));
+    let [first, second] = [&report, &again].map(|report| places(report, "hot"));
+    let shared = first.iter().filter(|place| second.contains(place)).count();
+    assert!(shared * 10 >= first.len() * 9, "{shared} of {first:?} in {second:?}");
     let [[first, error], [second, _]] = [&report, &again].map(|report| parameter(report, "noise.dsnu_e"));
     assert!((first - second).abs() < 5.0 * error, "{first} ± {error}, {second}");
 }

@@ -74,7 +74,7 @@ pub(super) fn run(args: &FitArgs) -> Result<()> {
     refuse_existing(&args.output, args.force)?;
     let stem = args.output.file_stem().unwrap_or_default().to_string_lossy();
     let maps = if args.maps { MapNames::beside(&stem) } else { MapNames::default() };
-    for name in [&maps.prnu, &maps.dsnu].into_iter().flatten() {
+    for name in maps.names() {
         refuse_existing(&args.output.with_file_name(name), args.force)?;
     }
     FileKind::expect(&args.input, &[], "a folder of images or a descriptor of images (.txt)")?;
@@ -99,7 +99,7 @@ pub(super) fn run(args: &FitArgs) -> Result<()> {
         Ok(())
     } else {
         println_text(&text(&fitted))?;
-        let beside: Vec<&str> = [&maps.prnu, &maps.dsnu].into_iter().filter_map(|map| map.as_deref()).collect();
+        let beside: Vec<&str> = maps.names().collect();
         let named =
             if beside.is_empty() { String::new() } else { format!(", with {} beside it", beside.join(" and ")) };
         println_text(&format!("\nthe sensor file is {}{named}", args.output.display()))
@@ -116,6 +116,9 @@ fn write_maps(fitted: &FittedCamera, names: &MapNames, args: &FitArgs) -> Result
             let path = args.output.with_file_name(name);
             write_result(&path, args.force, |to| write_map(&NPY, &map, quantity, unit, 1.0, to))?;
         }
+    }
+    if let (Some(name), Some(table)) = (&names.defects, fitted.defects_csv()) {
+        write_result(&args.output.with_file_name(name), args.force, |to| to.write_all(table.as_bytes()))?;
     }
     Ok(())
 }

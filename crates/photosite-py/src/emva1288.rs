@@ -126,6 +126,11 @@ impl FittedCamera {
         self.0.sensor_file(&maps_of.map(MapNames::beside).unwrap_or_default())
     }
 
+    /// Table of the defective pixels, as `defects.pixels` has it.
+    fn defects_csv(&self) -> Option<String> {
+        self.0.defects_csv()
+    }
+
     /// Maps of responses, where there are flats, and of offsets in electrons, where they are the same at all gains:
     /// rows × columns.
     fn maps<'py>(&self, py: Python<'py>) -> PyResult<[Option<Bound<'py, PyAny>>; 2]> {

@@ -33,13 +33,14 @@ pub use image_electrons::{ImageElectrons, ImageUnit, image_electrons, without_ne
 pub use model::{
     AdcDescription, Architecture, BlackLevelByGain, Ccd, CcdArchitecture, CcdDescription, CellShapeName,
     ChannelDescription, ChargeDescription, Companding, CompandingCurve, CompandingDescription, Converter, Converters,
-    Counting, CountingMode, CurveFile, DarkCurrentLaw, DarkCurrentLawName, Defects, DefectsDescription, DualGain,
-    DualGainDescription, FORMATS, FilterDescription, FixedPattern, Flicker, FlickerDescription, FlickerOrder, Format,
-    FrameGrabber, FrameGrabberDescription, GainStepDescription, ImageLag, ImageLagDescription, Kernel, Logarithmic,
-    LowPass, MaskedPixels, MeasuredPattern, Noise, NoiseDescription, Obstacle, Overscan, PatternFile, ReadOutNoise,
-    ReadOutNoiseByGain, Reset, ResetDescription, RowOrder, SensorDescription, SensorFiles, SensorKind, SensorModel,
-    Shutter, ShutterDescription, ShutterKind, SignalInterpolation, Spad, SpadDescription, SpectrumSource,
-    TelegraphDescription, TelegraphSignal, UncommonFacts, Use, Video, VideoCurve, VideoDescription, keys,
+    Counting, CountingMode, CurveFile, DarkCurrentLaw, DarkCurrentLawName, DefectFile, DefectivePixels, Defects,
+    DefectsDescription, DualGain, DualGainDescription, FORMATS, FilterDescription, FixedPattern, Flicker,
+    FlickerDescription, FlickerOrder, Format, FrameGrabber, FrameGrabberDescription, GainStepDescription, ImageLag,
+    ImageLagDescription, Kernel, Logarithmic, LowPass, MaskedPixels, MeasuredPattern, Noise, NoiseDescription,
+    Obstacle, Overscan, PatternFile, PixelDefect, ReadOutNoise, ReadOutNoiseByGain, Reset, ResetDescription, RowOrder,
+    SensorDescription, SensorFiles, SensorKind, SensorModel, Shutter, ShutterDescription, ShutterKind,
+    SignalInterpolation, Spad, SpadDescription, SpectrumSource, TelegraphDescription, TelegraphSignal, UncommonFacts,
+    Use, Video, VideoCurve, VideoDescription, keys,
 };
 pub use prediction::{GainLine, Neighbours, NoiseAtGain, noise_ratio, samples_needed, sensor_noise, smoothed_mean};
 pub use signal::effects::{MapUnit, NoiseMap, Stage, Stages};

@@ -23,7 +23,7 @@ use photosite_core::spectrum::{Outside, Spectrum};
 use photosite_core::suggest::{did_you_mean, list};
 use photosite_core::{Error, Invalid, Result};
 use photosite_files::map_file::{MapFile, read_map};
-use photosite_sensor::{MeasuredPattern, PatternFile, SensorFiles, SensorModel, SpectrumSource, presets};
+use photosite_sensor::{DefectFile, MeasuredPattern, PatternFile, SensorFiles, SensorModel, SpectrumSource, presets};
 
 /// Finder of the files that a sensor names.
 struct OfSensor<'f, 'a>(&'f Finder<'a>);
@@ -51,6 +51,14 @@ impl SensorFiles for OfSensor<'_, '_> {
             return Err(of_file(warning));
         }
         MeasuredPattern::new(size, values).map_err(|invalid| of_file(&invalid.message))
+    }
+
+    fn defects(&mut self, file: &DefectFile) -> Result<String, Invalid> {
+        let path = self.0.path(&file.file).map_err(|invalid| invalid.within("file"))?;
+        input::read_text(&path, input::TABLE_BYTES).map_err(|reason| {
+            let message = format!("cannot read {}: {reason}", path.display());
+            Invalid::new("file", message).help("write the path relative to the file that names it")
+        })
     }
 }
 

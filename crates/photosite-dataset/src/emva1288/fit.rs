@@ -4,12 +4,13 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use photosite_core::{Invalid, Result};
+use photosite_core::math::float::rounded;
+use photosite_core::{Invalid, Result, counted};
 use photosite_files::image_sets::CameraSet;
 use photosite_measure::characterisation::NotMeasured;
 use photosite_measure::characterisation::camera_fit::{
-    Assumption, CameraFit, CameraFrames, Defect, FittedGainStep, KnownFacts, MapNames, Measured, Mosaic, Parameter,
-    fit_camera,
+    Assumption, CameraFit, CameraFrames, Defect, DefectKind, FittedGainStep, KnownFacts, MapNames, Measured, Mosaic,
+    Parameter, fit_camera,
 };
 use photosite_pipeline::{Event, Monitor, go_on};
 
@@ -85,6 +86,7 @@ impl FittedCamera {
         MapNames {
             prnu: maps.prnu.clone().filter(|_| self.fit.maps.response.is_some()),
             dsnu: maps.dsnu.clone().filter(|_| !has_offsets_by_gain(&self.fit)),
+            defects: maps.defects.clone().filter(|_| self.defects_csv().is_some()),
         }
     }
 
@@ -99,9 +101,29 @@ impl FittedCamera {
         if has_offsets_by_gain(&self.fit) {
             return None;
         }
-        let gain = self.fit.parameter("adc.conversion_gain_dn_per_e").map(|parameter| parameter.measured.value);
-        let gain = gain.or(self.known_gain).unwrap_or(1.0);
+        let gain = self.gain();
         Some(self.fit.maps.dark_dn.values.iter().map(|dn| (f64::from(*dn) / gain) as f32).collect())
+    }
+
+    /// Table of the defective pixels that a sensor can have, for `defects.pixels`; `None` where there are none.
+    pub fn defects_csv(&self) -> Option<String> {
+        let has_current = self.fit.parameter("noise.dark_current_e_per_s").is_some();
+        let line = |&Defect { x, y, kind, value }: &Defect| match (kind, value) {
+            (DefectKind::Hot, Some(more)) if has_current => {
+                Some(format!("{x},{y},hot,{}\n", rounded(more / self.gain(), 6)))
+            }
+            (DefectKind::Dead, _) => Some(format!("{x},{y},dead,\n")),
+            (DefectKind::Stuck, Some(number)) => Some(format!("{x},{y},stuck,{number}\n")),
+            (DefectKind::Hot | DefectKind::Stuck | DefectKind::Odd, _) => None,
+        };
+        let lines: String = self.fit.defects.iter().filter_map(line).collect();
+        (!lines.is_empty()).then(|| format!("column,row,kind,value\n{lines}"))
+    }
+
+    /// System gain of the sensor file, DN/e⁻; 1 where DN stand for electrons.
+    fn gain(&self) -> f64 {
+        let gain = self.fit.parameter("adc.conversion_gain_dn_per_e").map(|parameter| parameter.measured.value);
+        gain.or(self.known_gain).unwrap_or(1.0)
     }
 
     /// Report for programs.
@@ -161,8 +183,10 @@ fn notes_of_maps(fit: &CameraFit) -> Vec<String> {
         notes.push("there is no map of dark offsets: they change with gain, and DSNU is told for each".to_owned());
     }
     if !fit.defects.is_empty() {
-        let count = fit.defects.len();
-        notes.push(format!("the maps leave out {count} defective pixels: the twin has as many, at other places"));
+        let count = counted(fit.defects.len(), ["defective pixel", "defective pixels"]);
+        notes.push(format!(
+            "the maps leave out {count}: those that are hot, dead or stuck stand in a table of their own"
+        ));
     }
     notes
 }

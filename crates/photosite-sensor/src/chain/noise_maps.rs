@@ -29,7 +29,7 @@ pub struct NoiseMaps {
     /// Maps under their names, with `.` and the channel behind it where every pixel has several; as large as the raw
     /// image.
     pub planes: Planes,
-    /// System gain K, DN/e⁻: [`SensorModel::system_gain`].
+    /// System gain K, DN/e⁻: [`SensorModel::system_gain`](crate::SensorModel::system_gain).
     pub system_gain: f64,
     /// Black level of the sum, DN.
     pub black_level_dn: f64,

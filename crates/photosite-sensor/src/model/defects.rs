@@ -8,6 +8,7 @@ use photosite_core::keys::Keys;
 use photosite_core::schema_range::within;
 
 use super::checks::{in_a_million, not_negative};
+use super::defective_pixels::DefectFile;
 
 /// Pixels that do not work as the others, in places of their own on every sensor (its seed). What is left out is not
 /// there.
@@ -27,6 +28,10 @@ pub struct DefectsDescription {
     /// Pixels of a million that always read the same number, any number of the converter.
     #[schemars(transform = within(0.0..=1e6))]
     pub stuck_per_million: f64,
+    /// Defective pixels by their places, of one sensor, in place of the keys above: a CSV file of `column,row,kind,value`
+    /// with the kinds hot (e⁻/s at the reference temperature), dead and stuck (DN).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pixels: Option<DefectFile>,
 }
 
 /// Pixels that do not work as the others, as parts of all, 0–1.

@@ -78,13 +78,8 @@ impl MeasuredPattern {
         FixedPattern { pixel: pixel.sqrt(), row: of_lines(&rows, width), column: of_lines(&columns, height) }
     }
 
-    /// Refuses an image of another size. `key` is that of the pattern.
-    pub(super) fn fits(&self, key: &str, [width, height]: [usize; 2]) -> Result<(), Invalid> {
-        if self.size == [width, height] {
-            return Ok(());
-        }
-        let [columns, rows] = self.size;
-        let message = format!("is of {columns} × {rows} pixels, and the image of {width} × {height}");
-        Err(Invalid::new(key, message).help("measure the pattern of all pixels, or leave it out"))
+    /// Columns and rows.
+    pub(super) fn size(&self) -> [usize; 2] {
+        self.size
     }
 }

@@ -9,6 +9,7 @@ use photosite_core::schema_range::{above, within};
 use photosite_core::units::{Celsius, Electrons, Seconds};
 
 use super::checks::{finite, in_a_million, not_negative, positive};
+use super::defective_pixels::DefectivePixels;
 use super::defects::{Defects, DefectsDescription};
 use super::fixed_pattern::FixedPattern;
 use super::flicker::{Flicker, FlickerDescription, FlickerOrder};
@@ -134,6 +135,8 @@ pub struct Noise {
     pub transmission_errors: f64,
     /// Defective pixels.
     pub defects: Defects,
+    /// Defective pixels by their places; their parts of all are those of `defects`.
+    pub defective_pixels: Option<DefectivePixels>,
 }
 
 /// Temperature dependence of the dark current.
@@ -180,6 +183,7 @@ impl Noise {
         telegraph: TelegraphSignal { pixels: 0.0, amplitude: Electrons(0.0), high: Seconds(1.0), low: Seconds(1.0) },
         transmission_errors: 0.0,
         defects: Defects { hot: 0.0, hot_dark_current_e_per_s: 0.0, dead: 0.0, stuck: 0.0 },
+        defective_pixels: None,
     };
 
     /// Keys of errors are those of the sensor file, tables included.
@@ -227,8 +231,15 @@ impl Noise {
             telegraph: TelegraphSignal::new(&d.telegraph).map_err(|e| e.within("telegraph"))?,
             transmission_errors: in_a_million("transmission_errors_per_million", d.transmission_errors_per_million)?,
             defects: Defects::default(),
+            defective_pixels: None,
         })
     }
+}
+
+/// Refuses a dark current, such as that of hot pixels, whose dependence on temperature is not stated.
+pub(super) fn needs_dark_current(d: &NoiseDescription) -> Result<(), Invalid> {
+    reference(d.dark_current_reference_c, true)?;
+    DarkCurrentLaw::new(d, true).map(drop)
 }
 
 /// The temperature of the dark current; without any, it makes no difference.

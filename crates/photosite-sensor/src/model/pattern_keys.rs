@@ -2,15 +2,18 @@
 
 use photosite_core::Invalid;
 
+use super::defective_pixels::DefectivePixels;
+use super::description::SensorDescription;
 use super::gain_steps::GainStepDescription;
 use super::measured_pattern::{MeasuredPattern, PatternFile};
-use super::noise::NoiseDescription;
+use super::noise::{Noise, NoiseDescription, needs_dark_current};
 use super::sensor_files::SensorFiles;
 use super::sensor_model::SensorModel;
 
 /// Keys of the patterns.
 const PRNU: &str = "noise.prnu_map";
 const DSNU: &str = "noise.dsnu_map";
+const DEFECTS: &str = "defects.pixels";
 
 impl SensorModel {
     /// Reads the measured patterns that a description names, and puts them in the place of statistical ones.
@@ -48,8 +51,41 @@ impl SensorModel {
         Ok(())
     }
 
+    /// Reads the defective pixels that a description names, and puts them in the place of statistical ones.
+    pub(super) fn take_defects(&mut self, d: &SensorDescription, files: &mut impl SensorFiles) -> Result<(), Invalid> {
+        let (noise, d) = (&d.noise, &d.defects);
+        let Some(file) = &d.pixels else { return Ok(()) };
+        let stated = [
+            ("hot_per_million", d.hot_per_million),
+            ("hot_dark_current_e_per_s", d.hot_dark_current_e_per_s),
+            ("dead_per_million", d.dead_per_million),
+            ("stuck_per_million", d.stuck_per_million),
+        ];
+        refuse_statistics(DEFECTS, &stated, false)?;
+        self.has_places(DEFECTS)?;
+        let text = files.defects(file).map_err(|invalid| invalid.within(DEFECTS))?;
+        let pixels = DefectivePixels::parse(&text, self.resolution, self.converter.max_dn()).map_err(|invalid| {
+            let message = format!("{}: {}", file.file, invalid.message);
+            Invalid { message, ..invalid }.within("file").within(DEFECTS)
+        })?;
+        self.noise.defects = pixels.statistics();
+        if self.noise.defects.hot > 0.0 {
+            needs_dark_current(noise).map_err(|invalid| invalid.within("noise"))?;
+        }
+        self.noise.defective_pixels = Some(pixels);
+        Ok(())
+    }
+
     /// Reads a pattern of all pixels.
     fn pattern(&self, key: &str, file: &PatternFile, files: &mut impl SensorFiles) -> Result<MeasuredPattern, Invalid> {
+        self.has_places(key)?;
+        let pattern = files.pattern(file).map_err(|invalid| invalid.within(key))?;
+        fits(key, pattern.size(), self.resolution)?;
+        Ok(pattern)
+    }
+
+    /// Refuses sensors whose pixels are not those of their images, place by place. `key` names what has places.
+    fn has_places(&self, key: &str) -> Result<(), Invalid> {
         let has_masked = self.masked.columns != [0; 2] || self.masked.rows != [0; 2];
         let has_overscan = self.architecture.ccd().is_some_and(|ccd| ccd.overscan.prescan_columns > 0);
         for (is_there, what) in [
@@ -63,21 +99,34 @@ impl SensorModel {
                 return Err(Invalid::new(key, message).help("leave it out, and state standard deviations"));
             }
         }
-        let pattern = files.pattern(file).map_err(|invalid| invalid.within(key))?;
-        pattern.fits(key, self.resolution)?;
-        Ok(pattern)
+        Ok(())
     }
 
     /// Whether patterns of the pixels were measured, so that images are of the sensor's own size.
     pub fn has_measured_patterns(&self) -> bool {
-        self.noise.prnu_map.is_some() || self.noise.dsnu_map.is_some()
+        let Noise { prnu_map, dsnu_map, defective_pixels, .. } = &self.noise;
+        prnu_map.is_some() || dsnu_map.is_some() || defective_pixels.is_some()
     }
 
     /// Refuses an image of another size than that of the measured patterns.
     pub(crate) fn patterns_fit(&self, size: [usize; 2]) -> Result<(), Invalid> {
-        let patterns = [(PRNU, &self.noise.prnu_map), (DSNU, &self.noise.dsnu_map)];
-        patterns.into_iter().try_for_each(|(key, pattern)| pattern.as_ref().map_or(Ok(()), |p| p.fits(key, size)))
+        let Noise { prnu_map, dsnu_map, defective_pixels, .. } = &self.noise;
+        let sizes = [
+            (PRNU, prnu_map.as_ref().map(MeasuredPattern::size)),
+            (DSNU, dsnu_map.as_ref().map(MeasuredPattern::size)),
+            (DEFECTS, defective_pixels.as_ref().map(DefectivePixels::size)),
+        ];
+        sizes.into_iter().try_for_each(|(key, own)| own.map_or(Ok(()), |own| fits(key, own, size)))
     }
+}
+
+/// Refuses an image of another size than that of a pattern. `key` is that of the pattern.
+fn fits(key: &str, [columns, rows]: [usize; 2], [width, height]: [usize; 2]) -> Result<(), Invalid> {
+    if [columns, rows] == [width, height] {
+        return Ok(());
+    }
+    let message = format!("is of {columns} × {rows} pixels, and the image of {width} × {height}");
+    Err(Invalid::new(key, message).help("measure the pattern of all pixels, or leave it out"))
 }
 
 /// Refuses a measured pattern beside standard deviations of the same.
@@ -99,12 +148,14 @@ mod tests {
     use photosite_core::units::Seconds;
     use photosite_raw::PixelArea;
 
+    use super::super::defective_pixels::DefectFile;
     use super::super::spectrum_source::SpectrumSource;
     use super::*;
     use crate::signal::noise_key::NoiseKey;
     use crate::{Binning, BinningMethod, Exposure, RegionOfInterest, SensorDescription, Stages, expose, presets};
 
     const SIZE: [usize; 2] = [16, 8];
+    const TABLE: &str = "column,row,kind,value\n3,1,dead,\n5,1,stuck,777\n9,6,hot,1e6\n";
 
     /// A finder of one pattern: what a pixel has rises by 8 from column to column and by 1 from row to row.
     struct Ramp(f32, f32);
@@ -112,6 +163,10 @@ mod tests {
     impl SensorFiles for Ramp {
         fn spectrum(&mut self, source: &SpectrumSource) -> Result<Spectrum, Invalid> {
             presets::library_spectrum(source)
+        }
+
+        fn defects(&mut self, _: &DefectFile) -> Result<String, Invalid> {
+            Ok(TABLE.to_owned())
         }
 
         fn pattern(&mut self, _: &PatternFile) -> Result<MeasuredPattern, Invalid> {
@@ -182,6 +237,37 @@ mod tests {
             let wanted = black + gain * 10_000.0 * response / (1.0 + mean(0.01));
             assert!((f64::from(dn) - wanted).abs() <= 0.51, "{i}: {dn} {wanted}");
         }
+    }
+
+    /// Pixels of the table do what it says at their places, in a region as in the whole, and all others nothing of it.
+    #[test]
+    fn defective_pixels_lie_where_the_table_says() {
+        let mut d = description(NoiseDescription::default());
+        d.noise.dark_current_reference_c = Some(25.0);
+        d.noise.dark_current_doubling_k = Some(8.0);
+        d.defects.pixels = Some(DefectFile { file: "camera.csv".to_owned() });
+        let sensor = SensorModel::new("ramp", &d, Ramp(1.0, 1.0)).expect("a sensor");
+        let (gain, black) = (sensor.converter.system_gain(Default::default()), 64.0);
+        let pixels = Some(PixelArea { x: 2, y: 0, width: 8, height: 7 });
+        let whole = numbers(&sensor, 1000.0, RegionOfInterest::WHOLE);
+        let part = numbers(&sensor, 1000.0, RegionOfInterest { pixels, ..RegionOfInterest::WHOLE });
+        for (i, &dn) in whole.iter().enumerate() {
+            let (x, y) = (i % SIZE[0], i / SIZE[0]);
+            // 10⁶ e⁻/s in 0.01 s are 10 000 e⁻; shot noise of them, 100 e⁻, is 4 % at 4 σ.
+            let (wanted, bound) = match (x, y) {
+                (3, 1) => (black, 0.51),
+                (5, 1) => (777.0, 0.0),
+                (9, 6) => (black + gain * 11_000.0, 400.0 * gain),
+                _ => (black + gain * 1000.0, 0.51),
+            };
+            assert!((f64::from(dn) - wanted).abs() <= bound, "{x}, {y}: {dn} {wanted}");
+            if (2..10).contains(&x) && y < 7 {
+                assert_eq!(part[y * 8 + x - 2], dn);
+            }
+        }
+        d.defects.dead_per_million = 5.0;
+        let invalid = SensorModel::new("ramp", &d, Ramp(1.0, 1.0)).expect_err("both");
+        assert!(invalid.key == DEFECTS && invalid.message.contains("dead_per_million"), "{invalid:?}");
     }
 
     /// A region has the part of the pattern that it is of, and bins have its means.

@@ -3,6 +3,7 @@
 use photosite_core::Invalid;
 use photosite_core::spectrum::Spectrum;
 
+use super::defective_pixels::DefectFile;
 use super::measured_pattern::{MeasuredPattern, PatternFile};
 use super::spectrum_source::SpectrumSource;
 
@@ -13,6 +14,9 @@ pub trait SensorFiles {
 
     /// A measured pattern.
     fn pattern(&mut self, file: &PatternFile) -> Result<MeasuredPattern, Invalid>;
+
+    /// Text of a table of defective pixels.
+    fn defects(&mut self, file: &DefectFile) -> Result<String, Invalid>;
 }
 
 /// A finder of spectra alone.
@@ -22,6 +26,14 @@ impl<F: FnMut(&SpectrumSource) -> Result<Spectrum, Invalid>> SensorFiles for F {
     }
 
     fn pattern(&mut self, file: &PatternFile) -> Result<MeasuredPattern, Invalid> {
-        Err(Invalid::new("file", format!("{:?} does not ship with photosite", file.file)))
+        Err(does_not_ship(&file.file))
     }
+
+    fn defects(&mut self, file: &DefectFile) -> Result<String, Invalid> {
+        Err(does_not_ship(&file.file))
+    }
+}
+
+fn does_not_ship(file: &str) -> Invalid {
+    Invalid::new("file", format!("{file:?} does not ship with photosite"))
 }

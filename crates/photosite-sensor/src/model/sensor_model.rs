@@ -173,6 +173,7 @@ impl SensorModel {
             frame_grabber,
         };
         sensor.take_patterns(&d.noise, &mut files)?;
+        sensor.take_defects(d, &mut files)?;
         Ok(sensor)
     }
 

@@ -8,7 +8,7 @@ use photosite_core::units::{BOLTZMANN, Celsius, ELEMENTARY_CHARGE, Electrons, Se
 
 use super::frame::Frame;
 use super::shot_noise::{Counts, poisson};
-use crate::model::{DarkCurrentLaw, Noise};
+use crate::model::{DarkCurrentLaw, DefectivePixels, Noise, PixelDefect};
 use crate::signal::charge_plane::{Row, RowStage};
 use crate::signal::effects::{NoiseMap, Stage};
 use crate::signal::noise_key::Streams;
@@ -145,11 +145,13 @@ impl RowStage for DarkCurrent {
 }
 
 /// Adds what some pixels have more: electrons at rates that follow an exponential distribution.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct HotPixels {
     part: f64,
     mean: Electrons,
     places: Streams,
+    /// Pixels whose places are known, in place of random ones, and the electrons of each for 1 e⁻/s.
+    known: Option<(DefectivePixels, f64)>,
     /// `None` for mean electrons.
     electrons: Option<Streams>,
 }
@@ -160,15 +162,24 @@ impl HotPixels {
         let mean = sensor.noise.hot_electrons(exposure.temperature, exposure.time);
         let places = frame.fixed(Stage::HotPixels).filter(|_| mean.0 > 0.0)?;
         let electrons = frame.temporal(Stage::HotPixels);
-        Some(Self { part: sensor.noise.defects.hot, mean, places, electrons })
+        let per_rate = mean.0 / sensor.noise.defects.hot_dark_current_e_per_s;
+        let known = sensor.noise.defective_pixels.clone().map(|pixels| (pixels, per_rate));
+        Some(Self { part: sensor.noise.defects.hot, mean, places, known, electrons })
     }
 
     /// The hot pixels of the first `width` of a row, and the electrons that each has more on average.
     pub(crate) fn of_row(&self, y: usize, width: usize) -> impl Iterator<Item = (usize, f64)> {
-        self.places.chosen(self.part, y, width).map(move |x| {
+        let known = self.known.iter().flat_map(move |(pixels, per_rate)| {
+            pixels.row(y).filter_map(move |(x, defect)| match defect {
+                PixelDefect::Hot(rate) => Some((x, rate * per_rate)),
+                PixelDefect::Dead | PixelDefect::Stuck(_) => None,
+            })
+        });
+        let part = if self.known.is_some() { 0.0 } else { self.part };
+        known.chain(self.places.chosen(part, y, width).map(move |x| {
             let rate: f64 = self.places.part(0).pixel(x, y).sample(Exp1);
             (x, rate * self.mean.0)
-        })
+        }))
     }
 }
 

@@ -13,6 +13,9 @@ pub struct Defect {
     pub y: usize,
     /// Kind.
     pub kind: DefectKind,
+    /// What a hot pixel has more of dark signal than others, DN/s, or the number of a stuck one, DN.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub value: Option<f64>,
 }
 
 /// Kinds of defective pixels.
@@ -152,7 +155,7 @@ mod tests {
 
     #[test]
     fn good_neighbours_stand_for_defective_pixels() {
-        let defect = |x, y| Defect { x, y, kind: DefectKind::Odd };
+        let defect = |x, y| Defect { x, y, kind: DefectKind::Odd, value: None };
         let found = replacements(&[defect(1, 0), defect(2, 0), defect(3, 1)], 4);
         assert_eq!(found, [(1, 0), (2, 3), (7, 6)]);
         let mut image = [1, 2, 3, 4, 5, 6, 7, 8];

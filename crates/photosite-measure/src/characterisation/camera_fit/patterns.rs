@@ -155,7 +155,9 @@ impl Averages {
         // Averages of whole numbers lie so far apart, and a pattern of less stays unseen.
         let step = 0.3 / (self.dark_images as f64).sqrt();
         let mut defects = Vec::new();
-        let mut found = |place: usize, kind| defects.push(Defect { x: place % width, y: place / width, kind });
+        let mut found = |place: usize, kind, value| {
+            defects.push(Defect { x: place % width, y: place / width, kind, value });
+        };
         // At no time, where that is known: dark currents are no offsets.
         let dark = Outliers::of(self.lines.as_ref().map_or(&self.dark, |lines| &lines.start.0), width);
         let dark_limit = dark.threshold(step);
@@ -170,7 +172,7 @@ impl Averages {
                     true => DefectKind::Dead,
                     false => DefectKind::Odd,
                 };
-                found(place, kind);
+                found(place, kind, (kind == DefectKind::Stuck).then(|| self.dark[place].round()));
             }
         }
         let mut hot = Err(0);
@@ -178,11 +180,11 @@ impl Averages {
             let outliers = Outliers::of(image, width);
             let limit = outliers.uneven_threshold(image, noise.pixel.value.sqrt());
             let beyond = outliers.deviations.iter().enumerate().filter(|(_, d)| **d > limit);
-            beyond.for_each(|(place, _)| found(place, DefectKind::Hot));
+            beyond.for_each(|(place, more)| found(place, DefectKind::Hot, Some(*more)));
             hot = hot_pixels(&outliers.deviations, limit);
         }
         let far = dark.deviations.iter().enumerate().filter(|(_, d)| d.abs() > dark_limit);
-        far.for_each(|(place, _)| found(place, DefectKind::Odd));
+        far.for_each(|(place, _)| found(place, DefectKind::Odd, None));
         // The first finding of a pixel stands.
         defects.sort_by_key(|d| (d.y, d.x));
         defects.dedup_by_key(|d| (d.y, d.x));

@@ -31,24 +31,40 @@ pub struct MapNames {
     pub prnu: Option<String>,
     /// Offsets, `noise.dsnu_map`.
     pub dsnu: Option<String>,
+    /// Defective pixels, `defects.pixels`.
+    pub defects: Option<String>,
 }
 
 impl MapNames {
     /// Names of files beside the sensor file of this name without its ending.
     pub fn beside(stem: &str) -> Self {
-        Self { prnu: Some(format!("{stem}.prnu.npy")), dsnu: Some(format!("{stem}.dsnu.npy")) }
+        Self {
+            prnu: Some(format!("{stem}.prnu.npy")),
+            dsnu: Some(format!("{stem}.dsnu.npy")),
+            defects: Some(format!("{stem}.defects.csv")),
+        }
     }
 
     /// Whether a key stands beside the patterns.
     fn leave(&self, key: &str) -> bool {
         let is_of = |map: &Option<String>, name: &str| map.is_some() && key.starts_with(name);
-        !is_of(&self.prnu, "noise.prnu") && !is_of(&self.dsnu, "noise.dsnu")
+        !is_of(&self.prnu, "noise.prnu") && !is_of(&self.dsnu, "noise.dsnu") && !is_of(&self.defects, "defects.")
     }
 
-    fn lines(&self) -> impl Iterator<Item = String> {
-        [("prnu_map", &self.prnu), ("dsnu_map", &self.dsnu)]
-            .into_iter()
-            .filter_map(|(key, file)| Some(format!("{key} = {{ file = {:?} }}", file.as_ref()?)))
+    /// Lines of a table that name files.
+    fn lines(&self, table: &str) -> impl Iterator<Item = String> {
+        let files = [
+            ("noise", "prnu_map", &self.prnu),
+            ("noise", "dsnu_map", &self.dsnu),
+            ("defects", "pixels", &self.defects),
+        ];
+        let of_table = files.into_iter().filter(move |(of, ..)| *of == table);
+        of_table.filter_map(|(_, key, file)| Some(format!("{key} = {{ file = {:?} }}", file.as_ref()?)))
+    }
+
+    /// Names of all files.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        [&self.prnu, &self.dsnu, &self.defects].into_iter().filter_map(|name| name.as_deref())
     }
 }
 
@@ -130,9 +146,7 @@ impl CameraFit {
             let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
             lines.push(format!("{name} = {value}  # ± {error}{unit}"));
         }
-        if table == "noise" {
-            lines.extend(maps.lines());
-        }
+        lines.extend(maps.lines(table));
         for Assumption { key, value, is_stated, reason } in &self.assumed {
             if let Some(name) = of_table(key) {
                 let word = if *is_stated { "" } else { "assumed: " };
