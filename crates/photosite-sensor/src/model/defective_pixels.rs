@@ -3,21 +3,8 @@
 use std::sync::Arc;
 
 use photosite_core::Invalid;
-use photosite_core::keys::Keys;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 use super::defects::Defects;
-
-/// A CSV file of defective pixels: a line `column,row,kind,value`, and one for each pixel. Kinds are `hot`, with what the
-/// pixel has more of dark current at the reference temperature in e⁻/s; `dead`, without a value; and `stuck`, with the
-/// number that it reads.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema, Keys)]
-#[serde(deny_unknown_fields)]
-pub struct DefectFile {
-    /// Path of the file, relative to the file that names it.
-    pub file: String,
-}
 
 /// What a pixel does in place of what others do.
 #[derive(Clone, Copy, Debug, PartialEq)]

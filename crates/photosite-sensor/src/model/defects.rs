@@ -8,7 +8,6 @@ use photosite_core::keys::Keys;
 use photosite_core::schema_range::within;
 
 use super::checks::{in_a_million, not_negative};
-use super::defective_pixels::DefectFile;
 
 /// Pixels that do not work as the others, in places of their own on every sensor (its seed). What is left out is not
 /// there.
@@ -32,6 +31,16 @@ pub struct DefectsDescription {
     /// with the kinds hot (e⁻/s at the reference temperature), dead and stuck (DN).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pixels: Option<DefectFile>,
+}
+
+/// A CSV file of defective pixels: a line `column,row,kind,value`, and one for each pixel. Kinds are `hot`, with what the
+/// pixel has more of dark current at the reference temperature in e⁻/s; `dead`, without a value; and `stuck`, with the
+/// number that it reads.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema, Keys)]
+#[serde(deny_unknown_fields)]
+pub struct DefectFile {
+    /// Path of the file, relative to the file that names it.
+    pub file: String,
 }
 
 /// Pixels that do not work as the others, as parts of all, 0–1.

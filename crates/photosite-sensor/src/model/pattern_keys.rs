@@ -148,7 +148,7 @@ mod tests {
     use photosite_core::units::Seconds;
     use photosite_raw::PixelArea;
 
-    use super::super::defective_pixels::DefectFile;
+    use super::super::defects::DefectFile;
     use super::super::spectrum_source::SpectrumSource;
     use super::*;
     use crate::signal::noise_key::NoiseKey;

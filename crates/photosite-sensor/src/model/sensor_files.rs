@@ -3,7 +3,7 @@
 use photosite_core::Invalid;
 use photosite_core::spectrum::Spectrum;
 
-use super::defective_pixels::DefectFile;
+use super::defects::DefectFile;
 use super::measured_pattern::{MeasuredPattern, PatternFile};
 use super::spectrum_source::SpectrumSource;
 
