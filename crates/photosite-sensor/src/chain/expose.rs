@@ -176,7 +176,7 @@ fn expose_once(
     let maps = NoiseMaps {
         planes: record.finish(part.unwrap_or(all), names)?,
         system_gain: sensor.system_gain(exposure),
-        black_level_dn: sensor.converter.black_level_dn(exposure.gain).into(),
+        black_level_dn: frame.black_level_dn().into(),
     };
     let raw = match part {
         None => whole,
@@ -329,13 +329,7 @@ fn raw_image(
         cfa: tile_from_corner(&layout, area),
         active_area: ([width, height] != [area.width, area.height]).then_some(area),
         bits: sensor.output_bits(),
-        black_level_dn: linearisation
-            .as_ref()
-            .map_or_else(
-                || sensor.converter.black_level_dn(exposure.gain),
-                |linearisation| linearisation.black_level_dn,
-            )
-            .into(),
+        black_level_dn: linearisation.as_ref().map_or(frame.black_level_dn(), |linear| linear.black_level_dn).into(),
         white_level_dn: sensor.white_level_dn(exposure),
         channel_whites_dn: None,
         linearisation: linearisation.map(|linearisation| linearisation.table),

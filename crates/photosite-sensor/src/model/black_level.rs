@@ -6,7 +6,7 @@
 use photosite_core::Invalid;
 use photosite_core::units::Decibels;
 
-use super::gain_steps::GainStepDescription;
+use super::gain_steps::{GainStepDescription, around, missing};
 
 /// Digital number of no charge at each gain.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,28 +26,22 @@ impl BlackLevelByGain {
         }
         let step = |(i, step): (usize, &GainStepDescription)| {
             let within = |invalid: Invalid| invalid.within(&format!("gain_steps[{i}]"));
-            let Some(black) = step.black_level_dn else {
-                let message = "the key `black_level_dn` is missing, which other steps have";
-                return Err(within(Invalid::new("", message).help("write black_level_dn in all steps, or in none")));
-            };
+            let black = step.black_level_dn.ok_or_else(|| within(missing("black_level_dn")))?;
             let black = checked_black_level(black, max_dn).map_err(within)?;
-            Ok((Decibels(step.gain_db), black))
+            Ok::<_, Invalid>((Decibels(step.gain_db), black))
         };
         Ok(Self { of_all, steps: steps.iter().enumerate().map(step).collect::<Result<_, _>>()? })
     }
 
     /// Black level at an analogue gain, DN: between two steps on a straight line over K, rounded.
     pub fn at(&self, gain: Decibels) -> u16 {
-        let above = self.steps.partition_point(|(step, _)| step.0 <= gain.0);
-        match (above.checked_sub(1).map(|below| self.steps[below]), self.steps.get(above).copied()) {
-            (None, None) => self.of_all,
-            (Some((_, only)), None) | (None, Some((_, only))) => only,
-            (Some((from, below)), Some((to, above))) => {
-                let part = (gain.factor() - from.factor()) / (to.factor() - from.factor());
-                // Between two numbers of 16 bits.
-                (f64::from(below) + part * (f64::from(above) - f64::from(below))).round() as u16
-            }
+        let Some([(from, below), (to, above)]) = around(&self.steps, gain) else { return self.of_all };
+        if below == above {
+            return below;
         }
+        let part = (gain.factor() - from.factor()) / (to.factor() - from.factor());
+        // Between two numbers of 16 bits.
+        (f64::from(below) + part * (f64::from(above) - f64::from(below))).round() as u16
     }
 
     /// Whether gains differ in their black level.

@@ -35,8 +35,8 @@ impl DefectivePixels {
     ///
     /// Lines of another form, pixels outside of the sensor or named twice, numbers that the converter does not have.
     pub fn parse(text: &str, size: [usize; 2], max_dn: u16) -> Result<Self, Invalid> {
-        let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
-        let mut lines = lines.by_ref().filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+        let lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim()));
+        let mut lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
         let is_header = |line: &str| line.split(',').map(str::trim).eq(HEADER.split(','));
         if !lines.next().is_some_and(|(_, line)| is_header(line)) {
             return Err(Invalid::new("", "does not begin as a table of defective pixels")
@@ -70,7 +70,7 @@ impl DefectivePixels {
         self.size
     }
 
-    /// Parts of a million, and the mean of the dark currents, which stand for the pixels where places do not count.
+    /// Parts of all pixels, and the mean of the dark currents: what stands for the table where places do not count.
     pub(super) fn statistics(&self) -> Defects {
         let all = (self.size[0] * self.size[1]) as f64;
         let hot: Vec<f64> = self

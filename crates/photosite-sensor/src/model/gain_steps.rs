@@ -133,10 +133,7 @@ impl ReadOutNoiseByGain {
                 match stated(step) {
                     Some(value) => *place(&mut noise) = not_negative(key, value).map_err(at)?,
                     None if steps.iter().any(|other| stated(other).is_some()) => {
-                        let message = format!("the key `{key}` is missing, which other steps have");
-                        return Err(
-                            at(Invalid::new("", message).help(format!("write {key} in all steps, or in none"))),
-                        );
+                        return Err(at(missing(key)));
                     }
                     None => {}
                 }
@@ -152,23 +149,18 @@ impl ReadOutNoiseByGain {
 
     /// Noise at an analogue gain: log σ on a straight line over log K between two steps.
     pub fn at(&self, gain: Decibels) -> ReadOutNoise {
-        let above = self.steps.partition_point(|(step, _)| step.0 <= gain.0);
-        match (above.checked_sub(1).map(|below| self.steps[below]), self.steps.get(above).copied()) {
-            (None, None) => self.of_all,
-            (Some((_, only)), None) | (None, Some((_, only))) => only,
-            (Some((from, below)), Some((to, above))) => {
-                let part = (gain.0 - from.0) / (to.0 - from.0);
-                below.combined(above, |a, b| {
-                    if part == 0.0 || a == b {
-                        a
-                    } else if a > 0.0 && b > 0.0 {
-                        (a.ln() + part * (b.ln() - a.ln())).exp()
-                    } else {
-                        a + part * (b - a)
-                    }
-                })
+        let Some([(from, below), (to, above)]) = around(&self.steps, gain) else { return self.of_all };
+        // Without a value beyond the ends, where both are the same noise.
+        let part = (gain.0 - from.0) / (to.0 - from.0);
+        below.combined(above, |a, b| {
+            if part == 0.0 || a == b {
+                a
+            } else if a > 0.0 && b > 0.0 {
+                (a.ln() + part * (b.ln() - a.ln())).exp()
+            } else {
+                a + part * (b - a)
             }
-        }
+        })
     }
 
     /// Largest noise at any gain, figure by figure.
@@ -206,6 +198,19 @@ impl ReadOutNoiseByGain {
         // A data sheet rounds to a tenth or so.
         figures.filter(|(_, own, of_steps)| *own != 0.0 && (own / of_steps - 1.0).abs() > 0.05).collect()
     }
+}
+
+/// Steps on both sides of a gain, the outermost one twice beyond the ends; `None` where there are no steps.
+pub(super) fn around<T: Copy>(steps: &[(Decibels, T)], gain: Decibels) -> Option<[(Decibels, T); 2]> {
+    let above = steps.partition_point(|(step, _)| step.0 <= gain.0);
+    let last = steps.len().checked_sub(1)?;
+    Some([steps[above.saturating_sub(1)], steps[above.min(last)]])
+}
+
+/// The error of a figure that one step leaves out and another has.
+pub(super) fn missing(key: &str) -> Invalid {
+    let message = format!("the key `{key}` is missing, which other steps have");
+    Invalid::new("", message).help(format!("write {key} in all steps, or in none"))
 }
 
 impl From<ReadOutNoise> for ReadOutNoiseByGain {
