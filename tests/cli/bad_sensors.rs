@@ -223,6 +223,26 @@ fn a_sensor_file_stands_on_no_preset() {
     folder.fail("render capture.toml", 1, &["mine.toml:2: ", "`preset` stands in [sensor] of a capture", "all keys"]);
 }
 
+/// A table of defective pixels is of one sensor: of its places, and of its numbers.
+#[test]
+fn defective_pixels_of_another_size_or_other_bits_are_told() {
+    let table = "column,row,kind,value\n1,1,stuck,200\n0,0,dead,\n";
+    let preset = include_str!("../../crates/photosite-sensor/assets/sensors/sony-imx249-mono.toml");
+    let folder = folder(format!("{HEAD}[sensor]\npreset = 'mine.toml'\n"));
+    let own = preset.replace("../../../photosite-core/assets/spectra/", "spectra/");
+    folder.add("mine.toml", format!("{own}\n[defects]\npixels = {{ file = 'defects.csv' }}\n"));
+    folder.add("defects.csv", table);
+    let curve = include_str!("../../crates/photosite-core/assets/spectra/quantum-efficiency/sony-imx249-mono.csv");
+    folder.add("spectra/quantum-efficiency/sony-imx249-mono.csv", curve);
+    folder.fail("render capture.toml --size 32x24", 1, &["scaled_to_px", "cannot be combined with defects.pixels"]);
+    let small = "--set sensor.resolution_px=[32,24]";
+    let said = folder.succeed(&format!("render capture.toml {small} --spp 1 -o twelve")).stderr;
+    assert!(!said.contains("stuck pixels"), "{said}");
+    let said = folder.succeed(&format!("render capture.toml {small} --set sensor.adc.bits=10 --spp 1 -o ten")).stderr;
+    assert!(said.contains("sensor.defects.pixels: numbers of stuck pixels stay"), "{said}");
+    folder.fail(&format!("render capture.toml {small} --set sensor.adc.bits=7 -o x"), 1, &["line 2", "0 to 127"]);
+}
+
 /// Bytes of an NPY array of 4 × 4 values of a type.
 fn array(kind: &str, values: &[u8]) -> Vec<u8> {
     let header = format!("{{'descr': '{kind}', 'fortran_order': False, 'shape': (4, 4), }}");

@@ -30,6 +30,9 @@ const BEND: &[&str] = &["adc", "inl_dn"];
 const KNEES: &[&str] = &["adc", "companding", "knee_points_dn"];
 const STEPS: &[&str] = &["adc", "dnl_dn"];
 
+/// Table of defective pixels, with the numbers of stuck ones.
+const DEFECTIVE_PIXELS: &[&str] = &["defects", "pixels"];
+
 /// Makes the figures of `base` follow the bits in `changes`, but for those that are given there; returns warnings about
 /// those that cannot.
 pub(crate) fn follow_bits(base: &mut Node, changes: &Node) -> Vec<String> {
@@ -68,6 +71,13 @@ pub(crate) fn follow_bits(base: &mut Node, changes: &Node) -> Vec<String> {
     }
     if let Some(change) = merged {
         follow_in_steps(base, changes.at(GAIN_STEPS), factor(change));
+        if base.at(DEFECTIVE_PIXELS).is_some() && changes.at(DEFECTIVE_PIXELS).is_none() {
+            let [old, new] = change;
+            warnings.push(format!(
+                "sensor.defects.pixels: numbers of stuck pixels stay those of the table, which was made for {old} bits; name \
+                 one of {new} bits"
+            ));
+        }
     }
     if let (Some(change), None) = (merged, changes.at(KNEES)) {
         base.at_mut(KNEES).into_iter().for_each(|knees| move_knees(knees, change));

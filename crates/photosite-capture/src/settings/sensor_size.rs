@@ -41,6 +41,11 @@ pub(crate) fn scale_to(source: &CaptureSource, sensor: &mut Node, wanted: &Node)
         let help = "write resolution_px, pixel_pitch_um and frame_grabber.size_px yourself";
         return Err(invalid("cannot be combined with a frame grabber, whose samples are not pixels", help));
     }
+    // Measured maps are refused by their own size; a table of pixels has none.
+    if sensor.at(&["defects", "pixels"]).is_some() {
+        let help = "write the table of the other size, resolution_px and pixel_pitch_um yourself";
+        return Err(invalid("cannot be combined with defects.pixels, which are places on the sensor as it is", help));
+    }
     let numbers = |key: &str| Some([number(sensor, key, 0)?, number(sensor, key, 1)?]);
     let (Some(old), Some(pitch)) = (numbers("resolution_px"), numbers("pixel_pitch_um")) else {
         let help = "write pixel_pitch_um in place of a format, and resolution_px";
