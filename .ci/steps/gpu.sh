@@ -5,4 +5,5 @@ if [[ ! -e ${drivers[0]} ]]; then
     exit 0
 fi
 export VK_DRIVER_FILES=${drivers[0]} PHOTOSITE_GPU=0
+# Of all crates, as with --package alone what they stand on would be compiled again with fewer features.
 cargo test --release --locked --features gpu --test kernels --test on_card

@@ -3,4 +3,4 @@ case " $CI_CASES " in
     *" by-turn "* | ' * ') ;;
     *) read -ra filters <<<"$CI_CASES" ;;
 esac
-cargo test --release --locked --features gpu --test cli -- "${filters[@]}"
+cargo test --release --locked --test cli -- "${filters[@]}"
