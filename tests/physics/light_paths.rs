@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
 use photosite::film::{Film, FilmResponses, Response};
 use photosite::image::{Estimate, Planes};
-use photosite::integrator::{RenderJob, RenderSettings, render, render_on};
+use photosite::integrator::{LightPathKind, RenderJob, RenderSettings, render, render_on};
 use photosite::optics::{
     BrownConrady, Falloff, Focus, Intrinsics, LateralColour, LensDescription, LensKind, PixelGrid, PointSpread,
     Projection, Stop,
@@ -50,6 +50,11 @@ pub(crate) fn gold(roughness: f32) -> MaterialModel {
 
 fn layers(layers: LayeredDescription) -> MaterialModel {
     MaterialModel::Layered(Box::new(LayeredDescription { base_colour: grey(0.8), ..layers }))
+}
+
+fn varnish() -> CoatDescription {
+    let plain = TexturedFactor::plain;
+    CoatDescription { weight: plain(1.0), roughness: plain(0.2), normal_map: None }
 }
 
 /// A ball of a material in a room of 4 m under a lamp, seen from the front.
@@ -158,7 +163,6 @@ fn light_of_a_lamp_behind_a_screen_is_the_same_with_paths_from_it_and_quieter(#[
 #[test]
 fn light_is_the_same_with_paths_from_lamps_and_caustics_are_quieter() {
     let rough = TexturedFactor::plain;
-    let varnish = CoatDescription { weight: rough(1.0), roughness: rough(0.2), normal_map: None };
     let clear = LayeredDescription { transmission: rough(1.0), roughness: rough(0.1), ..LayeredDescription::default() };
     // By how much the variance falls at least: caustics of narrow lobes are most of what there is. As measured, to
     // notice when light paths find less.
@@ -195,7 +199,7 @@ fn light_is_the_same_with_paths_from_lamps_and_caustics_are_quieter() {
         ),
         ("Phong", MaterialModel::Phong(Phong { diffuse: grey(0.2), specular: grey(0.7), exponent: 100.0 }), 2.0),
         ("mix", MaterialModel::Mix(Box::new(Mix { models: [gold(0.1), glass(0.0)], weight: 0.5 })), 3.0),
-        ("varnish", layers(LayeredDescription { coat: Some(varnish), ..LayeredDescription::default() }), 1.5),
+        ("varnish", layers(LayeredDescription { coat: Some(varnish()), ..LayeredDescription::default() }), 1.5),
         (
             "metal",
             layers(LayeredDescription { metallic: rough(1.0), roughness: rough(0.3), ..LayeredDescription::default() }),
@@ -224,6 +228,18 @@ fn light_is_the_same_with_paths_from_lamps_and_caustics_are_quieter() {
         let gain = compare(name, &room(model).build(), &lens(), with_light_paths());
         assert!(gain > least, "{name}: {gain}");
     }
+}
+
+#[rstest]
+#[case::glass(glass(0.0))]
+#[case::gold(gold(0.3))]
+#[case::varnish(layers(LayeredDescription { coat: Some(varnish()), ..LayeredDescription::default() }))]
+fn all_indirect_light_is_the_same_with_paths_from_a_lamp_where_something_is_polished(#[case] model: MaterialModel) {
+    let scene = screened(model).build();
+    assert_eq!(LightPathKind::of(&scene), [LightPathKind::Caustics, LightPathKind::Indirect]);
+    let settings = RenderSettings { light_path_kind: Some(LightPathKind::Indirect), ..with_light_paths() };
+    let ratio = compare("screen", &scene, &lens(), settings);
+    assert!(ratio > 2.0, "{ratio}");
 }
 
 #[test]

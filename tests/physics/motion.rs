@@ -25,6 +25,7 @@ const SETTINGS: RenderSettings = RenderSettings {
     splitting: None,
     reuse: 1,
     light_paths: None,
+    light_path_kind: None,
     wavelengths: WavelengthChoice::AllFilters,
     sampler: photosite::sampler::SamplerKind::Sobol,
     seed: 1,

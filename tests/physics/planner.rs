@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use glam::{DAffine3, DQuat, DVec3};
 use photosite::film::{FilmResponses, Response};
-use photosite::integrator::{Plan, RenderJob, RenderSettings, StrategyChoice, WavelengthChoice, plan};
+use photosite::integrator::{LightPathKind, Plan, RenderJob, RenderSettings, StrategyChoice, WavelengthChoice, plan};
 use photosite::optics::{Camera, PixelGrid};
 use photosite::scene::Scene;
 use photosite::scene::description::{Diffuse, MaterialModel};
@@ -52,7 +52,11 @@ fn light_paths_are_planned_where_glass_focuses_and_where_a_screen_is_before_the_
     assert!(of_glass.light_paths > 0.0 && of_glass.gain > 2.0, "{of_glass:?}");
     let behind_screen = planned(&screened(diffuse()).build(), &settings()).expect("a plan");
     assert!(behind_screen.light_paths > 0.0 && behind_screen.gain > 1.4, "{behind_screen:?}");
-    for plan in [of_glass, behind_screen] {
+    // Something polished in the room makes the light of the lamp behind its screen no easier to find.
+    let both = planned(&screened(glass(0.0)).build(), &settings()).expect("a plan");
+    assert!(both.light_paths > 0.0 && both.gain > 1.4, "{both:?}");
+    assert_eq!([behind_screen, both].map(|plan| plan.light_path_kind), [LightPathKind::Indirect; 2]);
+    for plan in [of_glass, behind_screen, both] {
         assert!(plan.cost > 0.0 && plan.cost < 0.15, "{plan:?}");
     }
 }
@@ -72,14 +76,19 @@ fn a_plan_depends_on_neither_threads_nor_the_part_that_is_rendered() {
 
 #[test]
 fn what_is_set_stays_and_nothing_is_planned_where_nothing_is_left_to_choose() {
-    let scene = room(glass(0.0)).build();
+    let [scene, matt] = [glass(0.0), diffuse()].map(|model| room(model).build());
     let split = planned(&scene, &RenderSettings { splitting: Some(3), ..settings() }).expect("a plan");
     assert!(split.splitting == 3 && split.light_paths > 0.0, "{split:?}");
     let without = planned(&scene, &RenderSettings { light_paths: Some(0.0), ..settings() }).expect("a plan");
     assert_eq!(without.light_paths, 0.0);
+    // Of a number of light paths that is set, the light that they bring is left to choose where something is polished.
+    let numbers = RenderSettings { splitting: Some(1), light_paths: Some(1.0), ..settings() };
+    let set = planned(&scene, &numbers).expect("a plan");
+    assert_eq!((set.splitting, set.light_paths), (1, 1.0));
+    assert_eq!(planned(&matt, &numbers), None);
     for settings in [
         RenderSettings { strategy: StrategyChoice::Plain, ..settings() },
-        RenderSettings { splitting: Some(1), light_paths: Some(1.0), ..settings() },
+        RenderSettings { splitting: Some(1), light_paths: Some(0.0), ..settings() },
         RenderSettings { reuse: 4, ..settings() },
         RenderSettings { wavelengths: WavelengthChoice::OwnFilter, ..settings() },
         RenderSettings { samples_per_pixel: settings().samples_per_pixel - 1, ..settings() },

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use photosite_core::math::float::rounded;
 use photosite_core::spectrum::{LAMBDA_MAX_NM, LAMBDA_MIN_NM, Spectrum, TABLE_LEN};
-use photosite_transport::integrator::{Plan, WavelengthChoice};
+use photosite_transport::integrator::{LightPathKind, Plan, WavelengthChoice};
 use photosite_transport::sampler::SamplerKind;
 
 /// Spectrum of all light of the scene, the largest value 1: what counts as white.
@@ -82,6 +82,9 @@ pub struct PlanReport {
     pub splitting: u32,
     /// Number of paths from lights for each camera path.
     pub light_paths: f64,
+    /// Light that they bring; left out where there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub light_path_kind: Option<LightPathKind>,
     /// Expected efficiency, 1/(variance · cost), as a multiple of that of plain paths.
     pub gain: f64,
     /// Cost of the pilots, as a part of that of the whole render.
@@ -91,14 +94,19 @@ pub struct PlanReport {
 impl PlanReport {
     /// Words on what was chosen, and on what it is expected to bring.
     pub fn words(&self) -> String {
-        let Self { splitting, light_paths, gain, cost } = *self;
+        let Self { splitting, light_paths, light_path_kind, gain, cost } = *self;
         let found = format!("found by samples of {} % of the cost", rounded(100.0 * cost, 2));
         if gain <= 1.0 {
             return format!("strategy: neither more branches nor light paths would pay, {found}");
         }
         let branches = if splitting == 1 { "1 branch".to_owned() } else { format!("{splitting} branches") };
+        let for_light = match light_path_kind {
+            None => "",
+            Some(LightPathKind::Caustics) => " for caustics",
+            Some(LightPathKind::Indirect) => " for indirect light",
+        };
         format!(
-            "strategy: {branches} a path, light paths {light_paths}: expected {} times as efficient as plain paths, {found}",
+            "strategy: {branches} a path, light paths {light_paths}{for_light}: expected {} times as efficient as plain paths, {found}",
             rounded(gain, 2)
         )
     }
@@ -106,8 +114,9 @@ impl PlanReport {
 
 impl From<Plan> for PlanReport {
     fn from(plan: Plan) -> Self {
-        let Plan { splitting, light_paths, gain, cost } = plan;
-        Self { splitting, light_paths, gain: rounded(gain, 3), cost: rounded(cost, 2) }
+        let Plan { splitting, light_paths, light_path_kind, gain, cost } = plan;
+        let light_path_kind = (light_paths > 0.0).then_some(light_path_kind);
+        Self { splitting, light_paths, light_path_kind, gain: rounded(gain, 3), cost: rounded(cost, 2) }
     }
 }
 

@@ -16,9 +16,9 @@
 //! wavelength lands in a pixel of its own ([`Camera::arrive_each`](crate::optics::Camera::arrive_each)).
 //!
 //! For each sample of all pixels as many light paths start, with random numbers of their own. What they bring to a
-//! pixel belongs to its sample of that index, so that the variance of samples is that of both together. In scenes with
-//! surfaces that [cast caustics](crate::bsdf::Bsdf::casts_caustics) a path ends at a first surface that does not: camera
-//! paths find its light well.
+//! pixel belongs to its sample of that index, so that the variance of samples is that of both together. Paths for
+//! caustics alone ([`LightPathKind`]) end at a first surface that does not
+//! [cast them](crate::bsdf::Bsdf::casts_caustics).
 
 mod light_path;
 mod splats;
@@ -32,9 +32,10 @@ use self::light_path::{LensPoint, LightPath, LightTracing};
 pub(super) use self::splats::{Splat, Splats};
 use super::interaction::terminate_secondary;
 use super::job::RenderJob;
-use super::mis_ratio::{LightPathKind, MisRatio};
+use super::mis_ratio::MisRatio;
 use super::path::PathLimits;
 use super::ray_counts::RayCounts;
+use super::settings::LightPathKind;
 use crate::geometry::{Hit, Ray, SurfacePoint, offset_origin};
 use crate::light::LightRay;
 use crate::optics::{LensRays, TowardsLens};
@@ -62,6 +63,8 @@ pub(super) struct LightTracer<'a> {
     scale: f32,
     has_single_wavelengths: bool,
     rays: RayCounts,
+    /// Rays among these that paths for caustics alone would have, too.
+    caustic_rays: RayCounts,
 }
 
 impl<'a> LightTracer<'a> {
@@ -87,13 +90,14 @@ impl<'a> LightTracer<'a> {
         let transmittance = spectra.add(job.transmittance);
         Some(Self {
             tracing: LightTracing { job, limits, spectra, transmittance, paths },
-            kind: LightPathKind::of(job.scene),
+            kind: job.settings.light_path_kind.unwrap_or(LightPathKind::of(job.scene)[0]),
             seed,
             wavelengths: WavelengthSampler::new(importance),
             scale: scale as f32,
             // As of the paths from the camera that find the same.
             has_single_wavelengths: job.has_single_wavelengths() || job.camera.has_glass() && !lands_wavelengths,
             rays: RayCounts::default(),
+            caustic_rays: RayCounts::default(),
         })
     }
 
@@ -124,9 +128,13 @@ impl<'a> LightTracer<'a> {
         self.tracing.paths
     }
 
-    /// Cost of `paths` paths, which were all that were traced.
-    pub(super) fn cost(&self, paths: u64) -> f64 {
-        PATH_COST * paths as f64 + CONNECTION_COST * self.rays.shadow_rays() + self.rays.cost()
+    /// Cost of `paths` paths, which were all that were traced, if they were of a kind.
+    pub(super) fn cost(&self, paths: u64, kind: LightPathKind) -> f64 {
+        let rays = match kind {
+            LightPathKind::Caustics => &self.caustic_rays,
+            LightPathKind::Indirect => &self.rays,
+        };
+        PATH_COST * paths as f64 + CONNECTION_COST * rays.shadow_rays() + rays.cost()
     }
 
     /// Light that paths of some numbers, counted over all samples, bring to some rows of the image; see
@@ -147,6 +155,7 @@ impl<'a> LightTracer<'a> {
                     let first = number * together;
                     wavefront.trace(first.max(all.start)..(first + together).min(all.end));
                     self.rays.add(std::mem::take(&mut wavefront.rays));
+                    self.caustic_rays.add(std::mem::take(&mut wavefront.caustic_rays));
                     wavefront
                         .splats
                         .drain(..)
@@ -181,8 +190,9 @@ struct LightWavefront<'a> {
     seen: Vec<(u32, Splat)>,
     occluded: Vec<bool>,
     splats: Vec<Splat>,
-    /// Rays that were traced to surfaces and to the lens.
+    /// Rays that were traced to surfaces and to the lens, and those among them of paths that bring caustics.
     rays: [u64; 2],
+    caustic_rays: [u64; 2],
 }
 
 impl<'a> LightWavefront<'a> {
@@ -203,6 +213,7 @@ impl<'a> LightWavefront<'a> {
             occluded: Vec::new(),
             splats: Vec::new(),
             rays: [0; 2],
+            caustic_rays: [0; 2],
         }
     }
 
@@ -216,6 +227,7 @@ impl<'a> LightWavefront<'a> {
             scene.closest_each(&self.active.1, &mut self.hits);
             let (numbers, rays) = std::mem::take(&mut self.active);
             for (i, (&number, ray)) in numbers.iter().zip(&rays).enumerate() {
+                self.caustic_rays[0] += u64::from(self.paths[number as usize].is_caustic);
                 let Some(hit) = self.hits[i] else { continue };
                 if let Some(ray) = self.advance(number, ray, &hit) {
                     self.next.0.push(number);
@@ -257,6 +269,7 @@ impl<'a> LightWavefront<'a> {
             power: radiance * (1.0 / density),
             mis_ratio: tracer.scale * density,
             depth: 0,
+            is_caustic: true,
             medium: None,
             unresolved_distance_m: Some(0.0),
         });
@@ -264,7 +277,7 @@ impl<'a> LightWavefront<'a> {
 
     /// Connects the vertex that a path has come to with the camera, and returns the ray along which the path goes on.
     fn advance(&mut self, number: u32, ray: &Ray, hit: &Hit) -> Option<Ray> {
-        let Self { tracer, sampler, rows, paths, vertices, towards_lens, to_lens, seen, .. } = self;
+        let Self { tracer, sampler, rows, paths, vertices, towards_lens, to_lens, seen, caustic_rays, .. } = self;
         let scene = tracer.tracing.job.scene;
         let path = &mut paths[number as usize];
         path.depth += 1;
@@ -281,8 +294,11 @@ impl<'a> LightWavefront<'a> {
         }
 
         // End paths that bring nothing that is kept
-        if path.depth == 1 && !tracer.kind.holds(shading.bsdf.casts_caustics()) {
-            return None;
+        if path.depth == 1 {
+            path.is_caustic = shading.bsdf.casts_caustics();
+            if !tracer.kind.holds(path.is_caustic) {
+                return None;
+            }
         }
         sampler.resume(path.position);
         let (aperture, spread) = (sampler.next_2d(), sampler.next_2d());
@@ -298,6 +314,7 @@ impl<'a> LightWavefront<'a> {
             } else if let Some((ray, splat)) = connect(&tracer.tracing, rows, path, (&point, wi), aperture, spread) {
                 seen.push((to_lens.len() as u32, splat));
                 to_lens.push(ray);
+                caustic_rays[1] += u64::from(path.is_caustic);
             }
         }
 
@@ -309,7 +326,7 @@ impl<'a> LightWavefront<'a> {
     }
     /// Connects the vertices at hand with a camera whose rays go through glass.
     fn connect_through_glass(&mut self) {
-        let Self { tracer, rows, vertices, towards_lens, lens_rays, to_lens, seen, .. } = self;
+        let Self { tracer, rows, vertices, towards_lens, lens_rays, to_lens, seen, caustic_rays, .. } = self;
         let RenderJob { camera, resolution: [width, _], .. } = *tracer.tracing.job;
         camera.arrive_each(towards_lens, lens_rays, |i, arrival| {
             let (path, point, wi) = &vertices[i];
@@ -340,10 +357,12 @@ impl<'a> LightWavefront<'a> {
                     irradiance: SampledSpectrum::from_lanes(here),
                     wavelengths: path.wavelengths,
                     mis_ratio,
+                    is_caustic: path.is_caustic,
                 };
                 seen.push((to_lens.len() as u32, splat));
             }
             to_lens.push(ray);
+            caustic_rays[1] += u64::from(path.is_caustic);
         });
         vertices.clear();
         towards_lens.clear();
@@ -374,6 +393,13 @@ fn connect(
         weights: connection.weights,
     };
     let (ray, irradiance, ratio) = path.sent(tracing, (point, wi), &lens, &wavelengths)?;
-    let pixel = (row as usize - rows.start) * width as usize + column as usize;
-    Some((ray, Splat { pixel: pixel as u32, sample: path.sample, irradiance, wavelengths, mis_ratio: ratio }))
+    let splat = Splat {
+        pixel: ((row as usize - rows.start) * width as usize + column as usize) as u32,
+        sample: path.sample,
+        irradiance,
+        wavelengths,
+        mis_ratio: ratio,
+        is_caustic: path.is_caustic,
+    };
+    Some((ray, splat))
 }

@@ -18,35 +18,11 @@
 //! where a mirror has 1, and a smooth interface 1/η² with η the index towards the light over that towards the camera.
 //! Any weights that sum to one are right, so that κ may stand for all of the image, and roulette may be left out.
 //!
-//! Light paths are kept for [`LightPathKind`]: where that is caustics alone, x_{k−1} is a surface that
+//! Light paths are kept for a [`LightPathKind`]: where that is caustics alone, x_{k−1} is a surface that
 //! [casts them](crate::bsdf::Bsdf::casts_caustics), and in any case not the first that the camera sees. That first surface
 //! is no mirror, since a mirror cannot be connected to the lens.
 
-use crate::scene::Scene;
-
-/// Kind of light that light paths bring.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum LightPathKind {
-    /// Light that a surface focuses on another.
-    Caustics,
-    /// All light that comes to a surface by way of another.
-    Indirect,
-}
-
-impl LightPathKind {
-    /// Caustics alone where a scene may have any: light paths find them far better than camera paths do, and other
-    /// indirect light, of which there is much, seldom. In other scenes all indirect light, for lamps behind a screen or in
-    /// a shade.
-    pub(super) fn of(scene: &Scene) -> Self {
-        if scene.may_cast_caustics() { Self::Caustics } else { Self::Indirect }
-    }
-
-    /// Whether light paths bring what a surface sends that casts caustics or not, and is not the first.
-    #[inline]
-    pub(super) fn holds(self, casts_caustics: bool) -> bool {
-        casts_caustics || self == Self::Indirect
-    }
-}
+use super::settings::LightPathKind;
 
 /// MIS ratio q without the factor p_E, over the surfaces that a path has passed.
 #[derive(Clone, Copy, Debug)]

@@ -28,5 +28,5 @@ pub use render::{
     COARSE_STEP, Plan, SensorNoise, bytes_of_landings, may_plan_light_paths, plan, render, render_coarse, render_on,
     render_with_pilot,
 };
-pub use settings::{RenderKeys, RenderSettings, StrategyChoice, WavelengthChoice};
+pub use settings::{LightPathKind, RenderKeys, RenderSettings, StrategyChoice, WavelengthChoice};
 pub use wavefront::radiance;

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::time::Duration;
 
 use crate::sampler::SamplerKind;
+use crate::scene::Scene;
 use photosite_core::keys::Keys;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -37,8 +38,8 @@ pub struct RenderSettings {
     /// Number of segments after which Russian roulette may end a path (without bias). Left out: 5.
     pub roulette_depth: u32,
     /// Strategy of light transport: "auto" measures with a few samples that are no part of the image how many paths
-    /// split off and how many set out from lights to bring most for their time, in renders of more than a million
-    /// samples; "plain" lets one path from the camera go on. What splitting and light_paths say stays as it is said.
+    /// split off, how many set out from lights, and for which light, to bring most for their time, in renders of more than a
+    /// million samples; "plain" lets one path from the camera go on. What splitting and light_paths say stays as it is said.
     /// Left out: "auto".
     pub strategy: StrategyChoice,
     /// Path splitting: the number of paths that continue from the first non-specular surface of each sample, 1 to 256.
@@ -54,12 +55,16 @@ pub struct RenderSettings {
     #[keys(example = "16")]
     pub reuse: u32,
     /// Light paths: the number of paths per sample that start on emitting surfaces, 0 to 64. They find caustics, the
-    /// light that glass, mirrors and polished metal focus on other surfaces; in scenes without these, all light that
-    /// comes by way of other surfaces, as from a lamp behind a screen. They are refused where a camera or a scene
-    /// moves, on sensors that scan, and with wavelengths = "own-filter" or reuse. Left out: what strategy chooses.
+    /// light that glass, mirrors and polished metal focus on other surfaces; in scenes without these, and where strategy
+    /// chooses so, all light that comes by way of other surfaces, as from a lamp behind a screen. They are refused where a
+    /// camera or a scene moves, on sensors that scan, and with wavelengths = "own-filter" or reuse. Left out: what strategy
+    /// chooses.
     #[schemars(transform = within(0.0..=MOST_LIGHT_PATHS))]
     #[keys(example = "0.5")]
     pub light_paths: Option<f64>,
+    /// Kind of light that light paths bring; `None` for the first of [`LightPathKind::of`] the scene.
+    #[serde(skip)]
+    pub light_path_kind: Option<LightPathKind>,
     /// Wavelength sampling: "all-filters" draws the wavelengths of a path by the sensitivity of all channels;
     /// "own-filter" mostly by that of the filter above the pixel, for raw images of glass that disperses or through
     /// more than four narrow filters. Then the other channels of electrons.exr, irradiance.exr and ideal.exr are
@@ -80,6 +85,30 @@ pub enum StrategyChoice {
     Auto,
     /// One path from the camera for each sample.
     Plain,
+}
+
+/// Kind of light that light paths bring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightPathKind {
+    /// Light that glass, mirrors and polished metal focus on other surfaces.
+    Caustics,
+    /// All light that comes to a surface by way of another.
+    Indirect,
+}
+
+impl LightPathKind {
+    /// Kinds that there are to choose from in a scene, the one for renders without a plan first: caustics where there may
+    /// be any, since light paths find them far better than camera paths do, and other indirect light seldom.
+    pub fn of(scene: &Scene) -> &'static [Self] {
+        if scene.may_cast_caustics() { &[Self::Caustics, Self::Indirect] } else { &[Self::Indirect] }
+    }
+
+    /// Whether light paths bring what a surface sends that casts caustics or not, and is not the first.
+    #[inline]
+    pub(super) fn holds(self, casts_caustics: bool) -> bool {
+        casts_caustics || self == Self::Indirect
+    }
 }
 
 /// Wavelength sampling.
@@ -114,6 +143,7 @@ impl Default for RenderSettings {
             splitting: None,
             reuse: 1,
             light_paths: None,
+            light_path_kind: None,
             wavelengths: WavelengthChoice::AllFilters,
             sampler: SamplerKind::Sobol,
             seed: 0,

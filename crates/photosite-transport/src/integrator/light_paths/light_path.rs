@@ -38,6 +38,8 @@ pub(super) struct LightPath {
     pub(super) mis_ratio: f32,
     /// Segments so far.
     pub(super) depth: u32,
+    /// Whether the first surface casts caustics, as it may until the path has come to it.
+    pub(super) is_caustic: bool,
     /// The absorbing medium that the path is in.
     pub(super) medium: Option<SpectrumId>,
     /// Length of the path since its light, m, until a surface tells which medium that is in.

@@ -16,6 +16,8 @@ pub(in super::super) struct Splat {
     pub(super) wavelengths: Wavelengths,
     /// MIS ratio q that it has been weighted by.
     pub(super) mis_ratio: f32,
+    /// Whether the first surface of its path casts caustics.
+    pub(super) is_caustic: bool,
 }
 
 /// Light that paths from lights bring to a film, pixel by pixel and sample by sample.
@@ -34,6 +36,11 @@ impl Splat {
     /// MIS ratio q that it has been weighted by.
     pub(in super::super) fn mis_ratio(&self) -> f64 {
         f64::from(self.mis_ratio)
+    }
+
+    /// Whether the first surface of its path casts caustics.
+    pub(in super::super) fn is_caustic(&self) -> bool {
+        self.is_caustic
     }
 
     /// The number of the pixel in its film, and that of the sample.

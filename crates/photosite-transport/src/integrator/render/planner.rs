@@ -1,4 +1,4 @@
-//! Planner: chooses for a whole image how many paths split off and how many set out from lights.
+//! Planner: chooses for a whole image how many paths split off, how many set out from lights, and for which light.
 //!
 //! What is best depends on the scene: splitting pays where indirect light is the noisiest part, light paths where
 //! something focuses light. The planner measures it with *pilot samples*, which have random numbers of their own and are
@@ -18,15 +18,15 @@
 //! A plan differs from the simplest, of as few paths as the settings leave, where it brings at least 1.4 times as much.
 //!
 //! With s branches V is A + B/s and C is a + b·s, so that pilots of one branch and of four tell of all numbers; of light
-//! paths one number does ([`pilot_samples`]).
+//! paths one number and one kind do ([`pilot_samples`]).
 
 mod pilot_samples;
 
-use self::pilot_samples::{Measured, PilotSamples, SETS};
+use self::pilot_samples::{LightPaths, Measured, PilotSamples, SETS};
 use crate::film::FilmResponses;
 use crate::integrator::job::RenderJob;
 use crate::integrator::progress::{Listener, Step};
-use crate::integrator::settings::{RenderSettings, StrategyChoice, WavelengthChoice};
+use crate::integrator::settings::{LightPathKind, RenderSettings, StrategyChoice, WavelengthChoice};
 use crate::optics::Camera;
 use crate::scene::Scene;
 use photosite_core::image::{Channel, Planes};
@@ -48,8 +48,8 @@ const DARK: f64 = 0.01;
 /// Numbers of branches that are considered, and those that pilots have.
 const BRANCHES: [u32; 5] = [1, 2, 4, 8, 16];
 const PILOT_BRANCHES: u32 = 4;
-/// Numbers of light paths per sample that are considered, and the one that pilots have.
-const LIGHT_PATHS: [f64; 4] = [0.0, 0.25, 1.0, 4.0];
+/// Numbers of light paths per sample that are considered beside none, and the one that pilots have.
+const LIGHT_PATHS: [f64; 3] = [0.25, 1.0, 4.0];
 const PILOT_LIGHT_PATHS: f64 = 1.0;
 /// Loss of efficiency that a choice of cheaper samples may bring: pilots are off by as much.
 const TOLERANCE: f64 = 1.15;
@@ -72,6 +72,8 @@ pub struct Plan {
     pub splitting: u32,
     /// Number of light paths per sample.
     pub light_paths: f64,
+    /// Light that light paths bring.
+    pub light_path_kind: LightPathKind,
     /// Expected efficiency, as a multiple of that of plain paths.
     pub gain: f64,
     /// Cost of the pilots, as a part of that of the image.
@@ -81,7 +83,12 @@ pub struct Plan {
 impl Plan {
     /// Render settings with the plan's numbers of paths.
     pub fn settings(&self, settings: &RenderSettings) -> RenderSettings {
-        RenderSettings { splitting: Some(self.splitting), light_paths: Some(self.light_paths), ..settings.clone() }
+        RenderSettings {
+            splitting: Some(self.splitting),
+            light_paths: Some(self.light_paths),
+            light_path_kind: Some(self.light_path_kind),
+            ..settings.clone()
+        }
     }
 }
 
@@ -166,14 +173,27 @@ impl<'a> Planner<'a> {
         let cells = job.resolution.map(|n| (n as usize).div_ceil(stride));
         let is_open = may_plan_light_paths(job.settings, job.scene, job.camera, job.pixels());
         let set_to = job.settings.light_paths();
+        let kinds = LightPathKind::of(job.scene);
+        let of_each_kind = |number: f64| kinds.iter().map(move |&kind| LightPaths { number, kind });
+        let none = LightPaths { number: 0.0, kind: kinds[0] };
+        let light_paths = match (is_open, set_to > 0.0) {
+            (true, _) => [none].into_iter().chain(LIGHT_PATHS.into_iter().flat_map(of_each_kind)).collect(),
+            (false, true) => of_each_kind(set_to).collect(),
+            (false, false) => vec![none],
+        };
+        // What is found of all indirect light tells of caustics, too.
+        let pilot_light_paths = LightPaths {
+            number: if is_open { PILOT_LIGHT_PATHS } else { set_to },
+            kind: light_paths.iter().map(|light_paths| light_paths.kind).last().unwrap_or(none.kind),
+        };
         let pilots = PilotSamples {
             job,
             responses,
             step,
             set,
-            light_paths: pilot,
-            pilot_light_paths: if is_open { PILOT_LIGHT_PATHS } else { set_to },
-            numbers_of_light_paths: if is_open { LIGHT_PATHS.to_vec() } else { vec![set_to] },
+            traced_light_paths: pilot,
+            pilot_light_paths,
+            light_paths,
             stride,
             cells,
         };
@@ -184,7 +204,7 @@ impl<'a> Planner<'a> {
     fn plan(&self, noise: Option<&SensorNoise<'_>>) -> Option<Plan> {
         let settings = self.pilots.job.settings;
         let splits = settings.splitting.is_none() && self.may_split();
-        if !splits && self.pilots.numbers_of_light_paths.len() == 1 {
+        if !splits && self.pilots.light_paths.len() == 1 {
             return None;
         }
         let one = self.pilots.measure(settings.splitting())?;
@@ -195,7 +215,7 @@ impl<'a> Planner<'a> {
 
         // Compare all pairs of numbers
         let mut ways = Vec::new();
-        for (index, &light_paths) in self.pilots.numbers_of_light_paths.iter().enumerate() {
+        for (index, &light_paths) in self.pilots.light_paths.iter().enumerate() {
             let of_one = self.figures(&one, &metric, index);
             let of_more = more.as_ref().map_or(of_one, |more| self.figures(more, &metric, index));
             ways.extend(branches.iter().map(|&branches| (between([of_one, of_more], branches), branches, light_paths)));
@@ -205,13 +225,15 @@ impl<'a> Planner<'a> {
 
         // Take the cheapest samples of those that are nearly the best
         ways.sort_by(|(a, ..), (b, ..)| a.cost.total_cmp(&b.cost));
-        let is_near = |(figures, ..): &&(Figures, u32, f64)| figures.product() <= TOLERANCE * best;
+        let is_near = |(figures, ..): &&(Figures, u32, LightPaths)| figures.product() <= TOLERANCE * best;
         let chosen = *ways.iter().find(is_near).unwrap_or(&simplest);
         let pays = chosen.0.product() * LEAST_GAIN <= plain.product();
         let (figures, splitting, light_paths) = if pays { chosen } else { simplest };
         let gain = if figures.product() > 0.0 { plain.product() / figures.product() } else { 1.0 };
         let spent = one.spent + more.map_or(0.0, |more| more.spent);
-        Some(Plan { splitting, light_paths, gain, cost: spent / (figures.cost * self.samples as f64) })
+        let LightPaths { number: light_paths, kind: light_path_kind } = light_paths;
+        let cost = spent / (figures.cost * self.samples as f64);
+        Some(Plan { splitting, light_paths, light_path_kind, gain, cost })
     }
 
     /// Whether paths may split without losing their wavelengths.
@@ -263,7 +285,7 @@ impl<'a> Planner<'a> {
         Some((0..columns * rows).flat_map(of_cell).collect())
     }
 
-    /// Variance and cost of a sample as a pilot tells of them, with the number of light paths of that index.
+    /// Variance and cost of a sample as a pilot tells of them, with the light paths of that index.
     fn figures(&self, measured: &Measured, metric: &[f64], index: usize) -> Figures {
         let channels = self.pilots.responses.len();
         let of_sets = |sets: &[f64; 2]| 0.5 * f64::from(self.pilots.set) * (sets[0] - sets[1]).powi(2);
@@ -276,11 +298,9 @@ impl<'a> Planner<'a> {
         cells.sort_by(f64::total_cmp);
         let kept = cells.len() - (LEFT_OUT * cells.len() as f64).ceil() as usize;
         let variance = cells[..kept].iter().sum::<f64>() / (kept.max(1) * channels) as f64;
-        let light_paths = self.pilots.numbers_of_light_paths[index];
-        let cost = match (light_paths > 0.0, measured.light_cost > 0.0) {
-            (true, true) => WEIGHTING_COST * measured.camera_cost + light_paths * measured.light_cost,
-            _ => measured.camera_cost,
-        };
+        let light_cost = measured.light_costs[index];
+        let cost =
+            if light_cost > 0.0 { WEIGHTING_COST * measured.camera_cost + light_cost } else { measured.camera_cost };
         Figures { variance, cost }
     }
 }

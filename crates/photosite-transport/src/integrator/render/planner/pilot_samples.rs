@@ -6,12 +6,14 @@
 //!
 //! Light paths: what N of them bring to a pixel is a sum of rare, independent terms x, of variance N·E\[x²\]. A few of the
 //! N paths suffice for that, and what they bring anywhere counts for the next pixel of the grid. A pilot has one light
-//! path per sample. Each term has been weighted by q/(1 + q) against the camera path that finds the same, with q of
-//! [`mis_ratio`](crate::integrator::mis_ratio), whose second moment is therefore x²·(1 + q)²/q, and 1/(1 + λ·q) of that
+//! path per sample, of the kind that brings most. Each term has been weighted by q/(1 + q) against the camera path that
+//! finds the same, with q of [`mis_ratio`](crate::integrator::mis_ratio), whose second moment is therefore x²·(1 + q)²/q, and 1/(1 + λ·q) of that
 //! with λ light paths and both kinds weighted: so the terms of one pilot tell of all λ. The variance of camera paths in the
 //! pilot has 1/(1 + q)² of it already, which leaves
 //!
 //! x²·\[(1 + q)²/(1 + λ·q) − 1\]/q.
+//!
+//! What light paths of another kind would not bring has λ = 0 with that kind, however many there are.
 //!
 //! Plain paths, λ = 0, have x²·(2 + q): caustics that camera paths hardly ever find count there as what they are,
 //! though none may have found them in the pilot.
@@ -23,7 +25,7 @@ use crate::integrator::job::RenderJob;
 use crate::integrator::light_paths::Splats;
 use crate::integrator::progress::Listener;
 use crate::integrator::render::tracer::Tracer;
-use crate::integrator::settings::RenderSettings;
+use crate::integrator::settings::{LightPathKind, RenderSettings};
 use photosite_core::math::hash::hash64;
 
 /// Tells the random numbers of pilots from those of the image.
@@ -40,11 +42,11 @@ pub(super) struct Measured {
     pub(super) means: Vec<[f64; SETS as usize]>,
     /// Light that light paths bring to one sample, likewise.
     pub(super) brought: Vec<f64>,
-    /// Variance of one sample for each of the numbers of light paths beside that of camera paths in the pilot, likewise.
+    /// Variance of one sample with each of the light paths considered beside that of camera paths in the pilot, likewise.
     pub(super) beside: Vec<Vec<f64>>,
-    /// Cost of the camera paths of one sample, and of one light path per sample.
+    /// Cost of the camera paths of one sample, and of the light paths considered.
     pub(super) camera_cost: f64,
-    pub(super) light_cost: f64,
+    pub(super) light_costs: Vec<f64>,
     /// Cost of the pilot.
     pub(super) spent: f64,
 }
@@ -56,15 +58,23 @@ pub(super) struct PilotSamples<'a> {
     pub(super) step: &'a Listener<'a>,
     /// Samples of each pixel in a set.
     pub(super) set: u32,
-    /// Number of light paths that a pilot traces, and that of its samples.
-    pub(super) light_paths: u64,
-    pub(super) pilot_light_paths: f64,
-    /// Numbers of light paths that are considered.
-    pub(super) numbers_of_light_paths: Vec<f64>,
+    /// Number of light paths that a pilot traces, and those of its samples.
+    pub(super) traced_light_paths: u64,
+    pub(super) pilot_light_paths: LightPaths,
+    /// Light paths that are considered.
+    pub(super) light_paths: Vec<LightPaths>,
     /// Pixels from one cell to the next.
     pub(super) stride: usize,
     /// Numbers of columns and rows of the cells.
     pub(super) cells: [usize; 2],
+}
+
+/// Light paths that an image may have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LightPaths {
+    /// Number per sample.
+    pub(super) number: f64,
+    pub(super) kind: LightPathKind,
 }
 
 impl PilotSamples<'_> {
@@ -72,7 +82,8 @@ impl PilotSamples<'_> {
     pub(super) fn measure(&self, splitting: u32) -> Option<Measured> {
         let settings = RenderSettings {
             splitting: Some(splitting),
-            light_paths: Some(self.pilot_light_paths),
+            light_paths: Some(self.pilot_light_paths.number),
+            light_path_kind: Some(self.pilot_light_paths.kind),
             part: None,
             ..self.job.settings.clone()
         };
@@ -93,19 +104,22 @@ impl PilotSamples<'_> {
         let mut measured = Measured {
             means,
             brought: vec![0.0; values],
-            beside: vec![vec![0.0; values]; self.numbers_of_light_paths.len()],
+            beside: vec![vec![0.0; values]; self.light_paths.len()],
             camera_cost: spent / (SETS * of_set) as f64,
-            light_cost: 0.0,
+            light_costs: vec![0.0; self.light_paths.len()],
             spent,
         };
         let tracer = Tracer::new(&job, seed(SETS), self.step);
         if let Some(light_tracer) = &tracer.light_tracer {
             let height = job.resolution[1] as usize;
-            let splats = light_tracer.trace_paths(0..self.light_paths, 0..height, |_, _| true);
-            let cost = light_tracer.cost(self.light_paths);
-            measured.light_cost = cost / self.light_paths as f64;
-            measured.spent += cost;
-            self.add_splats(&splats, f64::from(light_tracer.paths()) / self.light_paths as f64, &mut measured);
+            let traced = self.traced_light_paths;
+            let splats = light_tracer.trace_paths(0..traced, 0..height, |_, _| true);
+            let cost = |kind| light_tracer.cost(traced, kind);
+            for (light_cost, light_paths) in measured.light_costs.iter_mut().zip(&self.light_paths) {
+                *light_cost = light_paths.number * cost(light_paths.kind) / traced as f64;
+            }
+            measured.spent += cost(self.pilot_light_paths.kind);
+            self.add_splats(&splats, f64::from(light_tracer.paths()) / traced as f64, &mut measured);
         }
         Some(measured)
     }
@@ -142,8 +156,10 @@ impl PilotSamples<'_> {
             for (i, value) in (first..).zip(self.responses.values(irradiance, wavelengths)) {
                 let value = f64::from(value);
                 measured.brought[i] += per_pixel * value;
-                for (beside, light_paths) in measured.beside.iter_mut().zip(&self.numbers_of_light_paths) {
-                    let part = second_moment(splat.mis_ratio(), light_paths / self.pilot_light_paths);
+                for (beside, light_paths) in measured.beside.iter_mut().zip(&self.light_paths) {
+                    let is_brought = light_paths.kind.holds(splat.is_caustic());
+                    let number = if is_brought { light_paths.number } else { 0.0 };
+                    let part = second_moment(splat.mis_ratio(), number / self.pilot_light_paths.number);
                     beside[i] += per_pixel * value.powi(2) * part;
                 }
             }
