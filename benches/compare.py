@@ -10,9 +10,9 @@ camera, depth, roulette and sensor; glTF's metals and glossy coats (e, j, k) are
 Balls are true spheres; with --triangles they are made of triangles. With --avx2 Mitsuba's kernels are those of a machine
 without AVX-512. 256 × 256 pixels unless --size says otherwise, box filter, four wavelengths a path, in the response functions
 of photosite's sensor, so that both estimate the same three values per pixel, electrons.
-"default" is photosite with no key of [render] set but the samples. In all others no path is split or shared unless their name
-says so: "splitting 4" is `render.splitting = 4`, as many samples, each with four paths from the first rough surface on; "reuse
-16" and "light paths 1" are `render.reuse` and `render.light_paths`. Runs of all alternate. Mitsuba is warm: its kernel is
+"default" is photosite with no key of [render] set but the samples. In all others no path is split unless their name
+says so: "splitting 4" is `render.splitting = 4`, as many samples, each with four paths from the first rough surface on; "light
+paths 1" is `render.light_paths`. Runs of all alternate. Mitsuba is warm: its kernel is
 compiled before the measurement. Times are those of light transport alone: photosite's `trace_s`, Mitsuba's time in `render`.
 Loading, sensor and files are left out on both sides. Beside them stand the times of whole programs, from start to end:
 photosite's command, and a program in Python that loads the scene in Mitsuba, renders it once and writes a file; its kernel
@@ -42,7 +42,7 @@ from pathlib import Path
 
 from comparison.environment import ROOT, enter
 
-WAYS = ["default", "independent", "sobol", "sobol, reuse 16", "sobol, light paths 1", "sobol, splitting 4"]
+WAYS = ["default", "independent", "sobol", "sobol, light paths 1", "sobol, splitting 4"]
 
 
 def arguments():

@@ -7,12 +7,11 @@ import numpy as np
 from . import command
 
 # Keys of [render] in each way to render a scene; "default" sets none of them.
-ONE_PATH = {"sampler": "sobol", "splitting": 1, "reuse": 1, "light_paths": 0}
+ONE_PATH = {"sampler": "sobol", "splitting": 1, "light_paths": 0}
 WAYS = {
     "default": {},
     "independent": {**ONE_PATH, "sampler": "independent"},
     "sobol": ONE_PATH,
-    "sobol, reuse 16": {**ONE_PATH, "reuse": 16},
     "sobol, light paths 1": {**ONE_PATH, "light_paths": 1},
     "sobol, splitting 4": {**ONE_PATH, "splitting": 4},
 }

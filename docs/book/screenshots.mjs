@@ -9,7 +9,7 @@ const program = resolve(process.argv[2]);
 const root = resolve(import.meta.dirname, "../..");
 const images = join(root, "docs/guides/images");
 
-const words = [join(root, "scenes/cornell-box/capture.toml"), "--size", "400x400", "--spp", "24", "--set", "render.reuse=16"];
+const words = [join(root, "scenes/cornell-box/capture.toml"), "--size", "400x400", "--spp", "24"];
 const server = await view(program, words);
 const chromium = await browser();
 try {

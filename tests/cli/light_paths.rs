@@ -20,15 +20,12 @@ fn room_of(keys: &str, more: &str) -> Folder {
 #[rstest]
 #[case::few("light_paths = 0.3")]
 #[case::many("light_paths = 5.1")]
-#[case::reuse("reuse = 16")]
-#[case::odd_reuse("reuse = 7\nsplitting = 3")]
-#[case::reuse_of_three_rows("reuse = 12")]
-#[case::reuse_of_more_rows_than_a_strip("reuse = 64")]
+#[case::split("light_paths = 0.3\nsplitting = 3")]
 fn the_bytes_are_the_same_in_threads_strips_and_parts(#[case] keys: &str) {
     is_the_same_however_it_is_shared_out(&room_of(keys, ""));
 }
 
-/// Renders in threads, strips and parts, and without what shares or paths from lights.
+/// Renders in threads, strips and parts, and without paths from lights.
 fn is_the_same_however_it_is_shared_out(folder: &Folder) {
     folder.succeed("render capture.toml --threads 1 -o one");
     folder.succeed("render capture.toml --threads 2 -o two");
@@ -41,7 +38,7 @@ fn is_the_same_however_it_is_shared_out(folder: &Folder) {
     folder.succeed("render capture.toml --samples 3..8 -o rest");
     folder.succeed("merge rest first -o merged");
     assert_same(folder, "one", "merged");
-    folder.succeed("render capture.toml --set render.light_paths=0 --set render.reuse=1 -o without");
+    folder.succeed("render capture.toml --set render.light_paths=0 -o without");
     assert!(folder.results("without")["raw.npy"] != folder.results("one")["raw.npy"]);
 }
 
@@ -99,30 +96,6 @@ fn a_number_of_paths_that_cannot_be_is_refused(#[case] set: &str, #[case] messag
     room_with(0.5, "").fail(&format!("render capture.toml --set {set}"), 1, &[message, "light_paths = 0.5"]);
 }
 
-#[rstest]
-#[case::none("render.reuse=0", "render.reuse: must be from 1 to 64, got 0", "reuse = 16")]
-#[case::many("render.reuse=65", "render.reuse: must be from 1 to 64, got 65", "reuse = 16")]
-#[case::filters(
-    "render.wavelengths=own-filter",
-    "render.reuse: cannot be combined with wavelengths = \"own-filter\"",
-    "remove one"
-)]
-fn sharing_that_cannot_be_is_refused(#[case] set: &str, #[case] message: &str, #[case] help: &str) {
-    room_of("reuse = 4", "").fail(&format!("render capture.toml --set {set}"), 1, &[message, help]);
-}
-
-#[test]
-fn pixels_that_share_have_noise_targets_of_their_own() {
-    let keys = "noise_target = 0.5\nreuse = 8";
-    let folder = room_of(keys, "");
-    folder.succeed("render capture.toml --set render.samples_per_pixel=64 --threads 1 -o one");
-    folder.succeed("render capture.toml --set render.samples_per_pixel=64 --threads 2 -o two");
-    assert_same(&folder, "one", "two");
-    let report = folder.report("one");
-    assert_eq!((&report["render"]["reuse"], &report["render"]["light_paths"]), (&8.into(), &0.0.into()));
-    assert!(report["render"]["noise"]["samples_least"].as_f64() < report["render"]["noise"]["samples_most"].as_f64());
-}
-
 #[test]
 fn what_filters_see_alone_and_what_scans_is_refused() {
     let folder = room_with(0.5, "");
@@ -146,8 +119,6 @@ fn what_moves_is_refused() {
     let moving = "frames = 2\nframe_interval_s = 0.01\n[camera.motion]\nvelocity_m_per_s = [20, 0, 0]";
     let message = "render.light_paths: cannot be combined with a camera or a scene that moves";
     room_with(0.5, moving).fail("render capture.toml", 1, &[message, "remove it, or camera.motion"]);
-    let message = "render.reuse: cannot be combined with a camera or a scene that moves";
-    room_of("reuse = 2", moving).fail("render capture.toml", 1, &[message, "remove it, or camera.motion"]);
 }
 
 /// A matt floor and a wall of some material under a lamp.
@@ -182,16 +153,6 @@ fn a_scene_without_lamps_is_rendered_with_a_warning() {
     folder.add("sails.toml", SAILS);
     let outcome = folder.succeed("render sails.toml --set render.light_paths=1 -o sails");
     assert!(outcome.text().contains("warning: render.light_paths: no surface shines"), "{outcome:?}");
-}
-
-#[test]
-fn a_scene_that_is_nowhere_purely_diffuse_shares_nothing_with_a_warning() {
-    let folder = room_with(0.5, "");
-    folder.add("sails.toml", SAILS);
-    folder.succeed("render sails.toml -o without");
-    let outcome = folder.succeed("render sails.toml --set render.reuse=16 -o with");
-    assert!(outcome.text().contains("warning: render.reuse: no material is purely diffuse"), "{outcome:?}");
-    assert!(folder.results("with")["electrons.exr"] == folder.results("without")["electrons.exr"]);
 }
 
 /// Somewhat polished sails under a sky.

@@ -105,7 +105,6 @@ fn the_same_signal_twice_at_once_is_one() {
 #[rstest]
 #[case::uniform("")]
 #[case::by_noise("--set render.noise_target=0.1")]
-#[case::shared("--set render.reuse=16")]
 #[case::of_lamps("--set render.light_paths=1")]
 #[case::in_strips("--film-memory 0.004")]
 #[case::part("--samples 3..90")]

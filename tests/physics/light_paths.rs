@@ -123,7 +123,7 @@ pub(crate) fn image(
 /// Renders as the settings say, and with paths from the camera alone, and compares both pixel by pixel. Returns the
 /// variance without over that with them, of all pixels together.
 pub(crate) fn compare(name: &str, scene: &Scene, lens: &LensDescription, settings: RenderSettings) -> f64 {
-    let alone = RenderSettings { light_paths: None, reuse: 1, seed: 2, ..settings.clone() };
+    let alone = RenderSettings { light_paths: None, seed: 2, ..settings.clone() };
     let [without, with] = [alone, settings].map(|settings| image(scene, lens, settings, |_| {}));
     let values = |estimate: &Estimate, is_mean: bool| -> Vec<f64> {
         let planes = if is_mean { &estimate.mean } else { &estimate.variance };

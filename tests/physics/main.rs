@@ -33,7 +33,6 @@ mod planner;
 mod point_spread;
 mod prescription;
 mod quadrature;
-mod reuse;
 mod round_lamps;
 mod sampling;
 mod sensor_cases;

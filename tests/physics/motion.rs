@@ -23,7 +23,6 @@ const SETTINGS: RenderSettings = RenderSettings {
     roulette_depth: 1,
     strategy: StrategyChoice::Plain,
     splitting: None,
-    reuse: 1,
     light_paths: None,
     light_path_kind: None,
     wavelengths: WavelengthChoice::AllFilters,

@@ -127,7 +127,6 @@ fn light_behind_panes_is_the_same_whatever_the_settings() {
     let above = || square(Vec3::new(0.1, 1.1, -0.3), Vec3::X, Vec3::Z, 0.6);
     for (name, settings) in [
         ("light paths", RenderSettings { light_paths: Some(1.0), ..RenderSettings::default() }),
-        ("reuse", RenderSettings { reuse: 8, ..RenderSettings::default() }),
         ("splitting", RenderSettings { splitting: Some(3), ..RenderSettings::default() }),
     ] {
         for (material, ball) in [("diffuse", diffuse.clone()), ("gold", gold(0.1))] {

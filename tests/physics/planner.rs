@@ -89,7 +89,6 @@ fn what_is_set_stays_and_nothing_is_planned_where_nothing_is_left_to_choose() {
     for settings in [
         RenderSettings { strategy: StrategyChoice::Plain, ..settings() },
         RenderSettings { splitting: Some(1), light_paths: Some(0.0), ..settings() },
-        RenderSettings { reuse: 4, ..settings() },
         RenderSettings { wavelengths: WavelengthChoice::OwnFilter, ..settings() },
         RenderSettings { samples_per_pixel: settings().samples_per_pixel - 1, ..settings() },
     ] {

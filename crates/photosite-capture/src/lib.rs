@@ -416,9 +416,8 @@ impl Capture {
         }
         let render = file.render.clone();
         render.validate().map_err(|invalid| invalid.within("render"))?;
-        let still_only = [("light_paths", render.light_paths() > 0.0), ("reuse", render.reuse > 1)];
-        if let (true, Some((key, _))) = (moves, still_only.into_iter().find(|(_, is_set)| *is_set)) {
-            let invalid = Invalid::new(key, "cannot be combined with a camera or a scene that moves");
+        if moves && render.light_paths() > 0.0 {
+            let invalid = Invalid::new("light_paths", "cannot be combined with a camera or a scene that moves");
             return Err(invalid.help(format!("remove it, or {mover}")).within("render"));
         }
         if lens.kind == LensKind::Bare {

@@ -59,10 +59,6 @@
 //! ## ArvoKirk90
 //! J. Arvo, D. Kirk, "Particle Transport and Image Synthesis", Computer Graphics (SIGGRAPH) 24(4) (1990).
 //!
-//! ## Bekaert02
-//! P. Bekaert, M. Sbert, J. Halton, "Accelerating Path Tracing by Re-Using Paths", Eurographics Workshop on Rendering
-//! (2002).
-//!
 //! ## KirkArvo91
 //! D. Kirk, J. Arvo, "Unbiased Sampling Techniques for Image Synthesis", Computer Graphics (SIGGRAPH) 25(4) (1991).
 //!

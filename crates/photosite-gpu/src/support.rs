@@ -38,9 +38,6 @@ fn of_settings(settings: &RenderSettings) -> Option<Invalid> {
     if settings.splitting() > 1 {
         return refused("render.splitting", "paths that split");
     }
-    if settings.reuse > 1 {
-        return refused("render.reuse", "pixels that share paths");
-    }
     if settings.light_paths() > 0.0 {
         return refused("render.light_paths", "paths from lights");
     }
@@ -201,7 +198,6 @@ mod tests {
     fn strategies_that_a_card_does_not_have_are_named_by_their_keys() {
         for (settings, key) in [
             (RenderSettings { splitting: Some(4), ..Default::default() }, "render.splitting"),
-            (RenderSettings { reuse: 16, ..Default::default() }, "render.reuse"),
             (RenderSettings { light_paths: Some(1.0), ..Default::default() }, "render.light_paths"),
         ] {
             assert!(words(&scene(grey()), &settings).starts_with(key));

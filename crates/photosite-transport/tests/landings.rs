@@ -236,14 +236,13 @@ fn landings_do_not_depend_on_strips_parts_and_threads() {
     assert!(sum.sums() == whole.sums() && sum.counts() == whole.counts());
 }
 
-/// Coarse images of renders that land wavelengths apart, share paths or follow light from emitters.
+/// Coarse images of renders that land wavelengths apart or follow light from emitters.
 #[test]
 fn coarse_images_are_of_the_same_light_and_leave_none_of_it() {
     let scene = scene();
     let (camera, width) = (camera(), GRID.resolution[0] as usize);
-    for (reuse, light_paths) in [(1, None), (4, None), (1, Some(1.0))] {
-        let of =
-            |samples, seed| RenderSettings { reuse, light_paths, ..settings(samples, seed, SamplerKind::Independent) };
+    for light_paths in [None, Some(1.0)] {
+        let of = |samples, seed| RenderSettings { light_paths, ..settings(samples, seed, SamplerKind::Independent) };
         let full = film(&scene, &camera, &of(256, 1), None);
         let seeds = 100;
         let mut coarse = Film::new(width, GRID.resolution[1] as usize, FilmResponses::new(&responses()));
@@ -273,7 +272,7 @@ fn coarse_images_are_of_the_same_light_and_leave_none_of_it() {
                 let (coarse, full) = (of(&coarse), of(&full));
                 let z = (coarse.0 - full.0) / (coarse.1 + full.1).sqrt();
                 // 60 of them in each case.
-                assert!(z.abs() < 4.5, "{reuse} {light_paths:?}, pixel {pixel}, channel {channel}: {z}");
+                assert!(z.abs() < 4.5, "{light_paths:?}, pixel {pixel}, channel {channel}: {z}");
             }
         }
     }

@@ -48,8 +48,6 @@ pub struct RenderReport {
     pub roulette_depth: u32,
     /// Path splitting: number of paths that continue from the first non-specular vertex.
     pub splitting: u32,
-    /// Number of pixels that share paths.
-    pub reuse: u32,
     /// Number of paths from lights for each camera path.
     pub light_paths: f64,
     /// Plan that chose splitting and light paths where the capture left them open; `null` where nothing was chosen. Where

@@ -371,7 +371,7 @@ fn settings_are_as_written() {
     assert_eq!((exposure.temperature, exposure.frames), (Celsius(40.0), 3));
     let render = capture.render;
     assert_eq!((render.samples_per_pixel, render.max_depth, render.roulette_depth, render.seed), (128, 5, 3, u64::MAX));
-    assert_eq!((render.splitting, render.reuse, render.wavelengths), (Some(4), 1, WavelengthChoice::OwnFilter));
+    assert_eq!((render.splitting, render.wavelengths), (Some(4), WavelengthChoice::OwnFilter));
     assert_eq!((render.noise_target, render.sampler), (Some(0.2), SamplerKind::Independent));
     assert_eq!(render.time_limit(), Some(std::time::Duration::from_millis(1500)));
     let output = capture.output;

@@ -127,7 +127,7 @@ impl<'a> Needs<'a> {
 /// Bytes of light that lands in other rows than its path came from.
 fn landings(capture: &Capture) -> u64 {
     let (lens, sensor, render) = (capture.lens(), capture.sensor(), capture.render());
-    let lands = lens.kind == LensKind::Prescription && !sensor.shutter.scans() && render.reuse <= 1;
+    let lands = lens.kind == LensKind::Prescription && !sensor.shutter.scans();
     // Where there is no end to the samples, as many as fit together are traced at once.
     let is_open = render.noise_target.is_some() || render.time_limit_s.is_some();
     let samples = if is_open { u32::MAX } else { render.samples_per_pixel };

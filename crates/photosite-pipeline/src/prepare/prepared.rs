@@ -298,11 +298,6 @@ fn ineffective_settings(capture: &Capture, scene: &Scene) -> Vec<String> {
     [
         ("light_paths", no_paths, "no surface shines, so that no paths start"),
         (
-            "reuse",
-            render.reuse > 1 && !scene.has_diffuse(),
-            "no material is purely diffuse, so that pixels share nothing",
-        ),
-        (
             "wavelengths",
             own_filter && !capture.sensor().cfa.is_mosaic(),
             "all pixels see the same, so that \"own-filter\" changes nothing",

@@ -72,7 +72,6 @@ impl FilmMemory {
             let help = Help::any([Remedy::FilmMemory(needed.to_string()), instead.into()]);
             return Err(in_render(Invalid::new("", message).help(help)));
         }
-        let most = whole_groups(most, height, capture);
         if let Some(left) = left {
             let tracing = beside.saturating_add((row * most) as u64);
             let exposing = if is_exposed { scene.saturating_add(needs.exposing()) } else { 0 };
@@ -96,12 +95,6 @@ impl Default for FilmMemory {
     fn default() -> Self {
         Self { gib: 4.0 }
     }
-}
-
-/// Rows of a strip, at most `most` unless the image fits in, such that no group of pixels that share is cut.
-fn whole_groups(most: usize, height: usize, capture: &Capture) -> usize {
-    let [_, rows] = capture.render().reuse_columns_and_rows();
-    if most < height { (most / rows).max(1) * rows } else { most }
 }
 
 /// Strips of rows that are traced one after the other; one of all rows where memory allows it.

@@ -130,7 +130,6 @@ fn render_report(capture: &Capture, scene: &Scene, reached: Reached) -> RenderRe
         max_depth: settings.max_depth,
         roulette_depth: settings.roulette_depth,
         splitting: plan.map_or(settings.splitting(), |plan| plan.splitting),
-        reuse: settings.reuse,
         light_paths: plan.map_or(settings.light_paths(), |plan| plan.light_paths),
         plan,
         wavelengths: settings.wavelengths,

@@ -14,7 +14,6 @@ pub mod pilot;
 mod progress;
 mod ray_counts;
 mod render;
-mod reuse;
 mod settings;
 mod wavefront;
 mod wavelengths;

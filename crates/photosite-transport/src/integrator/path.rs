@@ -9,8 +9,7 @@ use glam::Vec3;
 pub(super) use self::diffuse_batch::DiffuseBatch;
 use super::interaction::{leaks, light_sample_context, shadow_ray, terminate_secondary};
 use super::mis_ratio::{MisRatio, PathVertex};
-use super::reuse::{FirstSurface, Location, SecondSurface, Side};
-use crate::bsdf::{Bsdf, BsdfSample, Diffuse};
+use crate::bsdf::BsdfSample;
 use crate::geometry::{Hit, Ray, SurfacePoint};
 use crate::light::{LightSample, LightSampleContext};
 use crate::sampler::{SamplePosition, Sampler};
@@ -68,19 +67,6 @@ pub(super) struct Path {
     medium: Option<SpectrumId>,
     /// Ratio of the densities with which paths from lights and this path find the same.
     mis_ratio: MisRatio,
-    pub(super) sharing: Sharing,
-}
-
-/// Sharing of a path with the paths of other pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Sharing {
-    /// Path that shares nothing.
-    Nothing,
-    /// Path that shares its second surface if that is diffuse, with the pixels of the group of this index. A branch has
-    /// come from a first surface that is shared.
-    Group(u32),
-    /// The light that it gathers: it has come to a second surface, and its light is what that surface sends back.
-    Light,
 }
 
 /// The queues that paths fill while they advance to their next surfaces.
@@ -92,11 +78,6 @@ pub(super) struct Queues {
     pub(super) contributions: Vec<Contribution>,
     /// Branches of paths that have split, and their rays.
     pub(super) branches: Vec<(Path, Ray)>,
-    /// First and second surfaces to be shared.
-    pub(super) firsts: Vec<FirstSurface>,
-    pub(super) seconds: Vec<SecondSurface>,
-    /// Light that branches have gathered before their second surfaces, with the index of the path that they come from.
-    pub(super) before: Vec<(u32, SampledSpectrum)>,
 }
 
 /// Light that a path gathers if nothing is in the way of a shadow ray.
@@ -155,12 +136,7 @@ impl<'a> Vertex<'a> {
 impl Path {
     /// A path from the camera, with the random numbers from a position on and the MIS ratio before the first surface.
     #[inline]
-    pub(super) fn new(
-        wavelengths: Wavelengths,
-        position: SamplePosition,
-        mis_ratio: MisRatio,
-        sharing: Sharing,
-    ) -> Self {
+    pub(super) fn new(wavelengths: Wavelengths, position: SamplePosition, mis_ratio: MisRatio) -> Self {
         Self {
             light: SampledSpectrum::ZERO,
             wavelengths,
@@ -172,16 +148,14 @@ impl Path {
             eta_scale: 1.0,
             medium: None,
             mis_ratio,
-            sharing,
         }
     }
 
     /// Whether the path does nothing at diffuse surfaces but sample a light and scatter.
     #[inline]
     fn is_plain(&self, limits: &PathLimits) -> bool {
-        let goes_alone = !matches!(self.sharing, Sharing::Group(_)) && !self.mis_ratio.is_shared();
         let splits = limits.splitting > 1 && self.origin.is_none();
-        goes_alone && !splits && self.medium.is_none() && self.depth + 1 < limits.max_depth
+        !self.mis_ratio.is_shared() && !splits && self.medium.is_none() && self.depth + 1 < limits.max_depth
     }
 
     /// Gathers light where a ray has led, and returns the ray along which the path of this index goes on; `None` where
@@ -197,7 +171,7 @@ impl Path {
         self.depth += 1;
         // Add the light of the environment where the ray leaves the scene
         let Some(hit) = hit else {
-            self.leave_scene(index, ray.direction, tracing);
+            self.add_environment(tracing.scene, ray.direction);
             return None;
         };
 
@@ -222,18 +196,12 @@ impl Path {
         }
         let vertex = Vertex::new(hit.t, &point, &shading, wo);
 
-        // Share the surface with the pixels of the group
-        if let Sharing::Group(group) = self.sharing {
-            self.share(index, group, &vertex, tracing.queues);
-        }
-
         tracing.sampler.resume(self.position);
         if !shading.bsdf.is_delta() {
             // Sample direct illumination, and queue its shadow ray
             self.sample_direct_light(index, &vertex, tracing);
             // Split at the first surface that is no mirror
-            let splits = tracing.limits.splitting > 1 || matches!(self.sharing, Sharing::Group(_));
-            if splits && self.origin.is_none() {
+            if tracing.limits.splitting > 1 && self.origin.is_none() {
                 self.split(index, &vertex, tracing);
                 return None;
             }
@@ -241,18 +209,6 @@ impl Path {
 
         // Sample the BSDF for the next direction, and play Russian roulette
         self.scatter(&vertex, tracing)
-    }
-
-    /// Gathers the light of the environment, or shares it where a branch of a shared surface has come to it.
-    #[inline]
-    fn leave_scene(&mut self, index: u32, direction: Vec3, tracing: &mut Tracing<'_>) {
-        match (self.sharing, self.origin) {
-            (Sharing::Group(group), Some(origin)) => {
-                self.light = tracing.scene.environment_radiance(direction, &self.wavelengths);
-                self.share_light(origin, group, index, Location::Sky(direction), tracing.queues);
-            }
-            _ => self.add_environment(tracing.scene, direction),
-        }
     }
 
     /// Absorbs along a segment of length `distance` (m) that ends at a point.
@@ -273,41 +229,6 @@ impl Path {
         if !emitted.is_black() {
             self.light += self.throughput * emitted * self.emission_weight(scene, point, wo, distance);
         }
-    }
-
-    /// Shares the first surface, and the second one.
-    // Out of the way of renders in which pixels share nothing.
-    #[inline(never)]
-    fn share(&mut self, index: u32, group: u32, vertex: &Vertex<'_>, queues: &mut Queues) {
-        self.sharing = Sharing::Nothing;
-        let Bsdf::Diffuse(Diffuse { reflectance }) = vertex.shading.bsdf else { return };
-        let Some(side) = Side::new(vertex.point, vertex.shading.frame.z, vertex.wo) else { return };
-        if self.medium.is_some() {
-            return;
-        }
-        match (self.depth, self.origin) {
-            (1, None) => {
-                let throughput = self.throughput * reflectance;
-                if throughput.is_black() {
-                    return;
-                }
-                self.sharing = Sharing::Group(group);
-                queues.firsts.push(FirstSurface { path: index, group, side, point: *vertex.point, throughput });
-            }
-            (2, Some(origin)) => {
-                queues.before.push((origin, self.light));
-                self.light = SampledSpectrum::ZERO;
-                self.throughput = SampledSpectrum::ONE;
-                self.share_light(origin, group, index, Location::Diffuse(side), queues);
-            }
-            _ => {}
-        }
-    }
-
-    /// Shares the light that this branch gathers from its second surface on.
-    fn share_light(&mut self, origin: u32, group: u32, branch: u32, location: Location, queues: &mut Queues) {
-        self.sharing = Sharing::Light;
-        queues.seconds.push(SecondSurface { origin, group, branch, location });
     }
 
     /// The light of a branch, at the wavelengths of the path that it comes from.
@@ -391,8 +312,7 @@ impl Path {
     /// Whether Russian roulette lets the path go on, with the random numbers from where the sampler is.
     #[inline]
     fn survives(&mut self, limits: &PathLimits, sampler: &mut Sampler) -> bool {
-        // The density of a shared second surface must be that of scattering alone.
-        if self.depth >= limits.roulette_depth && !matches!(self.sharing, Sharing::Group(_)) {
+        if self.depth >= limits.roulette_depth {
             let survival = self.throughput.max() * self.eta_scale;
             if survival < 1.0 {
                 if sampler.next_1d() >= survival {

@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
-use super::path::{PathLimits, Sharing};
+use super::path::PathLimits;
 use super::settings::RenderSettings;
 use crate::geometry::Ray;
 use crate::sampler::{SamplePosition, Sampler, SamplerKind};
@@ -33,7 +33,7 @@ pub struct Arrival {
     pub is_hero_alone: bool,
 }
 
-/// Tracer of plain paths through one scene, many at once: paths that neither split nor share what they find.
+/// Tracer of plain paths through one scene, many at once: paths that do not split.
 ///
 /// Light that arrives along a path is a function of its start alone, whatever paths are traced beside it. Several threads may
 /// call it at the same time, so that some prepare starts while others wait.
@@ -101,7 +101,7 @@ impl LoadedDevice {
 /// Paths that are started one by one and traced together.
 pub(super) trait Paths {
     /// Adds a path from the camera, with the random numbers from a position on.
-    fn start(&mut self, ray: Ray, wavelengths: Wavelengths, position: SamplePosition, sharing: Sharing);
+    fn start(&mut self, ray: Ray, wavelengths: Wavelengths, position: SamplePosition);
     /// Number of paths that were started, before they are traced.
     fn len(&self) -> usize;
     /// Traces all paths that were started to their ends. Breaks where that has failed, and nothing has arrived.
@@ -129,8 +129,7 @@ impl<'a> DevicePaths<'a> {
 }
 
 impl Paths for DevicePaths<'_> {
-    fn start(&mut self, ray: Ray, wavelengths: Wavelengths, position: SamplePosition, sharing: Sharing) {
-        debug_assert_eq!(sharing, Sharing::Nothing, "renders in which pixels share are refused");
+    fn start(&mut self, ray: Ray, wavelengths: Wavelengths, position: SamplePosition) {
         self.starts.push(PathStart { ray, wavelengths, position });
     }
 

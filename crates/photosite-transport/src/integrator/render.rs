@@ -55,8 +55,8 @@ pub fn render_coarse(job: &RenderJob<'_>, film: &mut Film, step: &Listener<'_>) 
     }
     let (width, first_row) = (film.width(), film.image_rows().start);
     let is_seen = |pixel: usize| [pixel % width, first_row + pixel / width].iter().all(|at| at % COARSE_STEP == 0);
-    // Each of these pixels stands alone: it neither shares paths with its neighbours nor gets light from them.
-    let settings = RenderSettings { reuse: 1, light_paths: None, ..job.settings.clone() };
+    // Each of these pixels stands alone: paths from lights would bring light to all.
+    let settings = RenderSettings { light_paths: None, ..job.settings.clone() };
     let job = RenderJob { settings: &settings, ..*job };
     // What is not kept is no progress.
     let only_stops = |told: Step<'_>| {

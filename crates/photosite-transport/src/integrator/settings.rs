@@ -47,17 +47,10 @@ pub struct RenderSettings {
     #[schemars(transform = within(1.0..=f64::from(MOST_SPLITTING)))]
     #[keys(example = "4")]
     pub splitting: Option<u32>,
-    /// Path reuse: the number of neighbouring pixels that share their paths beyond the first surface where both are
-    /// diffuse, 1 to 64. With 16, a square, indirect light has as little noise as sixteen times the samples give, but
-    /// errors of neighbours are correlated. It is refused where a camera or a scene moves, and with wavelengths =
-    /// "own-filter" or light_paths. Left out: 1.
-    #[schemars(transform = within(1.0..=f64::from(MOST_REUSE)))]
-    #[keys(example = "16")]
-    pub reuse: u32,
     /// Light paths: the number of paths per sample that start on emitting surfaces, 0 to 64. They find caustics, the
     /// light that glass, mirrors and polished metal focus on other surfaces; in scenes without these, and where strategy
     /// chooses so, all light that comes by way of other surfaces, as from a lamp behind a screen. They are refused where a
-    /// camera or a scene moves, on sensors that scan, and with wavelengths = "own-filter" or reuse. Left out: what strategy
+    /// camera or a scene moves, on sensors that scan, and with wavelengths = "own-filter". Left out: what strategy
     /// chooses.
     #[schemars(transform = within(0.0..=MOST_LIGHT_PATHS))]
     #[keys(example = "0.5")]
@@ -125,7 +118,6 @@ pub enum WavelengthChoice {
 const MOST_SPLITTING: u32 = 256;
 
 /// Connections grow with the square.
-const MOST_REUSE: u32 = 64;
 
 /// Largest number of paths from lights per sample; more are better spent on other samples.
 const MOST_LIGHT_PATHS: f64 = 64.0;
@@ -141,7 +133,6 @@ impl Default for RenderSettings {
             roulette_depth: 5,
             strategy: StrategyChoice::Auto,
             splitting: None,
-            reuse: 1,
             light_paths: None,
             light_path_kind: None,
             wavelengths: WavelengthChoice::AllFilters,
@@ -172,14 +163,6 @@ impl RenderSettings {
         self.time_limit_s.and_then(|s| Duration::try_from_secs_f64(s).ok())
     }
 
-    /// Numbers of columns and rows of the groups of pixels that share: as near to a square as their number allows,
-    /// rather wide than high. A film of a part of the image begins with a whole group.
-    pub fn reuse_columns_and_rows(&self) -> [usize; 2] {
-        let pixels = self.reuse.max(1);
-        let rows = (1..=pixels.isqrt()).rev().find(|&rows| pixels.is_multiple_of(rows)).unwrap_or(1);
-        [pixels / rows, rows].map(|n| n as usize)
-    }
-
     /// Refuses what cannot be rendered. Keys are those of the capture file's `[render]` table.
     pub fn validate(&self) -> Result<(), Invalid> {
         self.check_ranges()?;
@@ -189,35 +172,10 @@ impl RenderSettings {
             return Err(Invalid::new("time_limit_s", format!("must be above 0, got {time}"))
                 .help("for example time_limit_s = 30"));
         }
-        if self.reuse > 1 && self.wavelengths == WavelengthChoice::OwnFilter {
-            let message =
-                "cannot be combined with wavelengths = \"own-filter\": what pixels share has the same wavelengths";
-            return Err(Invalid::new("reuse", message).help("remove one of the two"));
-        }
         if self.light_paths() > 0.0 && self.wavelengths == WavelengthChoice::OwnFilter {
             let message = "cannot be combined with wavelengths = \"own-filter\": light comes to pixels of all filters";
             return Err(Invalid::new("light_paths", message).help("remove one of the two"));
         }
-        if self.reuse > 1 && self.light_paths() > 0.0 {
-            let message =
-                "cannot be combined with light_paths: what paths from lights find counts by the pixel that sees it";
-            return Err(Invalid::new("reuse", message).help("remove one of the two"));
-        }
         Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pixels_that_share_are_as_near_to_a_square_as_their_number_allows() {
-        for (reuse, columns_and_rows) in
-            [(1, [1, 1]), (2, [2, 1]), (7, [7, 1]), (12, [4, 3]), (16, [4, 4]), (32, [8, 4]), (64, [8, 8])]
-        {
-            let settings = RenderSettings { reuse, ..RenderSettings::default() };
-            assert_eq!(settings.reuse_columns_and_rows(), columns_and_rows, "{reuse}");
-        }
     }
 }

@@ -5,9 +5,8 @@
 use std::ops::ControlFlow;
 
 use super::mis_ratio::MisRatio;
-use super::path::{Contribution, DiffuseBatch, Path, PathLimits, Queues, Sharing, Tracing};
+use super::path::{Contribution, DiffuseBatch, Path, PathLimits, Queues, Tracing};
 use super::path_tracer::Paths;
-use super::reuse::Connections;
 use crate::geometry::{Geometry, Hit, Ray};
 use crate::sampler::{SamplePosition, Sampler};
 use crate::scene::Scene;
@@ -24,7 +23,7 @@ pub fn radiance(
     limits: PathLimits,
 ) -> SampledSpectrum {
     let mut wavefront = Wavefront::new(limits, MisRatio::NONE);
-    wavefront.start(ray, *wavelengths, sampler.position(), Sharing::Nothing);
+    wavefront.start(ray, *wavelengths, sampler.position());
     let _ = wavefront.trace(scene, sampler);
     let (light, remaining) = wavefront.arrived(0);
     *wavelengths = *remaining;
@@ -47,7 +46,6 @@ pub(super) struct Wavefront {
     diffuse: DiffuseBatch,
     queues: Queues,
     occluded: Vec<bool>,
-    connections: Connections,
     /// Rays that were traced to surfaces and to lights.
     rays: [u64; 2],
 }
@@ -99,27 +97,8 @@ impl Wavefront {
             diffuse: DiffuseBatch::new(),
             queues: Queues::default(),
             occluded: Vec::new(),
-            connections: Connections::default(),
             rays: [0; 2],
         }
-    }
-
-    /// Connects the first and second surfaces of each group, and adds the light of the connections.
-    fn share(&mut self, scene: &Scene) {
-        let Self { paths, branched, queues: Queues { firsts, seconds, before, .. }, connections, .. } = self;
-        for (origin, light) in before.drain(..) {
-            branched[origin as usize] += light;
-        }
-        // A stable sort: the surfaces of one group stay in the order of their paths.
-        firsts.sort_by_key(|first| first.group);
-        seconds.sort_by_key(|second| second.group);
-        let light = |index: usize| {
-            let second = &seconds[index];
-            paths[second.branch as usize].arrived_at(&paths[second.origin as usize])
-        };
-        connections.share(scene, (firsts, seconds), light, |path, light| branched[path as usize] += light);
-        firsts.clear();
-        seconds.clear();
     }
 
     /// Advances all active paths from one surface to the next.
@@ -180,9 +159,9 @@ impl Wavefront {
 
 impl Paths for Wavefront {
     #[inline]
-    fn start(&mut self, ray: Ray, wavelengths: Wavelengths, position: SamplePosition, sharing: Sharing) {
+    fn start(&mut self, ray: Ray, wavelengths: Wavelengths, position: SamplePosition) {
         self.active.push(self.paths.len() as u32, ray);
-        self.paths.push(Path::new(wavelengths, position, self.mis_ratio, sharing));
+        self.paths.push(Path::new(wavelengths, position, self.mis_ratio));
     }
 
     fn len(&self) -> usize {
@@ -205,13 +184,8 @@ impl Paths for Wavefront {
         let (started, branches) = self.paths.split_at(started_count);
         for branch in branches {
             let Some(origin) = branch.origin.map(|index| index as usize) else { continue };
-            if branch.sharing != Sharing::Light {
-                self.branched[origin] += branch.arrived_at(&started[origin]);
-            }
+            self.branched[origin] += branch.arrived_at(&started[origin]);
         }
-
-        // Connect first and second surfaces of the groups
-        self.share(scene);
         ControlFlow::Continue(())
     }
 
@@ -365,7 +339,7 @@ mod tests {
                 };
                 for index in 0..count {
                     let (ray, wavelengths) = start(&mut sampler, index);
-                    wavefront.start(ray, wavelengths, sampler.position(), Sharing::Nothing);
+                    wavefront.start(ray, wavelengths, sampler.position());
                 }
                 let _ = wavefront.trace(&scene, &mut sampler);
                 let mut lit = 0;

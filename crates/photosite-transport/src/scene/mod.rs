@@ -113,11 +113,6 @@ impl Scene {
         self.scene_traits().any(SceneTraits::may_cast_caustics)
     }
 
-    /// Whether any material scatters by Lambert's law alone, so that pixels can share what is seen from it.
-    pub fn has_diffuse(&self) -> bool {
-        self.models().any(|model| matches!(model, Model::Diffuse(_)))
-    }
-
     /// Traits of the materials' scattering models.
     fn scene_traits(&self) -> impl Iterator<Item = &dyn SceneTraits> {
         let layered = self.layered.iter().map(|layers| layers as &dyn SceneTraits);

@@ -6,7 +6,6 @@ use std::ops::Range;
 use super::tracer::{DrawnSample, Tracer};
 use crate::film::FilmBand;
 use crate::integrator::light_paths::{Splat, Splats};
-use crate::integrator::path::Sharing;
 use crate::integrator::path_tracer::Paths;
 use crate::optics::{CameraRay, CameraSample};
 use crate::sampler::{SamplePosition, Sampler};
@@ -22,8 +21,8 @@ struct CameraRayBatch {
     /// The random numbers that choose the wavelengths.
     u_wavelengths: Vec<f32>,
     wavelengths: Vec<Wavelengths>,
-    /// Position of the sampler after these numbers, and what the path shares.
-    starts: Vec<(SamplePosition, Sharing)>,
+    /// Position of the sampler after these numbers.
+    starts: Vec<SamplePosition>,
 }
 
 impl CameraRayBatch {
@@ -64,12 +63,6 @@ pub(super) struct BandWorker<'a, 'f, P> {
     /// Targets, one for each path of the wavefront.
     targets: Vec<PixelTarget<'a>>,
     batch: CameraRayBatch,
-    /// Pixels of the current block with the samples that they lack.
-    missing: Vec<(usize, Range<u32>)>,
-    /// Random numbers for the wavelengths of the samples of a batch, where pixels share them.
-    u_wavelengths: Vec<f32>,
-    /// Number of groups of paths that share, so far.
-    groups: u32,
     /// Number of paths since the last report.
     paths: u64,
 }
@@ -99,21 +92,18 @@ impl<'a, 'f, P: Paths> BandWorker<'a, 'f, P> {
             wavefront,
             targets: Vec::with_capacity(max_paths as usize),
             batch: CameraRayBatch::default(),
-            missing: Vec::new(),
-            u_wavelengths: Vec::new(),
-            groups: 0,
             paths: 0,
         }
     }
 
-    /// Adds all missing samples of the band, block by block of `block_columns` columns.
-    pub(super) fn fill(mut self, block_columns: usize) {
-        for first_column in (0..self.width).step_by(block_columns) {
-            // Pixels that share their paths get all of this pass or nothing.
+    /// Adds all missing samples of the band, pixel by pixel.
+    pub(super) fn fill(mut self) {
+        for pixel in 0..self.band.pixels() {
+            // A pixel gets all of this pass or nothing.
             if self.tracer.go_on().is_break() {
                 break;
             }
-            self.add_block(first_column..self.width.min(first_column + block_columns), block_columns);
+            self.add_pixel(pixel);
             self.tracer.report_paths(&mut self.paths, PATHS_PER_REPORT);
         }
         self.flush();
@@ -126,66 +116,31 @@ impl<'a, 'f, P: Paths> BandWorker<'a, 'f, P> {
         [pixel % self.width, self.first_row + (self.first_pixel + pixel) / self.width]
     }
 
-    /// Adds the missing samples of the pixels in some columns.
-    fn add_block(&mut self, columns: Range<usize>, block_columns: usize) {
-        // Collect the missing samples
-        let Self { band, wanted, first_pixel, missing, .. } = self;
-        let pixels = (0..band.pixels()).step_by(self.width).flat_map(|row| columns.clone().map(move |x| row + x));
-        missing.clear();
-        missing.extend(pixels.map(|pixel| (pixel, band.samples(pixel)..wanted(*first_pixel + pixel))));
-        let all = hull(missing.iter().map(|(_, missing)| missing.clone()));
-
-        // Start their paths, batch by batch of as many samples of each pixel as a wavefront holds
-        let block_size = block_columns * self.tracer.block_size()[1];
-        let samples = (self.max_paths / block_size as u32).max(1);
-        for start in all.clone().step_by(samples as usize) {
-            let indices = start..all.end.min(start + samples);
-            if self.wavefront.len() + self.missing.len() * indices.len() > self.max_paths as usize {
+    /// Adds the missing samples of a pixel, batch by batch of as many as a wavefront holds.
+    fn add_pixel(&mut self, pixel: usize) {
+        let missing = self.band.samples(pixel)..(self.wanted)(self.first_pixel + pixel);
+        for start in missing.clone().step_by(self.max_paths as usize) {
+            let indices = start..missing.end.min(start + self.max_paths);
+            if self.wavefront.len() + indices.len() > self.max_paths as usize {
                 self.flush();
             }
-            self.start_batch(columns.start, indices, block_size > 1);
+            self.paths += indices.len() as u64;
+            self.prepare(pixel, indices.clone());
+            self.generate(pixel, indices.start);
         }
     }
 
-    /// Starts the paths of some samples of all pixels of the block. Those of one sample share their wavelengths if
-    /// `shares`.
-    fn start_batch(&mut self, first_column: usize, indices: Range<u32>, shares: bool) {
-        if shares {
-            let first_sample = self.tracer.job.settings.samples().start;
-            let position = self.position(first_column);
-            let samples = indices.clone().map(|index| first_sample + index);
-            let u = samples.map(|sample| self.tracer.wavelength_number(position, sample, &mut self.sampler));
-            self.u_wavelengths.clear();
-            self.u_wavelengths.extend(u);
-        }
-        for i in 0..self.missing.len() {
-            let (pixel, ref missing) = self.missing[i];
-            let own = missing.start.max(indices.start)..missing.end.min(indices.end);
-            self.prepare(pixel, own.clone(), indices.start);
-            self.generate(pixel, own.start);
-            self.paths += own.len() as u64;
-        }
-        self.groups += indices.len() as u32;
-    }
-
-    /// Draws the camera samples and wavelengths of samples of a pixel, in a batch whose first sample is `batch_start`.
-    fn prepare(&mut self, pixel: usize, indices: Range<u32>, batch_start: u32) {
+    /// Draws the camera samples and wavelengths of samples of a pixel.
+    fn prepare(&mut self, pixel: usize, indices: Range<u32>) {
         let position = self.position(pixel);
-        let Self { tracer, sampler, batch, u_wavelengths, groups, .. } = self;
+        let Self { tracer, sampler, batch, .. } = self;
         let first_sample = tracer.job.settings.samples().start;
         batch.clear();
         for index in indices {
-            let DrawnSample { camera, u_wavelengths: u_own, next } =
-                tracer.draw(position, first_sample + index, sampler);
-            // Pixels that share have the same wavelengths
-            let in_batch = (index - batch_start) as usize;
-            let (u, sharing) = match u_wavelengths.get(in_batch) {
-                Some(&u) => (u, Sharing::Group(*groups + in_batch as u32)),
-                None => (u_own, Sharing::Nothing),
-            };
+            let DrawnSample { camera, u_wavelengths, next } = tracer.draw(position, first_sample + index, sampler);
             batch.samples.push(camera);
-            batch.u_wavelengths.push(u);
-            batch.starts.push((next, sharing));
+            batch.u_wavelengths.push(u_wavelengths);
+            batch.starts.push(next);
         }
         let wavelengths = tracer.wavelengths.at(position[0], position[1]);
         batch.wavelengths.extend(batch.u_wavelengths.iter().map(|&u| wavelengths.sample(u)));
@@ -206,8 +161,7 @@ impl<'a, 'f, P: Paths> BandWorker<'a, 'f, P> {
                 band.add(pixel, [splats.iter().map(Splat::light)]);
                 return;
             };
-            let (position, sharing) = starts[i];
-            wavefront.start(ray, *wavelengths, position, sharing);
+            wavefront.start(ray, *wavelengths, starts[i]);
             let transmitted = tracer.spectra.sample(tracer.transmittance, wavelengths) * weights * weight;
             targets.push(PixelTarget { pixel, transmitted, splats });
         });

@@ -15,7 +15,6 @@ use super::band_worker::{PATHS_PER_REPORT, hull};
 use super::tracer::{DrawnSample, Tracer};
 use crate::film::{Film, FilmBand, LandingRow, OneWavelength};
 use crate::integrator::light_paths::{LightTracer, Splats};
-use crate::integrator::path::Sharing;
 use crate::integrator::path_tracer::{DevicePaths, Paths};
 use crate::optics::{CameraRay, CameraSample, Landing, LandingRay, LensRays};
 use crate::sampler::{SamplePosition, Sampler};
@@ -318,7 +317,7 @@ impl<'a, P: Paths> LandingWorker<'a, P> {
         tracer.job.camera.land_each(samples, wavelengths, rays, REACH as u32, starts_path, |i, ray| {
             let Some(ray) = ray else { return };
             let (sample, cell, position) = starts[i];
-            wavefront.start(ray.of_hero.ray, wavelengths[i], position, Sharing::Nothing);
+            wavefront.start(ray.of_hero.ray, wavelengths[i], position);
             let transmittance = tracer.spectra.sample(tracer.transmittance, &wavelengths[i]);
             targets.push(PathTarget { sample, transmittance, ray, cell });
         });

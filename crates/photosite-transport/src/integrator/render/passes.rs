@@ -67,13 +67,12 @@ impl Tracer<'_> {
 
     /// Adds the missing samples to all pixels of a film, with what paths from lights bring to them.
     pub(super) fn add_samples(&self, film: &mut Film, wanted: &(dyn Fn(usize) -> u32 + Sync), splats: &Splats) {
-        let [block_columns, block_rows] = self.block_size();
         match self.job.device {
-            None => self.fill_bands(film, block_rows, block_columns, wanted, splats, || self.wavefront()),
+            None => self.fill_bands(film, 1, wanted, splats, || self.wavefront()),
             Some(device) => {
                 let rows = self.rows_of_batch(film, wanted, device.batch_size());
                 let paths = || (DevicePaths::new(device), device.batch_size() as u32);
-                self.fill_bands(film, rows, block_columns, wanted, splats, paths);
+                self.fill_bands(film, rows, wanted, splats, paths);
             }
         }
     }
@@ -83,7 +82,6 @@ impl Tracer<'_> {
         &self,
         film: &mut Film,
         rows: usize,
-        block_columns: usize,
         wanted: &(dyn Fn(usize) -> u32 + Sync),
         splats: &Splats,
         make: impl Fn() -> (P, u32) + Sync,
@@ -91,7 +89,7 @@ impl Tracer<'_> {
         let (width, first_row) = (film.width(), film.image_rows().start);
         let fill = |(index, band): (usize, FilmBand<'_>)| {
             let first_pixel = index * rows * width;
-            BandWorker::new(self, band, first_pixel, [width, first_row], wanted, splats, make()).fill(block_columns);
+            BandWorker::new(self, band, first_pixel, [width, first_row], wanted, splats, make()).fill();
         };
         // One by one: of many that a thread had begun to share out, others could not take any while it was busy with
         // the first.

@@ -108,9 +108,8 @@ pub fn may_plan_light_paths(settings: &RenderSettings, scene: &Scene, camera: &C
 
 /// Whether settings leave something to be chosen, and an image of that many pixels has samples to spare.
 fn is_planned(settings: &RenderSettings, pixels: u64) -> bool {
-    let RenderSettings { strategy, reuse, wavelengths, max_depth, .. } = *settings;
+    let RenderSettings { strategy, wavelengths, max_depth, .. } = *settings;
     strategy == StrategyChoice::Auto
-        && reuse <= 1
         && wavelengths == WavelengthChoice::AllFilters
         && max_depth > 1
         && expected_samples(settings, pixels) >= FEWEST_SAMPLES

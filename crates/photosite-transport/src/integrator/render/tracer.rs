@@ -111,19 +111,12 @@ impl<'a> Tracer<'a> {
         (Wavefront::new(self.limits, mis_ratio), max_paths)
     }
 
-    /// Numbers of columns and rows of pixels that share what lies beyond their first surfaces.
-    pub(super) fn block_size(&self) -> [usize; 2] {
-        let may_share = !self.job.camera.moves() && self.job.scene.has_diffuse();
-        if may_share { self.job.settings.reuse_columns_and_rows() } else { [1, 1] }
-    }
-
     /// Whether the four wavelengths of a path land in pixels of their own, see
-    /// [`landings`](super::landings). Where wavelengths depend on the pixel, paths share what they find, or a branch may
-    /// lose its wavelengths and not the path, the hero goes alone.
+    /// [`landings`](super::landings). Where wavelengths depend on the pixel, or a branch may lose its wavelengths and
+    /// not the path, the hero goes alone.
     pub(super) fn lands_wavelengths(&self) -> bool {
         let RenderJob { scene, camera, settings, .. } = *self.job;
         camera.lands_wavelengths()
-            && self.block_size() == [1, 1]
             && self.wavelengths.are_the_same_everywhere()
             && !(scene.disperses() && settings.splitting() > 1)
     }
@@ -159,14 +152,5 @@ impl<'a> Tracer<'a> {
         let pixel = camera.cells().place(pixel, within.map(f64::from));
         let camera = CameraSample { pixel, aperture, time, spread };
         DrawnSample { camera, u_wavelengths, next: sampler.position() }
-    }
-
-    /// The random number that chooses the wavelengths of a sample of a pixel.
-    pub(super) fn wavelength_number(&self, pixel: [usize; 2], sample: u32, sampler: &mut Sampler) -> f32 {
-        let (sequence, first_index) = self.order.place(pixel.map(|n| n as u32));
-        sampler.start(sequence, first_index + sample);
-        sampler.skip();
-        sampler.skip();
-        sampler.next_1d()
     }
 }
