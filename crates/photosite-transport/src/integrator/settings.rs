@@ -117,8 +117,6 @@ pub enum WavelengthChoice {
 /// Largest number of paths from one surface; more are better spent on other samples.
 const MOST_SPLITTING: u32 = 256;
 
-/// Connections grow with the square.
-
 /// Largest number of paths from lights per sample; more are better spent on other samples.
 const MOST_LIGHT_PATHS: f64 = 64.0;
 

@@ -183,7 +183,7 @@ impl<'a> Planner<'a> {
         // What is found of all indirect light tells of caustics, too.
         let pilot_light_paths = LightPaths {
             number: if is_open { PILOT_LIGHT_PATHS } else { set_to },
-            kind: light_paths.iter().map(|light_paths| light_paths.kind).last().unwrap_or(none.kind),
+            kind: light_paths.last().map_or(none.kind, |light_paths| light_paths.kind),
         };
         let pilots = PilotSamples {
             job,
