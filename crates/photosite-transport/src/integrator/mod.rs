@@ -1,6 +1,6 @@
 //! Light transport: how much radiance arrives along a ray ([`radiance`]), and the loop over the pixels ([`render`]),
-//! which may give each pixel the samples that it needs ([`pilot`]). Paths go from the camera, in waves, and those of
-//! neighbouring pixels may share what they find; others start at lights for the sake of caustics.
+//! which may give each pixel the samples that it needs ([`pilot`]). Paths go from the camera, in waves; others start at lights,
+//! for the sake of caustics or of all indirect light.
 //!
 //! In: a [`Scene`](crate::scene::Scene), a camera, responses. Out: a [`Film`](crate::film::Film).
 

@@ -188,9 +188,3 @@ impl<'a, 'f, P: Paths> BandWorker<'a, 'f, P> {
         wavefront.clear();
     }
 }
-
-/// The smallest range that holds all that are not empty.
-pub(super) fn hull(ranges: impl Iterator<Item = Range<u32>>) -> Range<u32> {
-    let all = ranges.filter(|range| !range.is_empty());
-    all.reduce(|all, own| all.start.min(own.start)..all.end.max(own.end)).unwrap_or(0..0)
-}

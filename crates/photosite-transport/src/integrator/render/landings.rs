@@ -11,7 +11,8 @@ use std::ops::{ControlFlow, Range};
 
 use rayon::prelude::*;
 
-use super::band_worker::{PATHS_PER_REPORT, hull};
+use super::band_worker::PATHS_PER_REPORT;
+use super::passes::missing_samples;
 use super::tracer::{DrawnSample, Tracer};
 use crate::film::{Film, FilmBand, LandingRow, OneWavelength};
 use crate::integrator::light_paths::{LightTracer, Splats};
@@ -109,7 +110,7 @@ impl Tracer<'_> {
         let (width, rows) = (film.width(), film.image_rows());
         let least = (0..film.counts().len()).map(wanted).fold(beyond, u32::min);
         let pass = Pass { tracer: self, width, rows, wanted, beyond, least };
-        let all = hull((0..).zip(film.counts()).map(|(pixel, &done)| done..wanted(pixel)));
+        let all = missing_samples(film, wanted);
         let together = samples_together(width);
         let light_paths = self.light_tracer.as_ref().map_or(together, LightTracer::samples_per_batch);
         let together = together.min(light_paths);

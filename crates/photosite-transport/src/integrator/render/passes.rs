@@ -1,10 +1,10 @@
 //! Passes over the whole image, until every pixel has its samples.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 use rayon::prelude::*;
 
-use super::band_worker::{BandWorker, hull};
+use super::band_worker::BandWorker;
 use super::tracer::Tracer;
 use crate::film::{Film, FilmBand};
 use crate::integrator::light_paths::Splats;
@@ -50,7 +50,7 @@ impl Tracer<'_> {
             self.add_samples(film, wanted, &Splats::default());
             return self.go_on();
         };
-        let all = hull((0..).zip(film.counts()).map(|(pixel, &done)| done..wanted(pixel)));
+        let all = missing_samples(film, wanted);
         let first = self.job.settings.samples().start;
         // The splats of many light paths would not fit into memory.
         for start in all.clone().step_by(light_tracer.samples_per_batch()) {
@@ -105,4 +105,11 @@ impl Tracer<'_> {
         let together = (batch_size as u64).min(of_thread);
         (film.height() as u64 * together / paths).clamp(1, film.height().max(1) as u64) as usize
     }
+}
+
+/// The smallest range that holds all samples that pixels of a film lack.
+pub(super) fn missing_samples(film: &Film, wanted: impl Fn(usize) -> u32) -> Range<u32> {
+    let of_pixels = (0..).zip(film.counts()).map(|(pixel, &done)| done..wanted(pixel));
+    let all = of_pixels.filter(|missing| !missing.is_empty());
+    all.reduce(|all, own| all.start.min(own.start)..all.end.max(own.end)).unwrap_or(0..0)
 }
