@@ -1,7 +1,10 @@
 //! Cards of this machine, and the one that is opened.
 
+use std::collections::HashMap;
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use crate::kernels::Kernels;
 
 /// Card, or software that stands for one, as its driver describes it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -96,6 +99,8 @@ pub struct Card {
     queue: wgpu::Queue,
     /// Error of the driver that no call returned.
     fault: Arc<Mutex<Option<String>>>,
+    /// Kernels that are compiled, by the layers of scenes.
+    compiled: Mutex<HashMap<u32, Arc<Kernels>>>,
 }
 
 /// Opens the card of that number, or the first that is no software. `None` where there is none.
@@ -132,7 +137,7 @@ pub fn open(number: Option<usize>) -> Result<Option<Card>, String> {
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| on_error(error.to_string())));
     let on_loss = said(&fault);
     device.set_device_lost_callback(move |reason, words| on_loss(format!("the device is lost ({reason:?}): {words}")));
-    Ok(Some(Card { adapter: description, device, queue, fault }))
+    Ok(Some(Card { adapter: description, device, queue, fault, compiled: Mutex::default() }))
 }
 
 impl fmt::Debug for Card {
@@ -153,6 +158,10 @@ impl Card {
 
     pub(crate) fn queue(&self) -> &wgpu::Queue {
         &self.queue
+    }
+
+    pub(crate) fn compiled(&self) -> MutexGuard<'_, HashMap<u32, Arc<Kernels>>> {
+        self.compiled.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The last error of the driver that no call returned.

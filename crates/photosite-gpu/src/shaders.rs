@@ -3,9 +3,11 @@
 use std::fmt::Write;
 
 use photosite_core::spectrum::{LAMBDA_MIN_NM, TABLE_LEN};
+use photosite_transport::bsdf::microfacet::SMALLEST_ALPHA;
+use photosite_transport::scene::packed::layers::flag;
 use photosite_transport::scene::packed::lights::colour;
 use photosite_transport::scene::packed::materials::{self, alpha, model};
-use photosite_transport::scene::packed::{self, hierarchy, lights};
+use photosite_transport::scene::packed::{self, albedos, hierarchy, layers, lights};
 
 use crate::params::{FIELDS, SAMPLER_INDEPENDENT, SAMPLER_SOBOL};
 
@@ -17,7 +19,7 @@ pub const STATE_WORDS: u32 = 13;
 pub const START_WORDS: u32 = 4;
 
 /// Files in the order of what they need.
-const FILES: [&str; 24] = [
+const FILES: [&str; 32] = [
     include_str!("wgsl/hash.wgsl"),
     include_str!("wgsl/sampler.wgsl"),
     include_str!("wgsl/math.wgsl"),
@@ -38,9 +40,17 @@ const FILES: [&str; 24] = [
     include_str!("wgsl/bsdf/phong.wgsl"),
     include_str!("wgsl/bsdf/translucent.wgsl"),
     include_str!("wgsl/bsdf/thin_dielectric.wgsl"),
-    include_str!("wgsl/bsdf/layered.wgsl"),
+    include_str!("wgsl/bsdf/albedo.wgsl"),
+    include_str!("wgsl/bsdf/sheen.wgsl"),
+    include_str!("wgsl/bsdf/layered/layers.wgsl"),
+    include_str!("wgsl/bsdf/layered/thin_film.wgsl"),
+    include_str!("wgsl/bsdf/layered/reflectance.wgsl"),
+    include_str!("wgsl/bsdf/layered/energy_split.wgsl"),
+    include_str!("wgsl/bsdf/layered/scatter.wgsl"),
     include_str!("wgsl/bsdf/dispatch.wgsl"),
     include_str!("wgsl/shading.wgsl"),
+    include_str!("wgsl/layered_shading.wgsl"),
+    include_str!("wgsl/medium.wgsl"),
     LIGHTS,
 ];
 
@@ -89,7 +99,16 @@ const NUMBERS: &[(&str, u32)] = &[
     ("MODEL_LAYERED", model::LAYERED),
     ("ALPHA_OPAQUE", alpha::OPAQUE),
     ("ALPHA_MASK", alpha::MASK),
-    ("ALBEDO_NODES", packed::ALBEDO_NODES as u32),
+    ("LAYER_WORDS", layers::LAYER_WORDS as u32),
+    ("LAYERS_ANY", flag::ANY),
+    ("LAYERS_TRANSMISSION", flag::TRANSMISSION),
+    ("LAYERS_VOLUME", flag::VOLUME),
+    ("LAYERS_DISPERSIVE", flag::DISPERSIVE),
+    ("LAYERS_DIFFUSE_TRANSMISSION", flag::DIFFUSE_TRANSMISSION),
+    ("LAYERS_GROOVES", flag::GROOVES),
+    ("LAYERS_FILM", flag::FILM),
+    ("LAYERS_SHEEN", flag::SHEEN),
+    ("LAYERS_COAT", flag::COAT),
     ("COLOUR_SPECTRUM", colour::SPECTRUM),
     ("COLOUR_TEXTURE", colour::TEXTURE),
     ("COLOUR_SPECTRUM_TEXTURE", colour::SPECTRUM_TEXTURE),
@@ -116,16 +135,22 @@ const BINDINGS: &str = "\
 @group(0) @binding(6) var<storage, read> texels: array<u32>;
 ";
 
-/// Text of the functions, without the kernels of the wavefront.
-pub fn functions() -> String {
+/// Text of the functions, without the kernels of the wavefront, for scenes whose materials of glTF have these layers
+/// ([`flag`]).
+pub fn functions(layers: u32) -> String {
     let mut text = String::new();
-    for (name, value) in NUMBERS {
+    let counts = albedos::NODE_COUNTS.map(|(name, count)| (name, count as u32));
+    for (name, value) in NUMBERS.iter().chain(&counts).chain(&[("SCENE_LAYERS", layers)]) {
         let _ = writeln!(text, "const {name} = {value}u;");
     }
     let [sky_first_nm, sky_step_nm] = lights::SKY_NM;
-    for (name, value) in
-        [("LAMBDA_MIN_NM", LAMBDA_MIN_NM), ("SKY_FIRST_NM", sky_first_nm), ("SKY_STEP_NM", sky_step_nm)]
-    {
+    let numbers = [
+        ("LAMBDA_MIN_NM", LAMBDA_MIN_NM),
+        ("SKY_FIRST_NM", sky_first_nm),
+        ("SKY_STEP_NM", sky_step_nm),
+        ("SMALLEST_ALPHA", SMALLEST_ALPHA),
+    ];
+    for (name, value) in numbers.into_iter().chain(albedos::TABLE_ENDS) {
         let _ = writeln!(text, "const {name} = {value:?}f;");
     }
     text += "struct Params {\n";
@@ -138,7 +163,7 @@ pub fn functions() -> String {
     text
 }
 
-/// Text of all kernels of the wavefront.
-pub fn wavefront() -> String {
-    functions() + include_str!("wgsl/path.wgsl")
+/// Text of all kernels of the wavefront, for scenes of these layers.
+pub fn wavefront(layers: u32) -> String {
+    functions(layers) + include_str!("wgsl/path.wgsl")
 }

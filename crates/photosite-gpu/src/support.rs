@@ -7,8 +7,8 @@ use photosite_transport::bsdf::Model;
 use photosite_transport::integrator::RenderSettings;
 use photosite_transport::light::LightKind;
 use photosite_transport::scene::description::{
-    AlphaMode, EnvironmentDescription, InstanceDescription, LayeredDescription, LightDescription, MaterialDescription,
-    MaterialModel, MeshDescription, SceneDescription,
+    AlphaMode, EnvironmentDescription, InstanceDescription, LightDescription, MaterialDescription, MaterialModel,
+    MeshDescription, SceneDescription,
 };
 
 /// First thing that keeps a scene and its settings from a card, with the key or the name of what asks for it; `None` where
@@ -70,23 +70,9 @@ fn of_model(model: &MaterialModel) -> Option<&'static str> {
             (glass.energy_compensation && is_rough).then_some("energy_compensation of rough glass")
         }
         Model::Retroreflective(_) => Some("retroreflective sheeting"),
-        Model::Layered(layers) => of_layers(layers),
+        Model::Layered(_) => None,
         Model::Mix(mix) => mix.models.iter().find_map(of_model),
     }
-}
-
-/// Part of glTF's material that a card cannot do.
-fn of_layers(layers: &LayeredDescription) -> Option<&'static str> {
-    let transmits = layers.transmission.value > 0.0 || layers.absorption_per_m.is_some();
-    let extensions = [
-        (transmits, "transmission of glTF's material"),
-        (layers.diffuse_transmission.is_some(), "diffuse transmission of glTF's material"),
-        (layers.anisotropy.is_some(), "anisotropy of glTF's material"),
-        (layers.film.is_some(), "iridescence of glTF's material"),
-        (layers.sheen.is_some(), "sheen of glTF's material"),
-        (layers.coat.is_some(), "the clear coat of glTF's material"),
-    ];
-    extensions.into_iter().find_map(|(is_set, what)| is_set.then_some(what))
 }
 
 fn of_light(light: &LightDescription) -> Option<Invalid> {
@@ -138,13 +124,13 @@ fn is_pane(model: &MaterialModel) -> bool {
         Model::ThinDielectric(_) => true,
         Model::Dielectric(glass) => glass.index.is_one(),
         Model::Mix(mix) => mix.models.iter().any(is_pane),
+        Model::Layered(layers) => layers.transmission.value > 0.0,
         Model::Diffuse(_)
         | Model::Conductor(_)
         | Model::OrenNayar(_)
         | Model::Phong(_)
         | Model::Translucent(_)
-        | Model::Retroreflective(_)
-        | Model::Layered(_) => false,
+        | Model::Retroreflective(_) => false,
     }
 }
 
@@ -154,7 +140,7 @@ mod tests {
     use photosite_core::spectrum::{Dispersion, Spectrum, library};
     use photosite_transport::light::PointLight;
     use photosite_transport::scene::description::{
-        Colour, Conductor, Diffuse, EmissionDescription, Mix, Roughness, TexturedColour, TexturedFactor, ThinDielectric,
+        Colour, Conductor, Diffuse, EmissionDescription, Mix, Roughness, TexturedColour, ThinDielectric,
     };
 
     use super::*;
@@ -182,13 +168,10 @@ mod tests {
         let silver = library::conductor("Ag").expect("a metal");
         let (eta, k, distribution) = (silver.eta, silver.k, Roughness::isotropic(0.5));
         let compensated = Model::Conductor(Conductor { eta, k, distribution, energy_compensation: true });
-        let clear = LayeredDescription { transmission: TexturedFactor::plain(0.5), ..Default::default() };
         let mixed = Mix { models: [grey(), compensated.clone()], weight: 0.5 };
-        for (model, named) in [
-            (compensated, "energy_compensation"),
-            (Model::Layered(Box::new(clear)), "transmission"),
-            (Model::Mix(Box::new(mixed)), "energy_compensation"),
-        ] {
+        for (model, named) in
+            [(compensated, "energy_compensation"), (Model::Mix(Box::new(mixed)), "energy_compensation")]
+        {
             let words = words(&scene(model), &RenderSettings::default());
             assert!(words.starts_with("materials.thing: ") && words.contains(named), "{words}");
         }

@@ -13,8 +13,9 @@ use wgpu::util::DeviceExt;
 
 use crate::adapters::Card;
 use crate::buffers::{Layouts, bind, scene_buffers};
+use crate::kernels::Kernels;
 use crate::params;
-use crate::shaders::{START_WORDS, STATE_WORDS, WORKGROUP_SIZE, wavefront};
+use crate::shaders::{START_WORDS, STATE_WORDS, WORKGROUP_SIZE};
 
 /// Paths in a batch at most: enough to keep a large card busy, 240 MB of states.
 const LARGEST_BATCH: u64 = 1 << 20;
@@ -37,7 +38,7 @@ pub(crate) struct Tracer {
     device: wgpu::Device,
     queue: wgpu::Queue,
     fault: Arc<Mutex<Option<String>>>,
-    kernels: Kernels,
+    kernels: Arc<Kernels>,
     scene: wgpu::BindGroup,
     max_depth: u32,
     capacity: u32,
@@ -45,16 +46,6 @@ pub(crate) struct Tracer {
     idle: Mutex<Vec<Batch>>,
     is_idle: Condvar,
     rays: [AtomicU64; 2],
-}
-
-/// Kernels of the wavefront.
-struct Kernels {
-    generate: wgpu::ComputePipeline,
-    extend: wgpu::ComputePipeline,
-    shade: wgpu::ComputePipeline,
-    shadow: wgpu::ComputePipeline,
-    count: wgpu::ComputePipeline,
-    arrive: wgpu::ComputePipeline,
 }
 
 /// Buffers of paths that are traced together.
@@ -73,40 +64,6 @@ struct Batch {
 
 fn unlocked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-impl Kernels {
-    fn new(device: &wgpu::Device, layouts: &Layouts) -> Self {
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("wavefront"),
-            source: wgpu::ShaderSource::Wgsl(wavefront().into()),
-        });
-        let kernel = |name: &str, groups: &[Option<&wgpu::BindGroupLayout>]| {
-            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: None,
-                bind_group_layouts: groups,
-                immediate_size: 0,
-            });
-            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-                label: Some(name),
-                layout: Some(&layout),
-                module: &module,
-                entry_point: Some(name),
-                compilation_options: Default::default(),
-                cache: None,
-            })
-        };
-        let Layouts { scene, paths, counted } = layouts;
-        let of_paths = [Some(scene), Some(paths)];
-        Self {
-            generate: kernel("generate", &of_paths),
-            extend: kernel("extend", &of_paths),
-            shade: kernel("shade", &of_paths),
-            shadow: kernel("shadow", &of_paths),
-            count: kernel("count", &[Some(scene), Some(paths), Some(counted)]),
-            arrive: kernel("arrive", &of_paths),
-        }
-    }
 }
 
 impl Batch {
@@ -147,6 +104,7 @@ impl Tracer {
         sampler: SamplerKind,
     ) -> Result<Self, Invalid> {
         let (device, queue) = (card.device().clone(), card.queue().clone());
+        let kernels = card.kernels(scene.layers)?;
         let of_device = device.limits();
         let bytes = of_device.max_storage_buffer_binding_size.min(of_device.max_buffer_size);
         let most = if card.adapter().is_software { SOFTWARE_BATCH } else { LARGEST_BATCH };
@@ -154,7 +112,6 @@ impl Tracer {
         let scopes =
             [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation].map(|of| device.push_error_scope(of));
 
-        let layouts = Layouts::new(&device);
         let numbers = params::values(scene, limits, sampler, capacity);
         let numbers = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("params"),
@@ -163,9 +120,8 @@ impl Tracer {
         });
         let tables = scene_buffers(&device, scene, &of_device)?;
         let buffers: Vec<&wgpu::Buffer> = std::iter::once(&numbers).chain(&tables).collect();
-        let scene = bind(&device, &layouts.scene, &buffers);
-        let kernels = Kernels::new(&device, &layouts);
-        let idle = (0..BATCHES).map(|_| Batch::new(&device, &layouts, u64::from(capacity))).collect();
+        let scene = bind(&device, &kernels.layouts.scene, &buffers);
+        let idle = (0..BATCHES).map(|_| Batch::new(&device, &kernels.layouts, u64::from(capacity))).collect();
 
         // The last scope ends first
         for scope in scopes.into_iter().rev() {

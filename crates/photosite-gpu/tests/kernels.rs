@@ -6,11 +6,18 @@ use wgpu::naga;
 
 #[test]
 fn naga_accepts_all_kernels() {
-    let text = wavefront();
-    let module = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+    // Without any layers of glTF, and with all.
+    for layers in [0, u32::MAX] {
+        let text = wavefront(layers);
+        accepts(&text);
+    }
+}
+
+fn accepts(text: &str) {
+    let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
     let all = naga::valid::ValidationFlags::all();
     let mut validator = naga::valid::Validator::new(all, naga::valid::Capabilities::empty());
-    validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
+    validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
     let mut names: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
     names.sort_unstable();
     assert_eq!(names, ["arrive", "count", "extend", "generate", "shade", "shadow"]);

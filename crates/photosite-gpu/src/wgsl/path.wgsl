@@ -33,7 +33,7 @@ const LAST_POINT = 6u;
 /// Normal of the last vertex, and whether both of its sides count.
 const LAST_NORMAL = 7u;
 const RANDOM = 8u;
-/// Square of the indices that were passed, whether the hero is alone, instance of the hit.
+/// Square of the indices that were passed, whether the hero is alone, instance of the hit, absorbing medium of the path.
 const REST = 9u;
 const SHADOW_ORIGIN_TARGET = 10u;
 const SHADOW_DIRECTION_END = 11u;
@@ -92,7 +92,7 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
     store(LAMBDA, i, starts[4u * i + 2u]);
     store_f32(LAST_POINT, i, vec4<f32>(0.0, 0.0, 0.0, -1.0));
     store(RANDOM, i, starts[4u * i + 3u]);
-    store(REST, i, vec4<u32>(bitcast<u32>(1.0f), direction.w, 0u, 0u));
+    store(REST, i, vec4<u32>(bitcast<u32>(1.0f), direction.w, 0u, NONE));
     lists[i] = i;
 }
 
@@ -124,7 +124,7 @@ fn emission_weight(i: u32, point: SurfacePoint, wo: vec3<f32>, distance: f32) ->
 }
 
 /// Samples a light, and queues its shadow ray with what the path gathers if nothing is in the way.
-fn sample_direct_light(i: u32, point: SurfacePoint, shading: Shading, wo: vec3<f32>, ctx: LightContext, u: vec2<f32>, throughput: vec4<f32>, lambda_nm: vec4<f32>) {
+fn sample_direct_light(i: u32, point: SurfacePoint, shading: Shading, wo: vec3<f32>, ctx: LightContext, u: vec2<f32>, throughput: vec4<f32>, medium: u32, lambda_nm: vec4<f32>) {
     let choice = choose_light(ctx, u.x);
     if (choice.light == NONE) {
         return;
@@ -140,7 +140,12 @@ fn sample_direct_light(i: u32, point: SurfacePoint, shading: Shading, wo: vec3<f
         return;
     }
     let scattering = eval_bsdf(shading.bsdf, wo_local, wi_local);
-    let contribution = light.radiance * scattering.f * (abs(wi_local.z) / light.pdf);
+    var contribution = light.radiance * scattering.f * (abs(wi_local.z) / light.pdf);
+    if (HAS_MEDIA && !light.is_distant) {
+        // Where shadow rays end at the boundary, light comes from within.
+        let crossed = select(medium, medium_across(point, light.wi, medium), is_transmission);
+        contribution *= transmittance(crossed, distance(point.position, light.position), lambda_nm);
+    }
     let weight = select(power_heuristic(light.pdf, scattering.pdf), 1.0, light.is_delta);
     let brought = throughput * (contribution * weight);
     if (is_black(brought)) {
@@ -200,6 +205,13 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
     let hit = Hit(bitcast<f32>(hit_words.x), bitcast<vec2<f32>>(hit_words.yz), hit_words.w, rest.z);
     let point = surface_point(hit);
     let wo = -direction;
+    var medium = NONE;
+    if (HAS_MEDIA) {
+        // Absorb along the segment: a volume seen from behind has been crossed, whether or not its front was met before.
+        let behind = absorption_behind(point, wo);
+        medium = select(behind, rest.w, behind == NONE);
+        throughput *= transmittance(medium, hit.t, lambda_nm);
+    }
     let emission = emitted(point, wo, lambda_nm);
     if (!is_black(emission)) {
         store_f32(LIGHT, i, load_f32(LIGHT, i) + throughput * emission * emission_weight(i, point, wo, hit.t));
@@ -213,7 +225,7 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
     // Look up the BSDF, and drop the secondary wavelengths if it cannot serve them
     let shading = shading_at(point, wo, lambda_nm);
     let bsdf_is_delta = is_delta(shading.bsdf);
-    if (shading.bsdf.is_dispersive && !bsdf_is_delta) {
+    if (needs_single_wavelength(shading.bsdf)) {
         is_hero_alone = 1u;
         throughput = vec4<f32>(throughput.x, 0.0, 0.0, 0.0);
     }
@@ -221,11 +233,15 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
     let random_words = load(RANDOM, i);
     var random = Sampler(random_words.xy, random_words.z, random_words.w);
 
+    // Prepare the BSDF for both that follow
+    let wo_local = to_local(shading.frame, wo);
+    view_bsdf(shading.bsdf, wo_local);
+
     // Sample direct illumination, and queue its shadow ray. It leaves the same triangle as the ray that goes on.
     let leaving = spawn_ray(point, wo);
     if (!bsdf_is_delta) {
         let u = next_2d(&random);
-        sample_direct_light(i, point, shading, wo, ctx, u, throughput, lambda_nm);
+        sample_direct_light(i, point, shading, wo, ctx, u, throughput, medium, lambda_nm);
     }
 
     // Sample the BSDF
@@ -236,7 +252,6 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
         skip(&random);
     }
     let u = next_2d(&random);
-    let wo_local = to_local(shading.frame, wo);
     let sample = sample_bsdf(shading.bsdf, wo_local, u_lobe, u);
     let wi = to_world(shading.frame, sample.wi);
     var goes_on = sample.pdf > 0.0 && !leaks(point, shading.bsdf, wo, wi, sample.is_transmission);
@@ -247,6 +262,9 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
         throughput = vec4<f32>(throughput.x, 0.0, 0.0, 0.0);
     }
     let eta_scale = bitcast<f32>(rest.x) * sample.eta * sample.eta;
+    if (HAS_MEDIA && sample.is_transmission) {
+        medium = medium_across(point, wi, medium);
+    }
 
     // Play Russian roulette
     if (goes_on && depth >= params.roulette_depth) {
@@ -261,7 +279,7 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
     let ray = spawn_ray(point, wi);
     store(ORIGIN_LEAVES, i, vec4<u32>(bitcast<vec3<u32>>(ray.origin), leaving.leaves));
     store(DIRECTION_INSTANCE, i, vec4<u32>(bitcast<vec3<u32>>(wi), leaving.leaves_instance));
-    store(REST, i, vec4<u32>(bitcast<u32>(eta_scale), is_hero_alone, 0u, 0u));
+    store(REST, i, vec4<u32>(bitcast<u32>(eta_scale), is_hero_alone, 0u, medium));
     if (!goes_on) {
         return;
     }

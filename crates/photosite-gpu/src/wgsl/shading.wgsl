@@ -59,31 +59,15 @@ fn base_colour_at(source: vec4<u32>, factor: vec3<f32>, point: SurfacePoint, lam
     return colour_at(source, factor, point, lambda_nm) * polynomial(reflectance_of(vertex), lambda_nm);
 }
 
-/// Parameters of glTF's material, whose words begin at a place; `Scene::layers`.
-fn look_up_layers(bsdf: ptr<function, Bsdf>, at: u32, point: SurfacePoint, lambda_nm: vec4<f32>) {
-    let head = tables[at];
-    let base_factor = bitcast<vec3<f32>>(tables[at + 2u].xyz);
-    let specular_source = tables[at + 3u];
-    let metallic = tables[at + 5u];
-    let roughness = tables[at + 6u];
-    (*bsdf).first = base_colour_at(tables[at + 1u], base_factor, point, lambda_nm);
-    var specular_colour = vec4<f32>(1.0);
-    if (specular_source.x != COLOUR_SPECTRUM || specular_source.y != NONE) {
-        specular_colour = colour_at(specular_source, bitcast<vec3<f32>>(tables[at + 4u].xyz), point, lambda_nm);
-    }
-    (*bsdf).second = min(specular_colour * bitcast<f32>(head.y), vec4<f32>(1.0));
-    (*bsdf).specular = factor_at(bitcast<f32>(head.z), head.w, metallic.w, point);
-    (*bsdf).metallic = factor_at(bitcast<f32>(metallic.x), metallic.y, metallic.z, point);
-    let rough = factor_at(bitcast<f32>(roughness.x), roughness.y, roughness.z, point);
-    let alpha = rough * rough;
-    // Below the smallest roughness a surface is smooth.
-    (*bsdf).roughness = vec2<f32>(select(0.0, alpha, alpha >= 1e-4));
+/// Words of a material's normal map and of what absorbs behind it.
+fn normal_map_of(point: SurfacePoint) -> vec4<u32> {
+    return tables[params.materials + point.material * MATERIAL_WORDS + MATERIAL_WORDS - 1u];
 }
 
-fn shading_frame(point: SurfacePoint, wo: vec3<f32>, is_two_sided: bool) -> Frame {
+/// The shading frame with a normal map applied, if there is one; `mapped_frame`.
+fn mapped_frame(map: vec4<u32>, point: SurfacePoint, wo: vec3<f32>, is_two_sided: bool) -> Frame {
     var normal = point.shading_normal;
     var geometric = point.geometric_normal;
-    let map = tables[params.materials + point.material * MATERIAL_WORDS + MATERIAL_WORDS - 1u];
     if (map.x != NONE) {
         let bump = 2.0 * linear_texture_at(map.x, point).xyz - 1.0;
         let scale = bitcast<f32>(map.y);
@@ -114,7 +98,7 @@ fn shading_at(point: SurfacePoint, wo: vec3<f32>, lambda_nm: vec4<f32>) -> Shadi
     let factor = bitcast<vec3<f32>>(tables[at + 2u].xyz);
     let second_source = tables[at + 3u];
     let second_factor = bitcast<vec3<f32>>(tables[at + 4u].xyz);
-    var bsdf = Bsdf(head.x, bitcast<vec2<f32>>(head.yz), vec4<f32>(0.0), vec4<f32>(0.0), false, 0.0, 0.0);
+    var bsdf = Bsdf(head.x, bitcast<vec2<f32>>(head.yz), vec4<f32>(0.0), vec4<f32>(0.0), false);
     switch head.x {
         case MODEL_CONDUCTOR: {
             bsdf.first = spectrum(source.y, lambda_nm);
@@ -137,13 +121,15 @@ fn shading_at(point: SurfacePoint, wo: vec3<f32>, lambda_nm: vec4<f32>) -> Shadi
             bsdf.second = colour_at(second_source, second_factor, point, lambda_nm);
         }
         case MODEL_LAYERED: {
-            look_up_layers(&bsdf, at, point, lambda_nm);
+            if (HAS_LAYERED) {
+                return layered_shading(at, point, wo, lambda_nm);
+            }
         }
         default: {
             bsdf.first = colour_at(source, factor, point, lambda_nm);
         }
     }
-    return Shading(shading_frame(point, wo, !refracts(head.x)), bsdf);
+    return Shading(mapped_frame(normal_map_of(point), point, wo, !refracts(bsdf)), bsdf);
 }
 
 /// Whether light would leak through an opaque surface whose shading normal disagrees with the geometric one.

@@ -8,10 +8,10 @@ use photosite_core::spectrum::{Dispersion, Spectrum, library};
 use photosite_transport::geometry::QuadricKind;
 use photosite_transport::light::{DirectionalLight, PointLight, SpotLight};
 use photosite_transport::scene::description::{
-    AlphaMode, Channel, Colour, Conductor, Dielectric, Diffuse, EmissionDescription, EnvironmentDescription,
-    ImageLevel, InstanceDescription, LayeredDescription, LightDescription, LightKind, MaterialDescription,
-    MaterialModel, MeshDescription, Mix, OrenNayar, Phong, Roughness, SceneDescription, TextureDescription,
-    TexturedColour, TexturedFactor, ThinDielectric, Translucent,
+    AlphaMode, AnisotropyDescription, Channel, CoatDescription, Colour, Conductor, Dielectric, Diffuse,
+    EmissionDescription, EnvironmentDescription, FilmDescription, ImageLevel, InstanceDescription, LayeredDescription,
+    LightDescription, LightKind, MaterialDescription, MaterialModel, MeshDescription, Mix, OrenNayar, Phong, Roughness,
+    SceneDescription, TextureDescription, TexturedColour, TexturedFactor, ThinDielectric, Translucent,
 };
 use photosite_transport::scene::{Scene, build};
 use photosite_transport::texture::{Bitmap, Filter, SamplerSettings, Texels, UvTransform, Wrap};
@@ -322,6 +322,105 @@ pub(crate) fn outdoors() -> Stage {
             &[still],
         )
         .environment(sky(3.0, 20.0, 0.2, true))
+}
+
+/// glTF's material with each of its extensions, on things in a room that a window lights.
+pub(crate) fn layers() -> Stage {
+    let still = DAffine3::IDENTITY;
+    let mut scene = Stage::default();
+    let dots = (0..64u32).map(|i| if (i % 8 + i / 8) % 3 == 0 { [250, 180, 90, 255] } else { [90, 140, 220, 255] });
+    scene.0.images.push(bitmap(8, 8, Texels::Rgba8(dots.collect())));
+    let texture = TextureDescription {
+        image: 0,
+        sampler: SamplerSettings { wrap: [Wrap::Repeat; 2], filter: Filter::Linear },
+        transform: UvTransform { scale: Vec2::splat(2.0), ..UvTransform::default() },
+        uv_set: 0,
+    };
+    let channel = |value: f32, channel: Channel| TexturedFactor { value, texture: Some((texture.clone(), channel)) };
+    let plain = TexturedFactor::plain;
+    let tint = |rgb: [f32; 3]| TexturedColour::plain(Colour::Rgb(rgb));
+    let thing = |colour: [f32; 3], roughness: f32| LayeredDescription {
+        base_colour: tint(colour),
+        roughness: plain(roughness),
+        ..LayeredDescription::default()
+    };
+    let of = |layers: LayeredDescription| MaterialModel::Layered(Box::new(layers));
+    let film = |textured: bool| FilmDescription {
+        weight: plain(0.9),
+        index: 1.4,
+        thickness_nm: [250.0, 500.0],
+        thickness_texture: textured.then(|| texture.clone()),
+    };
+    let coat = |roughness: f32, is_bumpy: bool| CoatDescription {
+        weight: plain(0.9),
+        roughness: plain(roughness),
+        normal_map: is_bumpy.then(|| (texture.clone(), 0.3)),
+    };
+    let absorption = Some(Spectrum::from_fn(|l| if l > 550.0 { 0.4 } else { 2.5 }));
+    let crystal = LayeredDescription {
+        transmission: plain(1.0),
+        absorption_per_m: absorption.clone(),
+        index: library::glass("SF11").expect("a glass"),
+        ..thing([1.0, 0.95, 0.9], 0.0)
+    };
+    let frosted = LayeredDescription {
+        transmission: plain(0.9),
+        absorption_per_m: absorption,
+        film: Some(film(false)),
+        ..thing([0.9; 3], 0.5)
+    };
+    let foil = LayeredDescription { transmission: channel(0.9, Channel::R), ..thing([0.6, 0.9, 0.7], 0.3) };
+    let curtain = LayeredDescription {
+        diffuse_transmission: Some((plain(0.5), tint([0.9, 0.6, 0.3]))),
+        ..thing([0.5, 0.6, 0.8], 0.8)
+    };
+    let velvet = LayeredDescription {
+        sheen: Some((tint([0.8, 0.3, 0.5]), channel(0.7, Channel::G))),
+        ..thing([0.2, 0.05, 0.1], 0.9)
+    };
+    let brushed = LayeredDescription {
+        metallic: plain(1.0),
+        anisotropy: Some(AnisotropyDescription { strength: 0.7, rotation_rad: 0.5, texture: Some(texture.clone()) }),
+        ..thing([0.9, 0.7, 0.4], 0.3)
+    };
+    let beetle = LayeredDescription {
+        metallic: plain(0.7),
+        film: Some(film(true)),
+        coat: Some(coat(0.1, true)),
+        ..thing([0.6, 0.5, 0.4], 0.4)
+    };
+    let car = LayeredDescription { coat: Some(coat(0.0, false)), ..thing([0.7, 0.1, 0.1], 0.6) };
+    let grooved_glass = LayeredDescription {
+        transmission: plain(0.8),
+        absorption_per_m: Some(Spectrum::constant(0.5)),
+        anisotropy: Some(AnisotropyDescription { strength: 0.5, rotation_rad: 0.0, texture: None }),
+        sheen: Some((tint([0.3; 3]), plain(0.5))),
+        coat: Some(coat(0.4, false)),
+        ..thing([0.8, 0.9, 1.0], 0.4)
+    };
+    let mixed = Mix { models: [of(car.clone()), of(velvet.clone())], weight: 0.5 };
+    let (ground, wall) = (square(Vec3::ZERO, 3.0 * Vec3::Z, 3.0 * Vec3::X), Vec3::new(0.0, 1.2, -2.4));
+    let bumps = texture.clone();
+    let mut stage = scene
+        .add("ground", diffuse([0.5, 0.45, 0.4]), ground, &[still])
+        .add("wall", of(velvet), square(wall, 2.5 * Vec3::X, 1.2 * Vec3::Y), &[still])
+        .add("crystal", of(crystal), ball(14, 0.0, true), &[placed([-1.0, 0.5, 0.5], 0.4)])
+        .add("frosted", of(frosted), ball(12, 0.02, false), &[placed([0.0, 0.45, 0.8], 0.35)])
+        .add("foil", of(foil), square(Vec3::new(1.0, 0.7, 0.9), 0.4 * Vec3::X, 0.5 * Vec3::Y), &[still])
+        .add("curtain", of(curtain), square(Vec3::new(-1.8, 0.9, -0.4), 0.5 * Vec3::Z, 0.7 * Vec3::Y), &[still])
+        .add("brushed", of(brushed), square(Vec3::new(0.7, 0.6, -1.4), 0.5 * Vec3::X, 0.5 * Vec3::Y), &[still])
+        .add("beetle", of(beetle), square(Vec3::new(-0.6, 0.7, -1.7), 0.5 * Vec3::X, 0.6 * Vec3::Y), &[still])
+        .add("car", of(car), ball(12, 0.05, true), &[placed([1.4, 0.45, -0.5], 0.45)])
+        .add("grooved", of(grooved_glass), quadric(QuadricKind::Sphere), &[placed([0.3, 0.4, -0.4], 0.38)])
+        .add("mixed", MaterialModel::Mix(Box::new(mixed)), ball(10, 0.0, true), &[placed([-0.9, 0.35, -0.7], 0.3)])
+        .shine("window", light(700.0), true, square(Vec3::new(2.4, 1.6, 0.3), 0.8 * Vec3::Z, 0.6 * Vec3::Y), still)
+        .environment(sky(20.0, 60.0, 0.3, false));
+    for material in &mut stage.0.materials {
+        if material.name == "car" || material.name == "foil" {
+            material.normal_map = Some((bumps.clone(), 0.3));
+        }
+    }
+    stage
 }
 
 /// Panes before a wall that shines, in a room of constant light: no lamp without a surface.

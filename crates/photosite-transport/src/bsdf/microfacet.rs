@@ -22,7 +22,7 @@ use super::directions::GRAZING;
 
 /// Smallest roughness α, below which a surface counts as smooth: its lobe is narrower than 0.01°, and the rounding of
 /// unit vectors (6e-8) would show in D.
-const SMALLEST_ALPHA: f32 = 1e-4;
+pub const SMALLEST_ALPHA: f32 = 1e-4;
 
 /// A GGX distribution of facet normals, or no roughness at all.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -54,8 +54,7 @@ use lobe::Lobe as _;
 use photosite_core::math::{Pdf, SolidAngle};
 use photosite_core::spectrum::SampledSpectrum;
 
-pub use albedo::ALBEDO_NODES;
-pub(crate) use albedo::albedo_words;
+pub use albedo::packed as albedo_tables;
 pub(crate) use directions::{EDGE_ON_COSINE, GRAZING, MIN_SHADING_COSINE};
 pub use form::{Form, Map, MapAll, RelativeIndex, Sampled, TableForm};
 pub use layered::{Coat, Layered, Sheen, ThinFilm, Volume};

@@ -1,15 +1,7 @@
 // Clear media; photosite-transport's bsdf/dielectric.rs, without energy compensation.
 
-const SMALLEST_BLUR = 2e-6f;
-
 fn is_delta_dielectric(bsdf: Bsdf) -> bool {
-    let widest = max(bsdf.roughness.x, bsdf.roughness.y);
-    return is_smooth(bsdf.roughness) || widest * abs(bsdf.first.x - 1.0) < SMALLEST_BLUR;
-}
-
-/// A value for the hero, and for the other wavelengths unless the direction depends on them.
-fn lanes_of(value: f32, is_dispersive: bool) -> vec4<f32> {
-    return select(vec4<f32>(value), vec4<f32>(value, 0.0, 0.0, 0.0), is_dispersive);
+    return is_delta_interface(bsdf.first.x, bsdf.roughness);
 }
 
 fn eval_dielectric(bsdf: Bsdf, wo_seen: vec3<f32>, wi_seen: vec3<f32>) -> BsdfEval {
@@ -25,16 +17,12 @@ fn eval_dielectric(bsdf: Bsdf, wo_seen: vec3<f32>, wi_seen: vec3<f32>) -> BsdfEv
         let reflectance = interface_of(kernel.cos_facet, eta).reflectance;
         return BsdfEval(lanes_of(kernel.value * reflectance, bsdf.is_dispersive), kernel.pdf * reflectance);
     }
-    let sum = wo + eta * wi;
-    let stretch = length(sum);
-    let m = sum / with_sign(stretch, sum.z);
-    let cos_o = dot(wo, m);
-    let cos_i = -dot(wi, m);
-    if (!(cos_o > 0.0 && cos_i > 0.0)) {
+    var facet = refracting_facet(wo, wi, eta);
+    if (!(facet.cos_o > 0.0 && facet.cos_i > 0.0)) {
         return no_scattering();
     }
-    let transmittance = interface_between(min(cos_o, 1.0), min(cos_i, 1.0), eta).transmittance;
-    let both = refraction(bsdf.roughness, wo, wi, Refraction(eta, m, cos_o, cos_i, stretch, transmittance));
+    facet.transmittance = interface_between(min(facet.cos_o, 1.0), min(facet.cos_i, 1.0), eta).transmittance;
+    let both = refraction(bsdf.roughness, wo, wi, facet);
     return BsdfEval(lanes_of(both.x, bsdf.is_dispersive), both.y);
 }
 

@@ -1,5 +1,12 @@
 // The choice of the model; photosite-transport's bsdf/model.rs.
 
+/// Prepares a BSDF for the direction from which it is seen, before it is evaluated or sampled.
+fn view_bsdf(bsdf: Bsdf, wo: vec3<f32>) {
+    if (HAS_LAYERED && bsdf.model == MODEL_LAYERED) {
+        view_layers(bsdf, wo);
+    }
+}
+
 fn eval_bsdf(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
     switch bsdf.model {
         case MODEL_DIFFUSE: { return eval_diffuse(bsdf, wo, wi); }
@@ -8,10 +15,11 @@ fn eval_bsdf(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
         case MODEL_OREN_NAYAR: { return eval_oren_nayar(bsdf, wo, wi); }
         case MODEL_PHONG: { return eval_phong(bsdf, wo, wi); }
         case MODEL_TRANSLUCENT: { return eval_translucent(bsdf, wo, wi); }
-        case MODEL_LAYERED: { return eval_layered(bsdf, wo, wi); }
+        case MODEL_LAYERED: { if (HAS_LAYERED) { return eval_layered(bsdf, wi); } }
         // A pane scatters into single directions.
-        default: { return no_scattering(); }
+        default: {}
     }
+    return no_scattering();
 }
 
 fn sample_bsdf(bsdf: Bsdf, wo: vec3<f32>, u_lobe: f32, u: vec2<f32>) -> BsdfSample {
@@ -22,9 +30,10 @@ fn sample_bsdf(bsdf: Bsdf, wo: vec3<f32>, u_lobe: f32, u: vec2<f32>) -> BsdfSamp
         case MODEL_OREN_NAYAR: { return sample_oren_nayar(bsdf, wo, u_lobe, u); }
         case MODEL_PHONG: { return sample_phong(bsdf, wo, u_lobe, u); }
         case MODEL_TRANSLUCENT: { return sample_translucent(bsdf, wo, u_lobe, u); }
-        case MODEL_LAYERED: { return sample_layered(bsdf, wo, u_lobe, u); }
+        case MODEL_LAYERED: { if (HAS_LAYERED) { return sample_layered(bsdf, u_lobe, u); } }
         default: { return sample_thin_dielectric(bsdf, wo, u_lobe); }
     }
+    return no_sample();
 }
 
 /// Whether sampling chooses among lobes, so that its first random number matters.
@@ -33,7 +42,20 @@ fn has_lobes(bsdf: Bsdf) -> bool {
 }
 
 fn transmits(bsdf: Bsdf) -> bool {
-    return bsdf.model == MODEL_DIELECTRIC || bsdf.model == MODEL_TRANSLUCENT || bsdf.model == MODEL_THIN_DIELECTRIC;
+    switch bsdf.model {
+        case MODEL_DIELECTRIC, MODEL_TRANSLUCENT, MODEL_THIN_DIELECTRIC: { return true; }
+        case MODEL_LAYERED: { return transmits_layered(); }
+        default: { return false; }
+    }
+}
+
+/// Whether dispersion keeps the BSDF from serving all wavelengths of a path.
+fn needs_single_wavelength(bsdf: Bsdf) -> bool {
+    switch bsdf.model {
+        case MODEL_DIELECTRIC: { return bsdf.is_dispersive && !is_delta_dielectric(bsdf); }
+        case MODEL_LAYERED: { return layered_needs_single_wavelength(bsdf); }
+        default: { return false; }
+    }
 }
 
 /// Whether every lobe is a single direction.
@@ -48,6 +70,6 @@ fn is_delta(bsdf: Bsdf) -> bool {
 }
 
 /// Whether the surface separates two media, so that the frame keeps its side.
-fn refracts(model: u32) -> bool {
-    return model == MODEL_DIELECTRIC;
+fn refracts(bsdf: Bsdf) -> bool {
+    return bsdf.model == MODEL_DIELECTRIC || bsdf.model == MODEL_LAYERED && refracts_layered();
 }

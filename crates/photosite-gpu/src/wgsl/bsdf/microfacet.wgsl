@@ -58,6 +58,26 @@ struct Refraction {
     transmittance: f32,
 }
 
+/// The facet that refracts wo, above it, into wi, below it, with a transmittance of 1; `Refraction::between`.
+fn refracting_facet(wo: vec3<f32>, wi: vec3<f32>, eta: f32) -> Refraction {
+    let sum = wo + eta * wi;
+    let stretch = length(sum);
+    let m = sum / with_sign(stretch, sum.z);
+    return Refraction(eta, m, dot(wo, m), -dot(wi, m), stretch, 1.0);
+}
+
+const SMALLEST_BLUR = 2e-6f;
+
+/// Whether an interface sends light into two directions only; `refraction::is_delta`.
+fn is_delta_interface(eta: f32, alpha: vec2<f32>) -> bool {
+    return is_smooth(alpha) || max(alpha.x, alpha.y) * abs(eta - 1.0) < SMALLEST_BLUR;
+}
+
+/// A value for the hero, and for the other wavelengths unless the direction depends on them.
+fn lanes_of(value: f32, is_dispersive: bool) -> vec4<f32> {
+    return select(vec4<f32>(value), vec4<f32>(value, 0.0, 0.0, 0.0), is_dispersive);
+}
+
 /// Value and density of refraction.
 fn refraction(alpha: vec2<f32>, wo: vec3<f32>, wi: vec3<f32>, facet: Refraction) -> vec2<f32> {
     let seen = wo.z + stretched_length(alpha, wo);

@@ -11,9 +11,6 @@ struct Bsdf {
     /// Extinction coefficient k; transmittance; specular reflectance.
     second: vec4<f32>,
     is_dispersive: bool,
-    /// Material of glTF, whose facets reflect `second` at normal incidence.
-    metallic: f32,
-    specular: f32,
 }
 
 struct BsdfEval {

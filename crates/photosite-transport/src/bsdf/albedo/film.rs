@@ -75,6 +75,22 @@ impl FilmWeights {
     }
 }
 
+/// Nodes along √α.
+pub(super) const ALPHAS: usize = 16;
+
+/// Weights by roughness and cosine.
+pub(super) fn table() -> &'static Grid<FilmWeights> {
+    static TABLE: OnceLock<Grid<FilmWeights>> = OnceLock::new();
+    TABLE.get_or_init(|| {
+        Grid::new(ALPHAS, NODES, |alpha, mu| {
+            if alpha == 0.0 {
+                return FilmWeights::hat(mu);
+            }
+            integrate(Ggx::new(alpha, alpha), from_cosine(mu), |_, cos_facet| FilmWeights::hat(cos_facet))
+        })
+    })
+}
+
 /// The weights for a GGX lobe of one roughness, directional and mean.
 #[derive(Clone, Copy)]
 pub(in crate::bsdf) struct FilmRow(GridRow<FilmWeights>);
@@ -82,16 +98,7 @@ pub(in crate::bsdf) struct FilmRow(GridRow<FilmWeights>);
 impl FilmRow {
     #[inline]
     pub(in crate::bsdf) fn of(distribution: Ggx) -> Self {
-        static TABLE: OnceLock<Grid<FilmWeights>> = OnceLock::new();
-        let table = TABLE.get_or_init(|| {
-            Grid::new(16, NODES, |alpha, mu| {
-                if alpha == 0.0 {
-                    return FilmWeights::hat(mu);
-                }
-                integrate(Ggx::new(alpha, alpha), from_cosine(mu), |_, cos_facet| FilmWeights::hat(cos_facet))
-            })
-        });
-        Self(table.row(distribution.mean_alpha()))
+        Self(table().row(distribution.mean_alpha()))
     }
 
     #[inline]

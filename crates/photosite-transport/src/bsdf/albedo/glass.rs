@@ -11,15 +11,15 @@ use crate::bsdf::microfacet::Ggx;
 use crate::bsdf::refraction::bounce;
 
 /// Tabulated indices: from 1 to this, even in √(n − 1), since total reflection sets in at the cosine √(n² − 1)/n.
-const LARGEST_INDEX: f32 = 3.0;
+pub(super) const LARGEST_INDEX: f32 = 3.0;
 pub(super) const INDICES: usize = 13;
 /// Nodes along √α and √μ where roughness is the same along x and y.
 pub(super) const ALPHAS: usize = 16;
 pub(super) const MUS: usize = 16;
 
 /// Indices and roughnesses of the table for anisotropic facets, which is integrated with fewer points.
-const ANISOTROPIC_INDICES: usize = 9;
-const ANISOTROPIC_ALPHAS: usize = 12;
+pub(super) const ANISOTROPIC_INDICES: usize = 9;
+pub(super) const ANISOTROPIC_ALPHAS: usize = 12;
 const ANISOTROPIC_LATTICE: (usize, usize) = (233, 144);
 
 /// The albedos of an interface, for light from either side.
@@ -129,7 +129,7 @@ fn bounced(eta: f32, distribution: Ggx, wo: Vec3, turn: f32, lattice: (usize, us
     Vec2::new(mean(eta), mean(1.0 / eta))
 }
 
-fn isotropic() -> &'static [Grid<Vec2>] {
+pub(super) fn isotropic() -> &'static [Grid<Vec2>] {
     static TABLE: OnceLock<Vec<Grid<Vec2>>> = OnceLock::new();
     TABLE.get_or_init(|| {
         let of_index = |i: usize| {
@@ -142,7 +142,7 @@ fn isotropic() -> &'static [Grid<Vec2>] {
 }
 
 /// Tables by index, smaller and larger roughness; entries of which the first is the larger one are never asked for.
-fn anisotropic() -> &'static [Azimuthal] {
+pub(super) fn anisotropic() -> &'static [Azimuthal] {
     static TABLE: OnceLock<Vec<Azimuthal>> = OnceLock::new();
     TABLE.get_or_init(|| {
         let alpha = |i: usize| node(i, ANISOTROPIC_ALPHAS).powi(2);

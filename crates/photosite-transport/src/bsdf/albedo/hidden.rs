@@ -42,33 +42,41 @@ impl Hidden {
     /// Part hidden by a coat of roughness `coat`.
     #[inline]
     pub(in crate::bsdf) fn by_coat(coat: Ggx, base: Ggx) -> Self {
-        static TABLE: OnceLock<Vec<Grid<Vec2>>> = OnceLock::new();
-        let table = TABLE.get_or_init(|| {
-            let layer = |alpha| {
-                let row = isotropic().row(alpha);
-                move |mu| Albedo(row.directional(mu)).at(COAT_F0)
-            };
-            Self::table(layer)
-        });
-        Self::of(table, coat.mean_alpha(), base)
+        Self::of(Self::of_coats(), coat.mean_alpha(), base)
     }
 
     /// Part hidden by sheen of roughness α `sheen`.
     #[inline]
     pub(in crate::bsdf) fn by_sheen(sheen: f32, base: Ggx) -> Self {
+        Self::of(Self::of_sheens(), position(sheen), base)
+    }
+
+    /// Nodes along the roughness of either layer and along √μ.
+    pub(super) const NODES: usize = 16;
+
+    /// Tables by the roughness of a coat.
+    pub(super) fn of_coats() -> &'static [Grid<Vec2>] {
         static TABLE: OnceLock<Vec<Grid<Vec2>>> = OnceLock::new();
-        let table = TABLE.get_or_init(|| {
+        TABLE.get_or_init(|| {
+            let layer = |alpha| {
+                let row = isotropic().row(alpha);
+                move |mu| Albedo(row.directional(mu)).at(COAT_F0)
+            };
+            Self::table(layer)
+        })
+    }
+
+    /// Tables by the place of sheen in its own.
+    pub(super) fn of_sheens() -> &'static [Grid<Vec2>] {
+        static TABLE: OnceLock<Vec<Grid<Vec2>>> = OnceLock::new();
+        TABLE.get_or_init(|| {
             let layer = |position| {
                 let row = sheen_grid().row(position);
                 move |mu| row.directional(mu).y
             };
             Self::table(layer)
-        });
-        Self::of(table, position(sheen), base)
+        })
     }
-
-    /// Nodes along the roughness of either layer and along √μ.
-    const NODES: usize = 16;
 
     fn table<L: Fn(f32) -> f32>(layer: impl Fn(f32) -> L) -> Vec<Grid<Vec2>> {
         let of_layer = |i: usize| {

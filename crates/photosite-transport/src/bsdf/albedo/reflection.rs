@@ -79,29 +79,19 @@ impl Row {
 /// Nodes of the isotropic table along each axis.
 pub(super) const NODES: usize = 32;
 
-/// Nodes of the table of albedos of isotropic facets, along √α and along √μ.
-pub const ALBEDO_NODES: usize = NODES;
-
-/// The albedos of isotropic facets as plain data: for each roughness those of all cosines and their mean, A and B in a
-/// word.
-pub(crate) fn albedo_words() -> Vec<[u32; 4]> {
-    let word = |albedo: Vec2| [albedo.x.to_bits(), albedo.y.to_bits(), 0, 0];
-    isotropic().rows().flat_map(|(row, mean)| row.iter().copied().chain([mean])).map(word).collect()
-}
-
 pub(super) fn isotropic() -> &'static Grid<Vec2> {
     static TABLE: OnceLock<Grid<Vec2>> = OnceLock::new();
     TABLE.get_or_init(|| Grid::new(NODES, NODES, |alpha, mu| reflected(Ggx::new(alpha, alpha), from_cosine(mu))))
 }
 
 /// Nodes of the anisotropic table: along √α of each axis, along √μ, and over a quarter of a turn.
-const ALPHAS: usize = 14;
-const MUS: usize = 16;
-const PHIS: usize = 5;
+pub(super) const ALPHAS: usize = 14;
+pub(super) const MUS: usize = 16;
+pub(super) const PHIS: usize = 5;
 
 /// A pair of albedos at one pair of roughnesses, by azimuth and cosine.
 pub(in crate::bsdf) struct Azimuthal {
-    directional: [[Vec2; MUS]; PHIS],
+    pub(super) directional: [[Vec2; MUS]; PHIS],
     pub(super) mean: Vec2,
 }
 
@@ -130,7 +120,7 @@ impl Azimuthal {
     }
 }
 
-fn anisotropic() -> &'static [Azimuthal] {
+pub(super) fn anisotropic() -> &'static [Azimuthal] {
     static TABLE: OnceLock<Vec<Azimuthal>> = OnceLock::new();
     TABLE.get_or_init(|| {
         let alpha = |i: usize| node(i, ALPHAS) * node(i, ALPHAS);

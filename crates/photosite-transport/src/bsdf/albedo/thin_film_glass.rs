@@ -70,7 +70,7 @@ impl FilmGlassRow {
 }
 
 /// Tables by side and index.
-fn table() -> &'static [Vec<Grid<FilmWeights>>; 2] {
+pub(super) fn table() -> &'static [Vec<Grid<FilmWeights>>; 2] {
     static TABLE: OnceLock<[Vec<Grid<FilmWeights>>; 2]> = OnceLock::new();
     TABLE.get_or_init(|| {
         let grid = |eta: f32| Grid::new(ALPHAS, MUS, |alpha, mu| weights(eta, Ggx::new(alpha, alpha), mu));

@@ -1,19 +1,20 @@
 //! Materials as plain data, with the table of the models that have a packed form.
 
+use super::layers::PackedLayers;
 use crate::bsdf::{
     Conductor, Dielectric, Diffuse, Ggx, Mix, Model, OrenNayar, Phong, RelativeIndex, ThinDielectric, Translucent,
 };
 use crate::geometry::{NONE, Word};
 use crate::light::packed::{colour, emission_words};
-use crate::scene::{Alpha, ColourSource, FactorSource, LayeredMaterial, Material, ScatteringModel, Scene, Tabled};
+use crate::scene::{Alpha, ColourSource, Material, NormalMap, ScatteringModel, Scene, Tabled};
 use photosite_core::Invalid;
 use photosite_core::spectrum::SpectrumId;
 
 /// Words of a material: model and roughness; two parameters with the factor of each; two factors that textures scale; its
-/// alpha; what it emits; its normal map.
+/// alpha; what it emits; its normal map, and the spectrum of what absorbs behind it.
 pub const MATERIAL_WORDS: usize = MODEL_WORDS + 4;
 /// Words of a model.
-const MODEL_WORDS: usize = 7;
+pub(super) const MODEL_WORDS: usize = 7;
 
 /// Numbers of the models in packed materials.
 pub mod model {
@@ -33,7 +34,7 @@ pub mod model {
     pub const THIN_DIELECTRIC: u32 = 6;
     /// Mix of two materials.
     pub const MIX: u32 = 7;
-    /// glTF's material without what its extensions lay over it or let through.
+    /// glTF's material.
     pub const LAYERED: u32 = 8;
 }
 
@@ -48,33 +49,31 @@ pub mod alpha {
 }
 
 impl Scene {
-    /// The materials, and behind them those that mixes are made of.
-    pub(super) fn packed_materials(&self) -> Result<Vec<Word>, Invalid> {
+    /// The materials, and behind them those that mixes are made of; and what glTF's extensions add to theirs.
+    pub(super) fn packed_materials(&self) -> Result<(Vec<Word>, PackedLayers), Invalid> {
+        let mut layers = PackedLayers::default();
         let mut words: Vec<Word> = Vec::new();
         // Models of mixes come behind all materials, whose numbers stay what they are.
         let mut more: Vec<&ScatteringModel> = Vec::new();
         let first = self.materials.len();
         for material in &self.materials {
             let Material { model, normal_map, emission, alpha, absorption } = material;
-            let unknown = |what: &str| Err(Invalid::new("materials", format!("{what} not known to devices yet")));
-            if absorption.is_some() {
-                return unknown("media that absorb are");
-            }
-            words.extend(self.model_words(model, first, &mut more)?);
+            words.extend(self.model_words(model, first, &mut more, &mut layers)?);
             words.push(alpha_word(alpha));
             words.extend(emission_words(emission.as_ref()));
-            words.push(normal_map.map_or([NONE, 0, 0, 0], |map| [map.texture, map.scale.to_bits(), 0, 0]));
+            let [map, scale, ..] = normal_map_word(*normal_map);
+            words.push([map, scale, absorption.map_or(NONE, SpectrumId::number), 0]);
         }
         let mut next = 0;
         while let Some(&model) = more.get(next) {
-            let own = self.model_words(model, first, &mut more)?;
+            let own = self.model_words(model, first, &mut more, &mut layers)?;
             words.extend(own);
             words.push(alpha_word(&Alpha::Opaque));
             words.extend(emission_words(None));
-            words.push([NONE, 0, 0, 0]);
+            words.push([NONE, 0, NONE, 0]);
             next += 1;
         }
-        Ok(words)
+        Ok((words, layers))
     }
 
     /// A model with its parameters. Those that a mix is made of are numbered from `first` on.
@@ -83,6 +82,7 @@ impl Scene {
         model: &'a ScatteringModel,
         first: usize,
         more: &mut Vec<&'a ScatteringModel>,
+        layers: &mut PackedLayers,
     ) -> Result<[Word; MODEL_WORDS], Invalid> {
         let unknown = |what: &str| Err(Invalid::new("materials", format!("{what} not known to devices yet")));
         let none = [0; 4];
@@ -121,7 +121,7 @@ impl Scene {
                 [head(model::THIN_DIELECTRIC, None), index_word(index), none, spectrum(*transmittance), none]
             }
             Model::Retroreflective(_) => return unknown("retroreflective materials are"),
-            Model::Layered(layered) => return layered_words(&self.layered[*layered as usize]),
+            Model::Layered(layered) => return Ok(layers.add(&self.layered[*layered as usize])),
             Model::Mix(mix) => {
                 let Mix { models, weight } = &self.mixes[*mix as usize];
                 let [a, b] = models.each_ref().map(|model| {
@@ -133,38 +133,6 @@ impl Scene {
         };
         Ok([head, first_source, first_factor, second_source, second_factor, none, none])
     }
-}
-
-/// glTF's material, of which devices know metalness, roughness, base colour and the facets' reflectance.
-fn layered_words(m: &LayeredMaterial) -> Result<[Word; MODEL_WORDS], Invalid> {
-    let extension = [
-        ("transmission", m.transmission.value > 0.0),
-        ("diffuse_transmission", m.diffuse_transmission.is_some()),
-        ("anisotropy", m.anisotropy.is_some()),
-        ("iridescence", m.film.is_some()),
-        ("sheen", m.sheen.is_some()),
-        ("clearcoat", m.coat.is_some()),
-    ];
-    if let Some((name, _)) = extension.into_iter().find(|(_, is_set)| *is_set) {
-        return Err(Invalid::new("materials", format!("{name} is not known to devices yet")));
-    }
-    let texture = |texture: Option<(u32, usize)>| texture.map_or([NONE, 0], |(id, channel)| [id, channel as u32]);
-    let factor = |FactorSource { value, texture: of }: FactorSource, beside: u32| {
-        let [id, channel] = texture(of);
-        [value.to_bits(), id, channel, beside]
-    };
-    let ([base, base_factor], white) = (colour_words(&m.base_colour), [colour::SPECTRUM, NONE, NONE, 0]);
-    let [specular, specular_factor] = m.specular_colour.as_ref().map_or([white, [0; 4]], colour_words);
-    let [specular_texture, channel] = texture(m.specular.texture);
-    Ok([
-        [model::LAYERED, (m.f0 * m.specular_scale).to_bits(), m.specular.value.to_bits(), specular_texture],
-        base,
-        base_factor,
-        specular,
-        specular_factor,
-        factor(m.metallic, channel),
-        factor(m.roughness, 0),
-    ])
 }
 
 /// Number of a model, with the roughness of its microfacets.
@@ -185,6 +153,11 @@ fn alpha_word(alpha: &Alpha) -> Word {
     }
 }
 
+/// Texture of a normal map and its scale.
+pub(super) fn normal_map_word(map: Option<NormalMap>) -> Word {
+    map.map_or([NONE, 0, 0, 0], |map| [map.texture, map.scale.to_bits(), 0, 0])
+}
+
 fn spectrum(id: SpectrumId) -> Word {
     [colour::SPECTRUM, id.number(), NONE, 0]
 }
@@ -194,7 +167,7 @@ fn index_word(index: &RelativeIndex<SpectrumId>) -> Word {
 }
 
 /// Kind of a colour with its spectrum and texture, and its factor.
-fn colour_words(source: &ColourSource) -> [Word; 2] {
+pub(super) fn colour_words(source: &ColourSource) -> [Word; 2] {
     match *source {
         ColourSource::Spectrum(id) => [spectrum(id), [0; 4]],
         ColourSource::Texture { factor: [r, g, b], texture } => {

@@ -4,22 +4,23 @@
 //! |---|---|
 //! | [`nodes`](PackedScene::nodes), [`triangles`](PackedScene::triangles) | hierarchies ([`geometry::packed`](crate::geometry::packed)) |
 //! | [`tables`](PackedScene::tables) | records of a fixed number of words each, at the places of [`Sections`] |
-//! | [`attributes`](PackedScene::attributes) | corners, normals, tangents, texture coordinates; cumulative sums of an environment |
+//! | [`attributes`](PackedScene::attributes) | corners, normals, tangents, texture coordinates; cumulative sums of an environment; albedos |
 //! | [`spectra`](PackedScene::spectra) | spectra, value and rise at each nanometre |
 //! | [`texels`](PackedScene::texels) | images as they are stored |
 //!
 //! Parts of a scene that have no packed form yet are an error that says so; [`materials`] and
 //! [`lights`](crate::light::packed) have the tables of what has one.
 
+pub mod layers;
 pub mod materials;
 
-pub use crate::bsdf::ALBEDO_NODES;
+pub use crate::bsdf::albedo_tables as albedos;
 pub use crate::geometry::packed::{self as hierarchy, NONE, Word};
 pub use crate::light::packed as lights;
 pub use crate::texture::packed::TEXTURE_WORDS;
 
 use super::Scene;
-use crate::bsdf::albedo_words;
+use crate::bsdf::albedo_tables::AlbedoSections;
 use crate::geometry::packed::PackedAccel;
 use crate::geometry::{Geometry, MeshRange};
 use crate::light::packed::PackedLights;
@@ -54,8 +55,8 @@ pub struct Sections {
     pub sky: u32,
     /// Nodes of the table of upsampled colours, a word each.
     pub colours: u32,
-    /// Albedos of facets, [`ALBEDO_NODES`] rows of as many nodes and a mean, a word each.
-    pub albedos: u32,
+    /// What extensions of glTF add to materials, [`LAYER_WORDS`](layers::LAYER_WORDS) each.
+    pub layers: u32,
 }
 
 /// Places of the numbers of each kind among the attributes.
@@ -73,6 +74,8 @@ pub struct AttributeSections {
     pub uvs: [u32; 2],
     /// Cumulative sums of the environment's distribution: of its rows, then those of each row.
     pub environment: u32,
+    /// Albedos of lobes.
+    pub albedos: AlbedoSections,
 }
 
 /// Scene as plain data; see the module.
@@ -100,6 +103,8 @@ pub struct PackedScene {
     pub lights: PackedLights,
     /// Whether any material has holes by alpha.
     pub has_holes: bool,
+    /// Layers of its materials of glTF, see [`flag`](layers::flag).
+    pub layers: u32,
 }
 
 impl Scene {
@@ -119,7 +124,7 @@ impl Scene {
             textures.add(texture);
         }
         let (lights, light_tables) = self.lights.packed(&self.geometry, &mut textures)?;
-        let materials = self.packed_materials()?;
+        let (materials, layers) = self.packed_materials()?;
         let mut tables = Vec::new();
         let mut section = |words: Vec<Word>| {
             let first = tables.len() as u32;
@@ -128,7 +133,6 @@ impl Scene {
         };
         let has_colours = !textures.words.is_empty() || !self.geometry.colours.is_empty();
         let colours = if has_colours { upsampling::table_words() } else { Vec::new() };
-        let albedos = if self.layered.is_empty() { Vec::new() } else { albedo_words() };
         let sections = Sections {
             instances: section(instances),
             quadrics: section(quadrics),
@@ -140,9 +144,9 @@ impl Scene {
             distant: section(light_tables.distant),
             sky: section(light_tables.sky),
             colours: section(colours),
-            albedos: section(albedos),
+            layers: section(layers.words),
         };
-        let (attributes, attribute_sections) = attributes(&self.geometry, light_tables.environment);
+        let (attributes, attribute_sections) = attributes(&self.geometry, light_tables.environment, layers.flags);
         Ok(PackedScene {
             nodes,
             triangles,
@@ -155,6 +159,7 @@ impl Scene {
             texels: textures.texels,
             lights,
             has_holes: self.has_alpha,
+            layers: layers.flags,
         })
     }
 }
@@ -169,8 +174,8 @@ fn mesh_words(mesh: &MeshRange) -> [Word; MESH_WORDS] {
     ]
 }
 
-/// Numbers of vertices, and the places of each kind.
-fn attributes(geometry: &Geometry, environment: Vec<f32>) -> (Vec<u32>, AttributeSections) {
+/// Numbers of vertices and of distributions, and the places of each kind.
+fn attributes(geometry: &Geometry, environment: Vec<f32>, layers: u32) -> (Vec<u32>, AttributeSections) {
     let Geometry { normals, tangents, uvs, colours, triangles, .. } = geometry;
     let has_none = normals.is_empty() && tangents.is_empty() && colours.is_empty() && uvs.iter().all(Vec::is_empty);
     let mut all: Vec<u32> = Vec::new();
@@ -188,6 +193,7 @@ fn attributes(geometry: &Geometry, environment: Vec<f32>) -> (Vec<u32>, Attribut
         vertex_colours: section(&mut colours.iter().flat_map(|v| v.to_array()).map(f32::to_bits)),
         uvs: [0, 1].map(|set| section(&mut uvs[set].iter().flat_map(|v| v.to_array()).map(f32::to_bits))),
         environment: section(&mut environment.into_iter().map(f32::to_bits)),
+        albedos: AlbedoSections::of(layers, |numbers| section(&mut numbers.into_iter().map(f32::to_bits))),
     };
     (all, sections)
 }

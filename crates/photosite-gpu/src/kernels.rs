@@ -1,0 +1,77 @@
+//! Kernels of the wavefront, compiled for the layers that the materials of a scene have.
+
+use std::sync::Arc;
+
+use photosite_core::Invalid;
+
+use crate::adapters::Card;
+use crate::buffers::Layouts;
+use crate::shaders::wavefront;
+
+/// Kernels of the wavefront, and the layouts of what they read and write.
+pub(crate) struct Kernels {
+    pub(crate) layouts: Layouts,
+    pub(crate) generate: wgpu::ComputePipeline,
+    pub(crate) extend: wgpu::ComputePipeline,
+    pub(crate) shade: wgpu::ComputePipeline,
+    pub(crate) shadow: wgpu::ComputePipeline,
+    pub(crate) count: wgpu::ComputePipeline,
+    pub(crate) arrive: wgpu::ComputePipeline,
+}
+
+impl Card {
+    /// Kernels for scenes of these layers; they are compiled once, which takes a driver seconds.
+    ///
+    /// # Errors
+    ///
+    /// Kernels that the driver refuses.
+    pub(crate) fn kernels(&self, layers: u32) -> Result<Arc<Kernels>, Invalid> {
+        let mut compiled = self.compiled();
+        if let Some(kernels) = compiled.get(&layers) {
+            return Ok(Arc::clone(kernels));
+        }
+        let scope = self.device().push_error_scope(wgpu::ErrorFilter::Validation);
+        let kernels = Arc::new(Kernels::new(self.device(), layers));
+        if let Some(error) = pollster::block_on(scope.pop()) {
+            let message = format!("{} does not take the kernels: {error}", self.adapter());
+            return Err(Invalid::new("scene", message).help("render with --device cpu"));
+        }
+        compiled.insert(layers, Arc::clone(&kernels));
+        Ok(kernels)
+    }
+}
+
+impl Kernels {
+    fn new(device: &wgpu::Device, layers: u32) -> Self {
+        let layouts = Layouts::new(device);
+        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
+            label: Some("wavefront"),
+            source: wgpu::ShaderSource::Wgsl(wavefront(layers).into()),
+        });
+        let kernel = |name: &str, groups: &[Option<&wgpu::BindGroupLayout>]| {
+            let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: None,
+                bind_group_layouts: groups,
+                immediate_size: 0,
+            });
+            device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+                label: Some(name),
+                layout: Some(&layout),
+                module: &module,
+                entry_point: Some(name),
+                compilation_options: Default::default(),
+                cache: None,
+            })
+        };
+        let of_paths = [Some(&layouts.scene), Some(&layouts.paths)];
+        Self {
+            generate: kernel("generate", &of_paths),
+            extend: kernel("extend", &of_paths),
+            shade: kernel("shade", &of_paths),
+            shadow: kernel("shadow", &of_paths),
+            count: kernel("count", &[Some(&layouts.scene), Some(&layouts.paths), Some(&layouts.counted)]),
+            arrive: kernel("arrive", &of_paths),
+            layouts,
+        }
+    }
+}
