@@ -72,6 +72,5 @@ params! {
     environment_cos: "f32" = |r| r.scene.lights.environment_rotation[0].to_bits(),
     environment_sin: "f32" = |r| r.scene.lights.environment_rotation[1].to_bits(),
     has_holes: "u32" = |r| u32::from(r.scene.has_holes),
-    // Sizes of uniform blocks are whole numbers of 16 bytes.
-    padding: "u32" = |_| 0,
+    motions: "u32" = |r| r.scene.sections.motions,
 }

@@ -17,7 +17,7 @@ pub const STATE_WORDS: u32 = 13;
 pub const START_WORDS: u32 = 4;
 
 /// Files in the order of what they need.
-const FILES: [&str; 24] = [
+const FILES: [&str; 25] = [
     include_str!("wgsl/hash.wgsl"),
     include_str!("wgsl/sampler.wgsl"),
     include_str!("wgsl/math.wgsl"),
@@ -26,6 +26,7 @@ const FILES: [&str; 24] = [
     include_str!("wgsl/quadric.wgsl"),
     include_str!("wgsl/triangle.wgsl"),
     include_str!("wgsl/holes.wgsl"),
+    include_str!("wgsl/motion.wgsl"),
     include_str!("wgsl/traversal.wgsl"),
     include_str!("wgsl/surface.wgsl"),
     include_str!("wgsl/bsdf/model.wgsl"),
@@ -65,6 +66,9 @@ const NUMBERS: &[(&str, u32)] = &[
     ("TRIANGLE_WORDS", hierarchy::TRIANGLE_WORDS as u32),
     ("QUADRIC_WORDS", hierarchy::QUADRIC_WORDS as u32),
     ("INSTANCE_WORDS", hierarchy::INSTANCE_WORDS as u32),
+    ("KEY_WORDS", hierarchy::KEY_WORDS as u32),
+    ("PLACE_WORLD", hierarchy::place::WORLD),
+    ("PLACE_MOVING", hierarchy::place::MOVING),
     ("LEAF", hierarchy::LEAF),
     ("LEAF_TRIANGLES", hierarchy::TRIANGLES),
     ("LEAF_QUADRIC", hierarchy::QUADRIC),

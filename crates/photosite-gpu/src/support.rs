@@ -17,7 +17,7 @@ pub fn unsupported(scene: &SceneDescription, settings: &RenderSettings) -> Optio
     let of_materials = || scene.materials.iter().find_map(of_material);
     let of_lights = || scene.lights.iter().find_map(of_light);
     let of_meshes = || scene.meshes.iter().find_map(|mesh| of_mesh(mesh));
-    let of_instances = || scene.instances.iter().find_map(of_instance);
+    let of_instances = || scene.instances.iter().find_map(|instance| of_instance(instance, scene));
     let of_environment = || scene.environment.as_ref().and_then(of_environment);
     of_settings(settings)
         .or_else(of_materials)
@@ -118,9 +118,14 @@ fn of_mesh(mesh: &MeshDescription) -> Option<Invalid> {
     }
 }
 
-fn of_instance(instance: &InstanceDescription) -> Option<Invalid> {
+/// A surface that shines and moves is a mesh that changes its shape.
+fn of_instance(instance: &InstanceDescription, scene: &SceneDescription) -> Option<Invalid> {
     let moves = instance.later.iter().any(|pose| *pose != instance.to_world);
-    if moves { refused(format!("object {}", instance.name), "an object that moves") } else { None }
+    let shines = |mesh: usize| scene.materials[scene.meshes[mesh].material].emission.is_some();
+    if moves && instance.meshes.clone().any(shines) {
+        return refused(format!("object {}", instance.name), "an object that shines and moves");
+    }
+    None
 }
 
 /// Light from lamps without a surface goes straight on through panes.
@@ -150,7 +155,7 @@ fn is_pane(model: &MaterialModel) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use glam::DAffine3;
+    use glam::{DAffine3, DVec3};
     use photosite_core::spectrum::{Dispersion, Spectrum, library};
     use photosite_transport::light::PointLight;
     use photosite_transport::scene::description::{
@@ -165,6 +170,10 @@ mod tests {
 
     fn grey() -> MaterialModel {
         Model::Diffuse(Diffuse { reflectance: TexturedColour::plain(Colour::Rgb([0.5; 3])) })
+    }
+
+    fn white() -> EmissionDescription {
+        EmissionDescription { colour: Colour::Rgb([1.0; 3]), level: Some(1.0), texture: None }
     }
 
     fn words(scene: &SceneDescription, settings: &RenderSettings) -> String {
@@ -205,6 +214,18 @@ mod tests {
     }
 
     #[test]
+    fn an_object_that_moves_is_refused_where_it_shines_alone() {
+        let mut moving = scene(grey());
+        moving.meshes.push(MeshDescription::default().into());
+        let object = InstanceDescription::of_mesh("cart", 0, DAffine3::IDENTITY);
+        let later = vec![DAffine3::from_translation(DVec3::X)];
+        moving.instances.push(InstanceDescription { later, ..object });
+        assert_eq!(words(&moving, &RenderSettings::default()), "");
+        moving.materials[0].emission = Some(white());
+        assert!(words(&moving, &RenderSettings::default()).starts_with("object cart: "));
+    }
+
+    #[test]
     fn panes_are_refused_beside_lamps_without_a_surface_alone() {
         let (index, transmittance) = (Dispersion::constant(1.5), Spectrum::constant(1.0));
         let mut pane = scene(Model::ThinDielectric(ThinDielectric { index, transmittance }));
@@ -214,7 +235,7 @@ mod tests {
             to_world: DAffine3::IDENTITY,
             later: vec![],
             kind: LightKind::Point(PointLight),
-            emission: EmissionDescription { colour: Colour::Rgb([1.0; 3]), level: Some(1.0), texture: None },
+            emission: white(),
         });
         assert!(words(&pane, &RenderSettings::default()).contains("lamp"));
     }

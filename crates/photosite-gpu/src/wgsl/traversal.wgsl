@@ -9,6 +9,8 @@ struct Ray {
     leaves_instance: u32,
     /// Primitive of a light that a shadow ray ends at.
     target_primitive: u32,
+    /// Time from 0 to 1.
+    time: f32,
 }
 
 struct Hit {
@@ -187,7 +189,10 @@ fn trace(ray: Ray, is_shadow: bool) -> Hit {
                 instance = first;
                 let at = params.instances + first * INSTANCE_WORDS;
                 let last = tables[at + 6u];
-                if (last.y == 0u) {
+                if (last.y == PLACE_MOVING) {
+                    let transform = motion_at(tables[at].x, tables[at].y, ray.time);
+                    local = local_ray(into_object(transform, vec4<f32>(ray.origin, 1.0)), into_object(transform, vec4<f32>(ray.direction, 0.0)));
+                } else if (last.y != PLACE_WORLD) {
                     local = local_ray(transformed(at + 3u, vec4<f32>(ray.origin, 1.0)), transformed(at + 3u, vec4<f32>(ray.direction, 0.0)));
                 }
                 next = last.x;

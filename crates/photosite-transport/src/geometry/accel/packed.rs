@@ -12,8 +12,8 @@ use crate::geometry::near_hit::is_slender;
 use crate::geometry::wide_bvh::{Child, WideBvh};
 use crate::geometry::wide_node::WIDTH;
 use crate::geometry::word::word;
-pub use crate::geometry::word::{NONE, QUADRIC_WORDS, Word};
-use crate::geometry::{Geometry, bounds::Bounds};
+pub use crate::geometry::word::{KEY_WORDS, NONE, QUADRIC_WORDS, Word};
+use crate::geometry::{Geometry, Transform, bounds::Bounds};
 use photosite_core::Invalid;
 
 /// Words of a node.
@@ -32,6 +32,16 @@ pub const TRIANGLES: u32 = 0;
 pub const QUADRIC: u32 = 1;
 /// Kind of a leaf of instances.
 pub const INSTANCES: u32 = 2;
+/// Kinds of places of packed instances.
+pub mod place {
+    /// A fixed transform.
+    pub const STILL: u32 = 0;
+    /// The world, in which the corners are given.
+    pub const WORLD: u32 = 1;
+    /// A motion.
+    pub const MOVING: u32 = 2;
+}
+
 /// Bits of the first member of a leaf.
 pub const FIRST_BITS: u32 = 26;
 
@@ -50,8 +60,11 @@ pub struct PackedAccel {
     /// Quadrics in the order of the geometry, [`QUADRIC_WORDS`] each.
     pub quadrics: Vec<Word>,
     /// Instances in the order of the leaves, [`INSTANCE_WORDS`] each: rows of the transform to the world and of that to
-    /// the object; root, whether it stands in the world as it is, its index.
+    /// the object, or in the first word the place of its motion and the number of its segments; root, kind of its
+    /// [`place`], its index.
     pub instances: Vec<Word>,
+    /// Motions of instances, [`KEY_WORDS`] for each of their keys.
+    pub motions: Vec<Word>,
     /// Child that all begins with; 0 where the first node is, and none for a scene without geometry.
     pub root: Option<u32>,
 }
@@ -78,19 +91,18 @@ impl Accel {
                 roots.push(root);
             }
             levels += of_top;
+            let children = packed.nodes[first * NODE_WORDS..][..top.bvh.len() * NODE_WORDS].chunks(NODE_WORDS);
+            let numbered: Vec<u32> = children.flat_map(|node| [node[1], node[2]]).flatten().collect();
             let mut leaf = |number: u32| {
                 let first = (packed.instances.len() / INSTANCE_WORDS) as u32;
                 let members = top.leaves[number as usize].iter().flatten();
                 let count = members.clone().count() as u32;
                 for &instance in members {
                     let placed = &self.instances[instance as usize];
-                    let words = instance_words(&placed.transform, roots[placed.blas as usize], instance)?;
-                    packed.instances.extend(words);
+                    packed.append_instance(&placed.transform, roots[placed.blas as usize], instance);
                 }
                 leaf_of(INSTANCES, count, first)
             };
-            let children = packed.nodes[first * NODE_WORDS..][..top.bvh.len() * NODE_WORDS].chunks(NODE_WORDS);
-            let numbered: Vec<u32> = children.flat_map(|node| [node[1], node[2]]).flatten().collect();
             let numbered = numbered.into_iter().map(|child| match Child(child).leaf() {
                 Some(number) => leaf(number),
                 None => Ok(child),
@@ -105,7 +117,7 @@ impl Accel {
             packed.root = Some(first as u32);
         } else if let (Some(instance), Some(blas)) = (self.instances.first(), self.blas.first()) {
             let (root, below) = packed.append_blas(geometry, blas)?;
-            packed.instances.extend(instance_words(&instance.transform, root, 0)?);
+            packed.append_instance(&instance.transform, root, 0);
             packed.root = Some(root);
             levels = below;
         }
@@ -148,6 +160,29 @@ impl PackedAccel {
             }
         }
         Ok((first as u32, levels))
+    }
+
+    /// Adds an instance of the hierarchy of that root.
+    fn append_instance(&mut self, transform: &InstanceTransform, root: u32, index: u32) {
+        let row = |m: &Affine3A, i: usize| {
+            [m.matrix3.x_axis[i], m.matrix3.y_axis[i], m.matrix3.z_axis[i], m.translation[i]].map(f32::to_bits)
+        };
+        let rows = |to_world: &Affine3A, to_object: &Affine3A| {
+            let ([a, b, c], [d, e, f]) = ([0, 1, 2].map(|i| row(to_world, i)), [0, 1, 2].map(|i| row(to_object, i)));
+            [a, b, c, d, e, f]
+        };
+        let (words, kind) = match transform {
+            InstanceTransform::World => (rows(&Affine3A::IDENTITY, &Affine3A::IDENTITY), place::WORLD),
+            InstanceTransform::Still(Transform { to_world, to_object }) => (rows(to_world, to_object), place::STILL),
+            InstanceTransform::Moving(motion) => {
+                let mut words = [[0; 4]; 6];
+                words[0] = [self.motions.len() as u32, motion.segments(), 0, 0];
+                self.motions.extend(motion.words());
+                (words, place::MOVING)
+            }
+        };
+        self.instances.extend(words);
+        self.instances.push([root, kind, index, 0]);
     }
 
     /// Adds the nodes of a hierarchy, whose leaves keep their numbers; returns the index of its root and the number of its
@@ -249,23 +284,6 @@ fn node_words(children: &[(Option<Bounds>, u32); WIDTH]) -> [Word; NODE_WORDS] {
 fn exponent_of(from: f32, to: f32) -> u32 {
     let reaches = |exponent: &u32| from + 255.0 * f32::from_bits(exponent << 23) >= to;
     (1..=254).find(reaches).unwrap_or(254)
-}
-
-/// An instance of the hierarchy of that root.
-fn instance_words(transform: &InstanceTransform, root: u32, index: u32) -> Result<[Word; INSTANCE_WORDS], Invalid> {
-    let (to_world, to_object, is_world) = match transform {
-        InstanceTransform::World => (Affine3A::IDENTITY, Affine3A::IDENTITY, 1),
-        InstanceTransform::Still(transform) => (transform.to_world, transform.to_object, 0),
-        InstanceTransform::Moving(_) => {
-            return Err(Invalid::new("scene", "objects that move are not known to devices yet"));
-        }
-    };
-    let row = |m: &Affine3A, i: usize| {
-        [m.matrix3.x_axis[i], m.matrix3.y_axis[i], m.matrix3.z_axis[i], m.translation[i]].map(f32::to_bits)
-    };
-    let [a, b, c] = [0, 1, 2].map(|i| row(&to_world, i));
-    let [d, e, f] = [0, 1, 2].map(|i| row(&to_object, i));
-    Ok([a, b, c, d, e, f, [root, is_world, index, 0]])
 }
 
 #[cfg(test)]

@@ -54,6 +54,8 @@ pub struct Sections {
     pub sky: u32,
     /// Nodes of the table of upsampled colours, a word each.
     pub colours: u32,
+    /// Keys of motions, [`KEY_WORDS`](hierarchy::KEY_WORDS) each; [`NONE`] where nothing moves.
+    pub motions: u32,
     /// Albedos of facets, [`ALBEDO_NODES`] rows of as many nodes and a mean, a word each.
     pub albedos: u32,
 }
@@ -113,7 +115,7 @@ impl Scene {
             let message = "panes in front of lights without a surface are not known to devices yet";
             return Err(Invalid::new("materials", message));
         }
-        let PackedAccel { nodes, triangles, quadrics, instances, root } = self.accel.packed(&self.geometry)?;
+        let PackedAccel { nodes, triangles, quadrics, instances, motions, root } = self.accel.packed(&self.geometry)?;
         let mut textures = PackedTextures::default();
         for texture in &self.textures {
             textures.add(texture);
@@ -140,6 +142,7 @@ impl Scene {
             distant: section(light_tables.distant),
             sky: section(light_tables.sky),
             colours: section(colours),
+            motions: if motions.is_empty() { NONE } else { section(motions) },
             albedos: section(albedos),
         };
         let (attributes, attribute_sections) = attributes(&self.geometry, light_tables.environment);
