@@ -91,9 +91,6 @@ fn of_layers(layers: &LayeredDescription) -> Option<&'static str> {
 
 fn of_light(light: &LightDescription) -> Option<Invalid> {
     let key = format!("lights ({})", light.name);
-    if light.later.iter().any(|pose| *pose != light.to_world) {
-        return refused(key, "a light that moves");
-    }
     match light.kind {
         LightKind::Point(_) | LightKind::Spot(_) | LightKind::Directional(_) => None,
         LightKind::Profile(_) => refused(key, "a light of a measured profile"),
@@ -176,6 +173,16 @@ mod tests {
         EmissionDescription { colour: Colour::Rgb([1.0; 3]), level: Some(1.0), texture: None }
     }
 
+    fn lamp() -> LightDescription {
+        LightDescription {
+            name: "lamp".into(),
+            to_world: DAffine3::IDENTITY,
+            later: vec![],
+            kind: LightKind::Point(PointLight),
+            emission: white(),
+        }
+    }
+
     fn words(scene: &SceneDescription, settings: &RenderSettings) -> String {
         unsupported(scene, settings).map_or(String::new(), |invalid| invalid.to_string())
     }
@@ -226,17 +233,18 @@ mod tests {
     }
 
     #[test]
+    fn a_light_that_moves_is_not_refused() {
+        let mut lit = scene(grey());
+        lit.lights.push(LightDescription { later: vec![DAffine3::from_translation(DVec3::X)], ..lamp() });
+        assert_eq!(words(&lit, &RenderSettings::default()), "");
+    }
+
+    #[test]
     fn panes_are_refused_beside_lamps_without_a_surface_alone() {
         let (index, transmittance) = (Dispersion::constant(1.5), Spectrum::constant(1.0));
         let mut pane = scene(Model::ThinDielectric(ThinDielectric { index, transmittance }));
         assert_eq!(words(&pane, &RenderSettings::default()), "");
-        pane.lights.push(LightDescription {
-            name: "lamp".into(),
-            to_world: DAffine3::IDENTITY,
-            later: vec![],
-            kind: LightKind::Point(PointLight),
-            emission: white(),
-        });
+        pane.lights.push(lamp());
         assert!(words(&pane, &RenderSettings::default()).contains("lamp"));
     }
 }

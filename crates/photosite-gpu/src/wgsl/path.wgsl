@@ -137,7 +137,7 @@ fn sample_direct_light(i: u32, point: SurfacePoint, shading: Shading, wo: vec3<f
     if (choice.light == NONE) {
         return;
     }
-    let light = sample_chosen(choice, u.y, ctx, lambda_nm);
+    let light = sample_chosen(choice, u.y, ctx, point.time, lambda_nm);
     if (!(light.pdf > 0.0)) {
         return;
     }

@@ -143,6 +143,12 @@ impl Stage {
         self
     }
 
+    /// Lets the light that was added last go on to further poses.
+    pub(crate) fn lamp_then(mut self, later: &[DAffine3]) -> Self {
+        self.0.lights.last_mut().expect("a light").later = later.to_vec();
+        self
+    }
+
     pub(crate) fn environment(mut self, environment: EnvironmentDescription) -> Self {
         self.0.environment = Some(environment);
         self
@@ -371,7 +377,12 @@ pub(crate) fn ways() -> [Vec<DAffine3>; 5] {
     ]
 }
 
-/// A room in which things move: in front of things that stand still, some of them of the same mesh.
+/// Pose of a lamp that is turned up.
+fn aimed(place: [f64; 3], up: f64) -> DAffine3 {
+    DAffine3::from_rotation_translation(DQuat::from_rotation_x(up), DVec3::from(place))
+}
+
+/// A room in which things and lamps move: in front of things that stand still, some of them of the same mesh.
 pub(crate) fn moving() -> Stage {
     let mut scene = Stage::default();
     let checker = (0..64u32).map(|i| if (i % 8 + i / 8) % 2 == 0 { [200, 120, 60, 255] } else { [40, 90, 190, 90] });
@@ -407,6 +418,14 @@ pub(crate) fn moving() -> Stage {
         .then(&turning[1..])
         .shine("panel", light(900.0), false, square(Vec3::new(-0.6, 2.6, 0.2), 0.4 * Vec3::X, 0.3 * Vec3::Z), still)
         .lamp(LightKind::Point(PointLight), DAffine3::from_translation(DVec3::new(0.2, 2.0, 1.5)), 60.0)
+        .lamp_then(&[
+            DAffine3::from_translation(DVec3::new(-1.2, 1.4, 1.1)),
+            DAffine3::from_translation(DVec3::new(1.2, 1.4, 0.5)),
+        ])
+        .lamp(LightKind::Spot(SpotLight::new(0.2, 0.5)), aimed([0.0, 2.5, 0.8], -1.2), 200.0)
+        .lamp_then(&[aimed([0.6, 2.2, 0.1], -1.6)])
+        .lamp(LightKind::Directional(DirectionalLight), aimed([0.0; 3], -0.9), 60.0)
+        .lamp_then(&[aimed([0.0; 3], -1.2), aimed([0.0; 3], -2.0)])
         .environment(EnvironmentDescription::Constant {
             colour: Colour::Rgb([0.7, 0.8, 0.9]),
             luminance_nit: Some(30.0),

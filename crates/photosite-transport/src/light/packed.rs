@@ -16,7 +16,8 @@ use photosite_core::Invalid;
 use photosite_core::math::distribution::{PiecewiseConstant1D, PiecewiseConstant2D};
 
 /// Words of a light: kind, primitive, target of shadow rays, rank in the tree; what it emits, with its mesh, and the colour
-/// of that; its shape.
+/// of that; its shape. A light without a surface has no colour, and there the place of its motion and the number of its
+/// segments, 0 where it stands still: the light is in its own space then.
 pub const LIGHT_WORDS: usize = 6;
 /// Words of a node of the light tree: box with intensity, its half with the cone, axis with the angle beyond it; links.
 pub const TREE_WORDS: usize = 4;
@@ -113,19 +114,17 @@ impl Lights {
         self.lights.iter().any(|light| matches!(light, Light::Delta(_)))
     }
 
-    /// Packs the lights. The environment's image becomes a texture.
+    /// Packs the lights. The environment's image becomes a texture; the motions of those that move are added.
     pub(crate) fn packed(
         &self,
         geometry: &Geometry,
         textures: &mut PackedTextures,
+        motions: &mut Vec<Word>,
     ) -> Result<(PackedLights, LightTables), Invalid> {
-        if !self.motions.is_empty() {
-            return Err(Invalid::new("lights", "lights that move are not known to devices yet"));
-        }
         let mut tables = LightTables::default();
         for (handle, light) in (0..).zip(&self.lights) {
             let rank = self.selection.rank(handle);
-            let words = match light {
+            let mut words = match light {
                 Light::Delta(light) => delta_words(light, rank)?,
                 Light::Area(light) => {
                     let mesh = geometry.mesh_of(light.primitive);
@@ -136,6 +135,10 @@ impl Lights {
                     [[kind::ENVIRONMENT, NONE, NONE, rank], emission, colour, [0; 4], [0; 4], [0; 4]]
                 }
             };
+            if let Some(motion) = self.motion_of(handle) {
+                words[2] = [motions.len() as u32, motion.segments(), 0, 0];
+                motions.extend(motion.words());
+            }
             tables.lights.extend(words);
         }
         (tables.tree, tables.distant) = (self.selection.tree_words(), self.selection.distant_words());

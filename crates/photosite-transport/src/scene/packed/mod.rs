@@ -115,12 +115,13 @@ impl Scene {
             let message = "panes in front of lights without a surface are not known to devices yet";
             return Err(Invalid::new("materials", message));
         }
-        let PackedAccel { nodes, triangles, quadrics, instances, motions, root } = self.accel.packed(&self.geometry)?;
+        let PackedAccel { nodes, triangles, quadrics, instances, mut motions, root } =
+            self.accel.packed(&self.geometry)?;
         let mut textures = PackedTextures::default();
         for texture in &self.textures {
             textures.add(texture);
         }
-        let (lights, light_tables) = self.lights.packed(&self.geometry, &mut textures)?;
+        let (lights, light_tables) = self.lights.packed(&self.geometry, &mut textures, &mut motions)?;
         let materials = self.packed_materials()?;
         let mut tables = Vec::new();
         let mut section = |words: Vec<Word>| {
