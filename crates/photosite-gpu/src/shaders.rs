@@ -17,7 +17,7 @@ pub const STATE_WORDS: u32 = 13;
 pub const START_WORDS: u32 = 4;
 
 /// Files in the order of what they need.
-const FILES: [&str; 25] = [
+const FILES: [&str; 26] = [
     include_str!("wgsl/hash.wgsl"),
     include_str!("wgsl/sampler.wgsl"),
     include_str!("wgsl/math.wgsl"),
@@ -27,6 +27,7 @@ const FILES: [&str; 25] = [
     include_str!("wgsl/triangle.wgsl"),
     include_str!("wgsl/holes.wgsl"),
     include_str!("wgsl/motion.wgsl"),
+    include_str!("wgsl/deformation.wgsl"),
     include_str!("wgsl/traversal.wgsl"),
     include_str!("wgsl/surface.wgsl"),
     include_str!("wgsl/bsdf/model.wgsl"),
@@ -69,6 +70,7 @@ const NUMBERS: &[(&str, u32)] = &[
     ("KEY_WORDS", hierarchy::KEY_WORDS as u32),
     ("PLACE_WORLD", hierarchy::place::WORLD),
     ("PLACE_MOVING", hierarchy::place::MOVING),
+    ("PLACE_DEFORMING", hierarchy::place::DEFORMING),
     ("LEAF", hierarchy::LEAF),
     ("LEAF_TRIANGLES", hierarchy::TRIANGLES),
     ("LEAF_QUADRIC", hierarchy::QUADRIC),
@@ -103,6 +105,7 @@ const NUMBERS: &[(&str, u32)] = &[
     ("LIGHT_SPOT", lights::kind::SPOT),
     ("LIGHT_DIRECTIONAL", lights::kind::DIRECTIONAL),
     ("LIGHT_ENVIRONMENT", lights::kind::ENVIRONMENT),
+    ("LIGHT_DEFORMING", lights::kind::DEFORMING),
     ("ENVIRONMENT_CONSTANT", lights::environment::CONSTANT),
     ("ENVIRONMENT_IMAGE", lights::environment::IMAGE),
     ("ENVIRONMENT_SKY", lights::environment::SKY),

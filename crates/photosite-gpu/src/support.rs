@@ -7,8 +7,8 @@ use photosite_transport::bsdf::Model;
 use photosite_transport::integrator::RenderSettings;
 use photosite_transport::light::LightKind;
 use photosite_transport::scene::description::{
-    AlphaMode, EnvironmentDescription, InstanceDescription, LayeredDescription, LightDescription, MaterialDescription,
-    MaterialModel, MeshDescription, SceneDescription,
+    AlphaMode, EnvironmentDescription, LayeredDescription, LightDescription, MaterialDescription, MaterialModel,
+    SceneDescription,
 };
 
 /// First thing that keeps a scene and its settings from a card, with the key or the name of what asks for it; `None` where
@@ -16,16 +16,8 @@ use photosite_transport::scene::description::{
 pub fn unsupported(scene: &SceneDescription, settings: &RenderSettings) -> Option<Invalid> {
     let of_materials = || scene.materials.iter().find_map(of_material);
     let of_lights = || scene.lights.iter().find_map(of_light);
-    let of_meshes = || scene.meshes.iter().find_map(|mesh| of_mesh(mesh));
-    let of_instances = || scene.instances.iter().find_map(|instance| of_instance(instance, scene));
     let of_environment = || scene.environment.as_ref().and_then(of_environment);
-    of_settings(settings)
-        .or_else(of_materials)
-        .or_else(of_lights)
-        .or_else(of_environment)
-        .or_else(of_meshes)
-        .or_else(of_instances)
-        .or_else(|| of_panes(scene))
+    of_settings(settings).or_else(of_materials).or_else(of_lights).or_else(of_environment).or_else(|| of_panes(scene))
 }
 
 fn refused(key: impl Into<String>, what: &str) -> Option<Invalid> {
@@ -107,24 +99,6 @@ fn of_environment(environment: &EnvironmentDescription) -> Option<Invalid> {
     }
 }
 
-fn of_mesh(mesh: &MeshDescription) -> Option<Invalid> {
-    if mesh.later_shapes.is_empty() {
-        None
-    } else {
-        refused(format!("mesh {}", mesh.name), "a mesh that changes its shape")
-    }
-}
-
-/// A surface that shines and moves is a mesh that changes its shape.
-fn of_instance(instance: &InstanceDescription, scene: &SceneDescription) -> Option<Invalid> {
-    let moves = instance.later.iter().any(|pose| *pose != instance.to_world);
-    let shines = |mesh: usize| scene.materials[scene.meshes[mesh].material].emission.is_some();
-    if moves && instance.meshes.clone().any(shines) {
-        return refused(format!("object {}", instance.name), "an object that shines and moves");
-    }
-    None
-}
-
 /// Light from lamps without a surface goes straight on through panes.
 fn of_panes(scene: &SceneDescription) -> Option<Invalid> {
     let pane = scene.materials.iter().find(|material| is_pane(&material.model))?;
@@ -156,7 +130,8 @@ mod tests {
     use photosite_core::spectrum::{Dispersion, Spectrum, library};
     use photosite_transport::light::PointLight;
     use photosite_transport::scene::description::{
-        Colour, Conductor, Diffuse, EmissionDescription, Mix, Roughness, TexturedColour, TexturedFactor, ThinDielectric,
+        Colour, Conductor, Diffuse, EmissionDescription, InstanceDescription, MeshDescription, Mix, Roughness,
+        ShapeDescription, TexturedColour, TexturedFactor, ThinDielectric,
     };
 
     use super::*;
@@ -221,22 +196,16 @@ mod tests {
     }
 
     #[test]
-    fn an_object_that_moves_is_refused_where_it_shines_alone() {
+    fn what_moves_or_changes_its_shape_is_not_refused() {
         let mut moving = scene(grey());
-        moving.meshes.push(MeshDescription::default().into());
+        let later_shapes = vec![ShapeDescription::default()];
+        moving.meshes.push(MeshDescription { later_shapes, ..MeshDescription::default() }.into());
         let object = InstanceDescription::of_mesh("cart", 0, DAffine3::IDENTITY);
         let later = vec![DAffine3::from_translation(DVec3::X)];
         moving.instances.push(InstanceDescription { later, ..object });
-        assert_eq!(words(&moving, &RenderSettings::default()), "");
         moving.materials[0].emission = Some(white());
-        assert!(words(&moving, &RenderSettings::default()).starts_with("object cart: "));
-    }
-
-    #[test]
-    fn a_light_that_moves_is_not_refused() {
-        let mut lit = scene(grey());
-        lit.lights.push(LightDescription { later: vec![DAffine3::from_translation(DVec3::X)], ..lamp() });
-        assert_eq!(words(&lit, &RenderSettings::default()), "");
+        moving.lights.push(LightDescription { later: vec![DAffine3::from_translation(DVec3::X)], ..lamp() });
+        assert_eq!(words(&moving, &RenderSettings::default()), "");
     }
 
     #[test]

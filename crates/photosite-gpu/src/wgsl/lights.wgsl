@@ -95,10 +95,12 @@ fn sample_chosen(choice: Choice, v: f32, ctx: LightContext, time: f32, lambda_nm
     let u = vec2<f32>(choice.rest, v);
     var sample = no_light();
     switch head.x {
-        case LIGHT_TRIANGLE, LIGHT_QUADRIC: {
+        case LIGHT_TRIANGLE, LIGHT_QUADRIC, LIGHT_DEFORMING: {
             var seen: SeenPoint;
             if (head.x == LIGHT_TRIANGLE) {
                 seen = sample_emissive_triangle(emissive_triangle(choice.light), ctx.point, u);
+            } else if (head.x == LIGHT_DEFORMING) {
+                seen = sample_emissive_triangle(emissive_triangle_at(choice.light, time), ctx.point, u);
             } else {
                 seen = sample_quadric(load_quadric(head.y), ctx.point, u);
             }
@@ -137,10 +139,10 @@ fn sample_chosen(choice: Choice, v: f32, ctx: LightContext, time: f32, lambda_nm
     return sample;
 }
 
-/// Density with which light sampling finds a point of an area light.
-fn area_light_pdf(light: u32, ctx: LightContext, distance: f32, cosine: f32) -> f32 {
+/// Density with which light sampling finds a point of an area light at a time.
+fn area_light_pdf(light: u32, ctx: LightContext, time: f32, distance: f32, cosine: f32) -> f32 {
     let head = tables[params.lights + light * LIGHT_WORDS];
-    let density = emitter_pdf(head.x, head.y, light, ctx.point, distance, cosine);
+    let density = emitter_pdf(head.x, head.y, light, ctx.point, time, distance, cosine);
     if (density == 0.0) {
         return 0.0;
     }

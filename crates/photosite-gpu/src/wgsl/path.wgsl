@@ -128,7 +128,7 @@ fn emission_weight(i: u32, point: SurfacePoint, wo: vec3<f32>, distance: f32) ->
     }
     let normal = load(LAST_NORMAL, i);
     let ctx = LightContext(last.xyz, bitcast<vec3<f32>>(normal.xyz), normal.w != 0u);
-    return power_heuristic(last.w, area_light_pdf(light, ctx, distance, dot(wo, point.geometric_normal)));
+    return power_heuristic(last.w, area_light_pdf(light, ctx, point.time, distance, dot(wo, point.geometric_normal)));
 }
 
 /// Samples a light, and queues its shadow ray with what the path gathers if nothing is in the way.

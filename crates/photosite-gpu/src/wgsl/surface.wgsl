@@ -45,6 +45,19 @@ fn corners_of(triangle: u32) -> vec3<u32> {
     return vec3<u32>(attributes[at], attributes[at + 1u], attributes[at + 2u]);
 }
 
+/// Shading normal of three vertices, not of unit length.
+fn normal_of(vertices: vec3<u32>, uv: vec2<f32>) -> vec3<f32> {
+    return weighted(attribute3(params.normals, vertices.x, 3u), attribute3(params.normals, vertices.y, 3u), attribute3(params.normals, vertices.z, 3u), uv);
+}
+
+/// Shading normal, not of unit length, of corners of a mesh that changes its shape.
+fn changing_normal(corners: vec3<u32>, mesh: u32, uv: vec2<f32>, time: f32) -> vec3<f32> {
+    let words = tables[params.meshes + mesh * MESH_WORDS + 2u];
+    let now = segment(time, words.w);
+    let vertices = corners - vec3<u32>(words.y) + vec3<u32>(now.index * words.z);
+    return normal_of(vertices, uv) * (1.0 - now.part) + normal_of(vertices + vec3<u32>(words.z), uv) * now.part;
+}
+
 fn surface_point(hit: Hit, time: f32) -> SurfacePoint {
     if ((hit.slot & IS_QUADRIC) != 0u) {
         return point_of_quadric(hit, time);
@@ -52,23 +65,32 @@ fn surface_point(hit: Hit, time: f32) -> SurfacePoint {
     let at = hit.slot * TRIANGLE_WORDS;
     let a_word = triangles[at];
     let c_word = triangles[at + 2u];
-    let a = bitcast<vec3<f32>>(a_word.xyz);
-    let b = bitcast<vec3<f32>>(triangles[at + 1u].xyz);
-    let c = bitcast<vec3<f32>>(c_word.xyz);
+    let b_word = triangles[at + 1u];
+    let is_deforming = b_word.w > 1u;
+    var corners = Corners(bitcast<vec3<f32>>(a_word.xyz), bitcast<vec3<f32>>(b_word.xyz), bitcast<vec3<f32>>(c_word.xyz));
+    if (is_deforming) {
+        corners = corners_at(hit.slot, b_word.w >> 1u, time);
+    }
+    let a = corners.a;
+    let b = corners.b;
+    let c = corners.c;
     let triangle = a_word.w;
     let mesh = c_word.w;
     let mesh_words = tables[params.meshes + mesh * MESH_WORDS];
     let attribute_words = tables[params.meshes + mesh * MESH_WORDS + 1u];
     let uv = hit.uv;
     var position = weighted(a, b, c, uv);
-    var error = (abs(a) * abs(1.0 - uv.x - uv.y) + abs(b) * uv.x + abs(c) * uv.y) * gamma(7.0);
+    var error = (abs(a) * abs(1.0 - uv.x - uv.y) + abs(b) * uv.x + abs(c) * uv.y) * gamma(select(7.0, 10.0, is_deforming));
     var normal = cross(b - a, c - a);
     var shading = vec3<f32>(0.0);
     var tangent = vec3<f32>(0.0);
     var handedness = 1.0;
     if (attribute_words.x != NONE) {
-        let corners = corners_of(triangle) - vec3<u32>(attribute_words.x);
-        shading = weighted(attribute3(params.normals, corners.x, 3u), attribute3(params.normals, corners.y, 3u), attribute3(params.normals, corners.z, 3u), uv);
+        if (is_deforming) {
+            shading = changing_normal(corners_of(triangle), mesh, uv, time);
+        } else {
+            shading = normal_of(corners_of(triangle) - vec3<u32>(attribute_words.x), uv);
+        }
     }
     if (attribute_words.y != NONE) {
         let corners = corners_of(triangle) - vec3<u32>(attribute_words.y);
@@ -79,7 +101,7 @@ fn surface_point(hit: Hit, time: f32) -> SurfacePoint {
 
     let instance = params.instances + hit.instance * INSTANCE_WORDS;
     let place = tables[instance + 6u].y;
-    if (place != PLACE_WORLD) {
+    if (place != PLACE_WORLD && place != PLACE_DEFORMING) {
         let transform = transform_at(instance, time);
         let x = transform.x;
         let y = transform.y;

@@ -10,8 +10,8 @@ use photosite_transport::light::{DirectionalLight, PointLight, SpotLight};
 use photosite_transport::scene::description::{
     AlphaMode, Channel, Colour, Conductor, Dielectric, Diffuse, EmissionDescription, EnvironmentDescription,
     ImageLevel, InstanceDescription, LayeredDescription, LightDescription, LightKind, MaterialDescription,
-    MaterialModel, MeshDescription, Mix, OrenNayar, Phong, Roughness, SceneDescription, TextureDescription,
-    TexturedColour, TexturedFactor, ThinDielectric, Translucent,
+    MaterialModel, MeshDescription, Mix, OrenNayar, Phong, Roughness, SceneDescription, ShapeDescription,
+    TextureDescription, TexturedColour, TexturedFactor, ThinDielectric, Translucent,
 };
 use photosite_transport::scene::{Scene, build};
 use photosite_transport::texture::{Bitmap, Filter, SamplerSettings, Texels, UvTransform, Wrap};
@@ -377,12 +377,21 @@ pub(crate) fn ways() -> [Vec<DAffine3>; 5] {
     ]
 }
 
+/// A mesh that goes on to shapes that are longer or shorter along each axis.
+fn changing(mesh: MeshDescription, scales: &[Vec3]) -> MeshDescription {
+    let shape = |scale: &Vec3| ShapeDescription {
+        positions: mesh.positions.iter().map(|position| *position * *scale).collect(),
+        normals: mesh.normals.iter().map(|normal| (*normal / *scale).normalize()).collect(),
+    };
+    MeshDescription { later_shapes: scales.iter().map(shape).collect(), ..mesh }
+}
+
 /// Pose of a lamp that is turned up.
 fn aimed(place: [f64; 3], up: f64) -> DAffine3 {
     DAffine3::from_rotation_translation(DQuat::from_rotation_x(up), DVec3::from(place))
 }
 
-/// A room in which things and lamps move: in front of things that stand still, some of them of the same mesh.
+/// A room in which things and lamps move, and some change their shape: in front of things that stand still, some of them of the same mesh.
 pub(crate) fn moving() -> Stage {
     let mut scene = Stage::default();
     let checker = (0..64u32).map(|i| if (i % 8 + i / 8) % 2 == 0 { [200, 120, 60, 255] } else { [40, 90, 190, 90] });
@@ -396,6 +405,14 @@ pub(crate) fn moving() -> Stage {
     let checkered = TexturedColour { colour: Colour::Rgb([0.9; 3]), texture: Some(squares.clone()) };
     let still = DAffine3::IDENTITY;
     let [far, little, askew, mirror, turning] = ways();
+    let blob = changing(ball(10, 0.05, true), &[Vec3::new(1.3, 0.6, 1.0), Vec3::new(0.8, 1.2, 0.9)]);
+    let runner = changing(ball(6, 0.1, false), &[Vec3::new(0.7, 1.0, 1.4)]);
+    let flag = changing(
+        square(Vec3::new(-1.8, 1.5, -1.9), 0.7 * Vec3::X, 0.4 * Vec3::Y),
+        &[Vec3::new(1.0, 0.9, 0.8), Vec3::new(0.9, 1.0, 1.1), Vec3::new(1.1, 1.1, 1.0)],
+    );
+    let sail = changing(square(Vec3::new(2.2, 1.4, -1.2), 0.4 * Vec3::Z, 0.5 * Vec3::Y), &[Vec3::new(0.8, 1.2, 1.1)]);
+    let squares_of_a_flag = checkered.clone();
     let sign = square(Vec3::new(0.0, 0.6, 0.0), 0.6 * Vec3::X, 0.6 * Vec3::Y);
     let glass = glass(library::glass("BK7").unwrap_or(Dispersion::constant(1.5)), 0.0);
     let mut stage = scene
@@ -416,7 +433,14 @@ pub(crate) fn moving() -> Stage {
         .then(&mirror[1..])
         .add("turning", diffuse([0.7, 0.3, 0.2]), ball(6, 0.2, false), &[turning[0]])
         .then(&turning[1..])
+        .add("blob", diffuse([0.3, 0.4, 0.7]), blob, &[placed([1.1, 0.5, 0.9], 0.35)])
+        .add("runner", metal("Au", 0.3), runner, &[placed([-2.2, 0.4, 0.6], 0.3)])
+        .then(&[placed([-1.5, 0.6, 1.0], 0.3)])
+        .add("flag", MaterialModel::Diffuse(Diffuse { reflectance: squares_of_a_flag }), flag, &[still])
         .shine("panel", light(900.0), false, square(Vec3::new(-0.6, 2.6, 0.2), 0.4 * Vec3::X, 0.3 * Vec3::Z), still)
+        .shine("comet", light(600.0), true, square(Vec3::new(0.0, 1.6, 0.0), 0.2 * Vec3::X, 0.2 * Vec3::Y), still)
+        .then(&[DAffine3::from_translation(DVec3::new(0.9, 0.3, -0.5)), aimed([1.2, 0.6, 0.3], 0.5)])
+        .shine("sail", light(300.0), false, sail, still)
         .lamp(LightKind::Point(PointLight), DAffine3::from_translation(DVec3::new(0.2, 2.0, 1.5)), 60.0)
         .lamp_then(&[
             DAffine3::from_translation(DVec3::new(-1.2, 1.4, 1.1)),

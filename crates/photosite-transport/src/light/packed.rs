@@ -43,6 +43,9 @@ pub mod kind {
     pub const ENVIRONMENT: u32 = 5;
     /// A light without area, which is never sampled.
     pub const NOTHING: u32 = 6;
+    /// A triangle that emits and changes its shape: the place of its corners among the motions, three words for each shape,
+    /// and the number of parts of the time.
+    pub const DEFORMING: u32 = 7;
 }
 
 /// Numbers of the kinds of packed environments.
@@ -114,7 +117,8 @@ impl Lights {
         self.lights.iter().any(|light| matches!(light, Light::Delta(_)))
     }
 
-    /// Packs the lights. The environment's image becomes a texture; the motions of those that move are added.
+    /// Packs the lights. The environment's image becomes a texture; the motions of those that move are added, and the shapes
+    /// of those that change them.
     pub(crate) fn packed(
         &self,
         geometry: &Geometry,
@@ -128,7 +132,8 @@ impl Lights {
                 Light::Delta(light) => delta_words(light, rank)?,
                 Light::Area(light) => {
                     let mesh = geometry.mesh_of(light.primitive);
-                    area_words(light, self.static_shapes[handle as usize].as_ref(), mesh, rank)
+                    let words = area_words(light, self.static_shapes[handle as usize].as_ref(), mesh, rank);
+                    deforming(words, light, geometry, motions)
                 }
                 Light::Environment => {
                     let [emission, colour] = emission_words(None);
@@ -195,6 +200,23 @@ fn area_words(light: &AreaLight, shape: Option<&Emitter>, mesh: u32, rank: u32) 
         Some(Emitter::Quadric(_)) | None => [[0; 4]; 3],
     };
     [[kind, number, primitive.target(), rank], [radiance, tint, texture, mesh], colour, a, b, c]
+}
+
+/// The words of a light whose shape, if it changes, is found at each time.
+fn deforming(
+    mut words: [Word; LIGHT_WORDS],
+    light: &AreaLight,
+    geometry: &Geometry,
+    motions: &mut Vec<Word>,
+) -> [Word; LIGHT_WORDS] {
+    if let Primitive::Triangle(triangle) = light.primitive
+        && geometry.shape_count(triangle) > 1
+    {
+        [words[0][0], words[0][1]] = [kind::DEFORMING, triangle];
+        words[3] = [motions.len() as u32, geometry.shape_count(triangle) as u32 - 1, 0, 0];
+        motions.extend(geometry.shapes(triangle).flatten().map(|corner| word(corner, 0)));
+    }
+    words
 }
 
 fn delta_words(light: &DeltaLight, rank: u32) -> Result<[Word; LIGHT_WORDS], Invalid> {

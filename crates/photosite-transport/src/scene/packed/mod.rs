@@ -28,7 +28,8 @@ use photosite_core::Invalid;
 use photosite_core::spectrum::upsampling;
 
 /// Words of a mesh: material, first light, first triangle, number of primitives before its own; numbers to subtract from a corner's
-/// for normals, tangents and both sets of texture coordinates; and for colours.
+/// for normals, tangents and both sets of texture coordinates; and for colours, then for the normals of a mesh that changes
+/// its shape, with the numbers of its corners and of the parts of the time, which is 0 for others.
 pub const MESH_WORDS: usize = 3;
 
 /// Places of the records of each kind in the tables, in words.
@@ -54,7 +55,8 @@ pub struct Sections {
     pub sky: u32,
     /// Nodes of the table of upsampled colours, a word each.
     pub colours: u32,
-    /// Keys of motions, [`KEY_WORDS`](hierarchy::KEY_WORDS) each; [`NONE`] where nothing moves.
+    /// Keys of motions, [`KEY_WORDS`](hierarchy::KEY_WORDS) each, and what changes with the time besides; [`NONE`] where
+    /// nothing moves.
     pub motions: u32,
     /// Albedos of facets, [`ALBEDO_NODES`] rows of as many nodes and a mean, a word each.
     pub albedos: u32,
@@ -135,7 +137,7 @@ impl Scene {
         let sections = Sections {
             instances: section(instances),
             quadrics: section(quadrics),
-            meshes: section(self.geometry.meshes.iter().flat_map(mesh_words).collect()),
+            meshes: section(mesh_words(&self.geometry)),
             materials: section(materials),
             textures: section(textures.words),
             lights: section(light_tables.lights),
@@ -163,14 +165,29 @@ impl Scene {
     }
 }
 
-fn mesh_words(mesh: &MeshRange) -> [Word; MESH_WORDS] {
+/// Words of all meshes. Normals of meshes that change their shape follow those of all others.
+fn mesh_words(geometry: &Geometry) -> Vec<Word> {
     let number = |number: Option<u32>| number.unwrap_or(NONE);
-    let [first, second] = mesh.uvs_from.map(number);
-    [
-        [mesh.material, number(mesh.first_light), mesh.first_triangle, mesh.first_primitive],
-        [number(mesh.normals_from), number(mesh.tangents_from), first, second],
-        [number(mesh.colours_from), 0, 0, 0],
-    ]
+    let mut first_normal = geometry.normals.len() as u32;
+    let words = |mesh: &MeshRange| {
+        let [first, second] = mesh.uvs_from.map(number);
+        let changing = match mesh.deformation {
+            None => [0; 3],
+            Some(deformation) => {
+                let deformation = &geometry.deformations[deformation as usize];
+                let normals_from = deformation.first_corner.wrapping_sub(first_normal);
+                first_normal += deformation.normals.len() as u32;
+                [normals_from, deformation.corner_count, deformation.shape_count() as u32 - 1]
+            }
+        };
+        let [normals_from, corners, parts] = changing;
+        [
+            [mesh.material, number(mesh.first_light), mesh.first_triangle, mesh.first_primitive],
+            [number(mesh.normals_from), number(mesh.tangents_from), first, second],
+            [number(mesh.colours_from), normals_from, corners, parts],
+        ]
+    };
+    geometry.meshes.iter().flat_map(words).collect()
 }
 
 /// Numbers of vertices, and the places of each kind.
@@ -183,11 +200,12 @@ fn attributes(geometry: &Geometry, environment: Vec<f32>) -> (Vec<u32>, Attribut
         all.extend(numbers);
         first
     };
+    let changing = geometry.deformations.iter().flat_map(|deformation| &deformation.normals);
     // Corners are looked up for the sake of these alone
     let corners = triangles.iter().flat_map(|triangle| triangle.corners);
     let sections = AttributeSections {
         corners: section(&mut corners.filter(|_| !has_none)),
-        normals: section(&mut normals.iter().flat_map(|v| v.to_array()).map(f32::to_bits)),
+        normals: section(&mut normals.iter().chain(changing).flat_map(|v| v.to_array()).map(f32::to_bits)),
         tangents: section(&mut tangents.iter().flat_map(|v| v.to_array()).map(f32::to_bits)),
         vertex_colours: section(&mut colours.iter().flat_map(|v| v.to_array()).map(f32::to_bits)),
         uvs: [0, 1].map(|set| section(&mut uvs[set].iter().flat_map(|v| v.to_array()).map(f32::to_bits))),
