@@ -335,7 +335,8 @@ impl PathTracer for Tracer {
     }
 }
 
-/// Start of a path as the kernels read it: origin, and the time; direction, and whether the hero is alone; wavelengths; random numbers.
+/// Start of a path as the kernels read it: origin, and the time; direction, and whether the hero is alone; wavelengths;
+/// random numbers.
 fn start_words(start: &PathStart) -> [[u32; 4]; START_WORDS as usize] {
     let PathStart { ray, wavelengths, position } = start;
     let [x, y, z] = ray.origin.to_array().map(f32::to_bits);

@@ -7,11 +7,13 @@ struct Corners {
     c: vec3<f32>,
 }
 
+/// A corner after a part of the way.
 fn between(start: vec4<u32>, end: vec4<u32>, part: f32) -> vec3<f32> {
     return bitcast<vec3<f32>>(start.xyz) * (1.0 - part) + bitcast<vec3<f32>>(end.xyz) * part;
 }
 
-/// Corners at a time of the triangle at a slot, which has its corners at the end of that part of the time so many slots later.
+/// Corners at a time of the triangle at a slot, whose corners at the end of that part of the time are so many slots
+/// later.
 fn corners_at(slot: u32, later: u32, time: f32) -> Corners {
     let start = slot * TRIANGLE_WORDS;
     let end = start + later * TRIANGLE_WORDS;

@@ -101,7 +101,8 @@ fn into_world(transform: Transform, p: vec4<f32>) -> vec3<f32> {
     return vec3<f32>(dot(transform.x, p), dot(transform.y, p), dot(transform.z, p));
 }
 
-/// The transform of the instance whose words begin there, which is not in world space, at a time; `InstanceTransform::at`.
+/// The transform at a time of the instance whose words begin there, which is not in world space;
+/// `InstanceTransform::at`.
 fn transform_at(instance: u32, time: f32) -> Transform {
     if (tables[instance + 6u].y == PLACE_MOVING) {
         return motion_at(tables[instance].x, tables[instance].y, time);

@@ -391,7 +391,8 @@ fn aimed(place: [f64; 3], up: f64) -> DAffine3 {
     DAffine3::from_rotation_translation(DQuat::from_rotation_x(up), DVec3::from(place))
 }
 
-/// A room in which things and lamps move, and some change their shape: in front of things that stand still, some of them of the same mesh.
+/// A room in which things and lamps move, and some change their shape, before things that stand still, one of them of
+/// the mesh of one that moves.
 pub(crate) fn moving() -> Stage {
     let mut scene = Stage::default();
     let checker = (0..64u32).map(|i| if (i % 8 + i / 8) % 2 == 0 { [200, 120, 60, 255] } else { [40, 90, 190, 90] });

@@ -144,8 +144,8 @@ impl Motion {
 }
 
 impl Key {
-    /// The key as plain data, with the turn to the next key: after a part s of the way, where α is the angle between the
-    /// quaternions, the rotation is cos(s·α) times the first one of the words and sin(s·α) times the second.
+    /// The key as plain data, with the turn to the next key: after a part s of the way, where α is the angle between
+    /// both quaternions, the rotation is cos(s·α) times that of the first word plus sin(s·α) times that of the second.
     fn words(&self, next: &Self) -> [Word; KEY_WORDS] {
         let Self { translation, rotation, stretch } = *self;
         let cosine = rotation.dot(next.rotation);

@@ -15,9 +15,9 @@ use glam::Vec3;
 use photosite_core::Invalid;
 use photosite_core::math::distribution::{PiecewiseConstant1D, PiecewiseConstant2D};
 
-/// Words of a light: kind, primitive, target of shadow rays, rank in the tree; what it emits, with its mesh, and the colour
-/// of that; its shape. A light without a surface has no colour, and there the place of its motion and the number of its
-/// segments, 0 where it stands still: the light is in its own space then.
+/// Words of a light: kind, primitive, target of shadow rays, rank in the tree; what it emits, with its mesh, and the
+/// colour of that; its shape. A light without a surface has in place of the colour where its motion begins and the
+/// number of its segments, 0 where it stands still; one that moves is given in its own space.
 pub const LIGHT_WORDS: usize = 6;
 /// Words of a node of the light tree: box with intensity, its half with the cone, axis with the angle beyond it; links.
 pub const TREE_WORDS: usize = 4;
@@ -43,8 +43,8 @@ pub mod kind {
     pub const ENVIRONMENT: u32 = 5;
     /// A light without area, which is never sampled.
     pub const NOTHING: u32 = 6;
-    /// A triangle that emits and changes its shape: the place of its corners among the motions, three words for each shape,
-    /// and the number of parts of the time.
+    /// A triangle that emits and changes its shape: where its corners begin among the motions, three words for each
+    /// shape, and the number of parts of the time.
     pub const DEFORMING: u32 = 7;
 }
 
@@ -117,8 +117,8 @@ impl Lights {
         self.lights.iter().any(|light| matches!(light, Light::Delta(_)))
     }
 
-    /// Packs the lights. The environment's image becomes a texture; the motions of those that move are added, and the shapes
-    /// of those that change them.
+    /// Packs the lights. The environment's image becomes a texture; motions of those that move, and shapes of those
+    /// that change them, are added to the others.
     pub(crate) fn packed(
         &self,
         geometry: &Geometry,

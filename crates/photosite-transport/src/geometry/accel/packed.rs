@@ -57,15 +57,15 @@ pub struct PackedAccel {
     /// planes of the eight, then the high ones.
     pub nodes: Vec<Word>,
     /// Triangles in the order of the leaves, [`TRIANGLE_WORDS`] each: a corner in each, with the index of the triangle,
-    /// whether it is slender, and its mesh. Those of a leaf that change their shape come at the start of a part of the time
-    /// and, so many triangles later, at its end: that number is in the bits above the lowest one, which tells whether either
-    /// is slender, and the number of parts is beside the first corner at the end.
+    /// whether it is slender, and its mesh. Triangles that change their shape are there twice: at the start of a part
+    /// of the time, and some triangles later at its end. The bits above that of the slender ones tell how many later,
+    /// and beside the first corner at the end is the number of parts.
     pub triangles: Vec<Word>,
     /// Quadrics in the order of the geometry, [`QUADRIC_WORDS`] each.
     pub quadrics: Vec<Word>,
     /// Instances in the order of the leaves, [`INSTANCE_WORDS`] each: rows of the transform to the world and of that to
-    /// the object, or in the first word the place of its motion and the number of its segments, or that of its roots and
-    /// their number; root, kind of its [`place`], its index.
+    /// the object, or in the first word where its motion begins and the number of its segments, or where its roots
+    /// begin and their number; root, kind of its [`place`], its index.
     pub instances: Vec<Word>,
     /// Motions of instances, [`KEY_WORDS`] for each of their keys; roots of what changes its shape, a word each.
     pub motions: Vec<Word>,
@@ -175,8 +175,8 @@ impl PackedAccel {
         }
     }
 
-    /// Adds a hierarchy, whose triangles have these corners in its shapes, for one of so many parts of the time; returns its
-    /// root and the number of its levels.
+    /// Adds a hierarchy, whose triangles have these corners in its shapes, for one of so many parts of the time;
+    /// returns its root and the number of its levels.
     fn append_bvh<const SHAPES: usize>(
         &mut self,
         geometry: &Geometry,

@@ -27,9 +27,9 @@ use crate::texture::packed::PackedTextures;
 use photosite_core::Invalid;
 use photosite_core::spectrum::upsampling;
 
-/// Words of a mesh: material, first light, first triangle, number of primitives before its own; numbers to subtract from a corner's
-/// for normals, tangents and both sets of texture coordinates; and for colours, then for the normals of a mesh that changes
-/// its shape, with the numbers of its corners and of the parts of the time, which is 0 for others.
+/// Words of a mesh: material, first light, first triangle, number of primitives before its own; numbers to subtract
+/// from a corner's for normals, tangents and both sets of texture coordinates; that for colours, and of a mesh that
+/// changes its shape that for the normals of its shapes, the number of its corners, and that of the parts of the time.
 pub const MESH_WORDS: usize = 3;
 
 /// Places of the records of each kind in the tables, in words.
@@ -55,8 +55,8 @@ pub struct Sections {
     pub sky: u32,
     /// Nodes of the table of upsampled colours, a word each.
     pub colours: u32,
-    /// Keys of motions, [`KEY_WORDS`](hierarchy::KEY_WORDS) each, and what changes with the time besides; [`NONE`] where
-    /// nothing moves.
+    /// Keys of motions, [`KEY_WORDS`](hierarchy::KEY_WORDS) each, with roots and corners of what changes its shape;
+    /// [`NONE`] where nothing moves or changes its shape.
     pub motions: u32,
     /// Albedos of facets, [`ALBEDO_NODES`] rows of as many nodes and a mean, a word each.
     pub albedos: u32,
