@@ -18,13 +18,18 @@ macro_rules! params {
         /// Values in the same order.
         pub(crate) fn values(scene: &PackedScene, limits: PathLimits, sampler: SamplerKind, capacity: u32) -> Vec<u32> {
             let row = Row { scene, limits, sampler, capacity };
-            vec![$({
+            let mut values = vec![$({
                 let of: fn(&Row<'_>) -> u32 = $value;
                 of(&row)
-            }),*]
+            }),*];
+            values.resize(values.len() + PADDING, 0);
+            values
         }
     };
 }
+
+/// Numbers behind the others that mean nothing: sizes of uniform blocks are whole numbers of 16 bytes.
+pub(crate) const PADDING: usize = FIELDS.len().next_multiple_of(4) - FIELDS.len();
 
 struct Row<'a> {
     scene: &'a PackedScene,
@@ -81,4 +86,5 @@ params! {
     environment_cos: "f32" = |r| r.scene.lights.environment_rotation[0].to_bits(),
     environment_sin: "f32" = |r| r.scene.lights.environment_rotation[1].to_bits(),
     has_holes: "u32" = |r| u32::from(r.scene.has_holes),
+    motions: "u32" = |r| r.scene.sections.motions,
 }

@@ -9,7 +9,7 @@ use photosite_transport::scene::packed::lights::colour;
 use photosite_transport::scene::packed::materials::{self, alpha, model};
 use photosite_transport::scene::packed::{self, albedos, hierarchy, layers, lights};
 
-use crate::params::{FIELDS, SAMPLER_INDEPENDENT, SAMPLER_SOBOL};
+use crate::params::{FIELDS, PADDING, SAMPLER_INDEPENDENT, SAMPLER_SOBOL};
 
 /// Threads of a workgroup.
 pub const WORKGROUP_SIZE: u32 = 64;
@@ -19,7 +19,7 @@ pub const STATE_WORDS: u32 = 13;
 pub const START_WORDS: u32 = 4;
 
 /// Files in the order of what they need.
-const FILES: [&str; 32] = [
+const FILES: [&str; 34] = [
     include_str!("wgsl/hash.wgsl"),
     include_str!("wgsl/sampler.wgsl"),
     include_str!("wgsl/math.wgsl"),
@@ -28,6 +28,8 @@ const FILES: [&str; 32] = [
     include_str!("wgsl/quadric.wgsl"),
     include_str!("wgsl/triangle.wgsl"),
     include_str!("wgsl/holes.wgsl"),
+    include_str!("wgsl/motion.wgsl"),
+    include_str!("wgsl/deformation.wgsl"),
     include_str!("wgsl/traversal.wgsl"),
     include_str!("wgsl/surface.wgsl"),
     include_str!("wgsl/bsdf/model.wgsl"),
@@ -75,6 +77,10 @@ const NUMBERS: &[(&str, u32)] = &[
     ("TRIANGLE_WORDS", hierarchy::TRIANGLE_WORDS as u32),
     ("QUADRIC_WORDS", hierarchy::QUADRIC_WORDS as u32),
     ("INSTANCE_WORDS", hierarchy::INSTANCE_WORDS as u32),
+    ("KEY_WORDS", hierarchy::KEY_WORDS as u32),
+    ("PLACE_WORLD", hierarchy::place::WORLD),
+    ("PLACE_MOVING", hierarchy::place::MOVING),
+    ("PLACE_DEFORMING", hierarchy::place::DEFORMING),
     ("LEAF", hierarchy::LEAF),
     ("LEAF_TRIANGLES", hierarchy::TRIANGLES),
     ("LEAF_QUADRIC", hierarchy::QUADRIC),
@@ -118,6 +124,7 @@ const NUMBERS: &[(&str, u32)] = &[
     ("LIGHT_SPOT", lights::kind::SPOT),
     ("LIGHT_DIRECTIONAL", lights::kind::DIRECTIONAL),
     ("LIGHT_ENVIRONMENT", lights::kind::ENVIRONMENT),
+    ("LIGHT_DEFORMING", lights::kind::DEFORMING),
     ("ENVIRONMENT_CONSTANT", lights::environment::CONSTANT),
     ("ENVIRONMENT_IMAGE", lights::environment::IMAGE),
     ("ENVIRONMENT_SKY", lights::environment::SKY),
@@ -157,6 +164,9 @@ pub fn functions(layers: u32) -> String {
     for (name, kind) in FIELDS {
         let _ = writeln!(text, "    {name}: {kind},");
     }
+    (0..PADDING).for_each(|i| {
+        let _ = writeln!(text, "    padding_{i}: u32,");
+    });
     text += "}\n";
     text += BINDINGS;
     FILES.iter().for_each(|file| text += file);

@@ -7,8 +7,7 @@ use photosite_transport::bsdf::Model;
 use photosite_transport::integrator::RenderSettings;
 use photosite_transport::light::LightKind;
 use photosite_transport::scene::description::{
-    AlphaMode, EnvironmentDescription, InstanceDescription, LightDescription, MaterialDescription, MaterialModel,
-    MeshDescription, SceneDescription,
+    AlphaMode, EnvironmentDescription, LightDescription, MaterialDescription, MaterialModel, SceneDescription,
 };
 
 /// First thing that keeps a scene and its settings from a card, with the key or the name of what asks for it; `None` where
@@ -16,16 +15,8 @@ use photosite_transport::scene::description::{
 pub fn unsupported(scene: &SceneDescription, settings: &RenderSettings) -> Option<Invalid> {
     let of_materials = || scene.materials.iter().find_map(of_material);
     let of_lights = || scene.lights.iter().find_map(of_light);
-    let of_meshes = || scene.meshes.iter().find_map(|mesh| of_mesh(mesh));
-    let of_instances = || scene.instances.iter().find_map(of_instance);
     let of_environment = || scene.environment.as_ref().and_then(of_environment);
-    of_settings(settings)
-        .or_else(of_materials)
-        .or_else(of_lights)
-        .or_else(of_environment)
-        .or_else(of_meshes)
-        .or_else(of_instances)
-        .or_else(|| of_panes(scene))
+    of_settings(settings).or_else(of_materials).or_else(of_lights).or_else(of_environment).or_else(|| of_panes(scene))
 }
 
 fn refused(key: impl Into<String>, what: &str) -> Option<Invalid> {
@@ -77,9 +68,6 @@ fn of_model(model: &MaterialModel) -> Option<&'static str> {
 
 fn of_light(light: &LightDescription) -> Option<Invalid> {
     let key = format!("lights ({})", light.name);
-    if light.later.iter().any(|pose| *pose != light.to_world) {
-        return refused(key, "a light that moves");
-    }
     match light.kind {
         LightKind::Point(_) | LightKind::Spot(_) | LightKind::Directional(_) => None,
         LightKind::Profile(_) => refused(key, "a light of a measured profile"),
@@ -94,19 +82,6 @@ fn of_environment(environment: &EnvironmentDescription) -> Option<Invalid> {
         | EnvironmentDescription::Image { .. }
         | EnvironmentDescription::Sky(_) => None,
     }
-}
-
-fn of_mesh(mesh: &MeshDescription) -> Option<Invalid> {
-    if mesh.later_shapes.is_empty() {
-        None
-    } else {
-        refused(format!("mesh {}", mesh.name), "a mesh that changes its shape")
-    }
-}
-
-fn of_instance(instance: &InstanceDescription) -> Option<Invalid> {
-    let moves = instance.later.iter().any(|pose| *pose != instance.to_world);
-    if moves { refused(format!("object {}", instance.name), "an object that moves") } else { None }
 }
 
 /// Light from lamps without a surface goes straight on through panes.
@@ -136,11 +111,12 @@ fn is_pane(model: &MaterialModel) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use glam::DAffine3;
+    use glam::{DAffine3, DVec3};
     use photosite_core::spectrum::{Dispersion, Spectrum, library};
     use photosite_transport::light::PointLight;
     use photosite_transport::scene::description::{
-        Colour, Conductor, Diffuse, EmissionDescription, Mix, Roughness, TexturedColour, ThinDielectric,
+        Colour, Conductor, Diffuse, EmissionDescription, InstanceDescription, MeshDescription, Mix, Roughness,
+        ShapeDescription, TexturedColour, ThinDielectric,
     };
 
     use super::*;
@@ -151,6 +127,20 @@ mod tests {
 
     fn grey() -> MaterialModel {
         Model::Diffuse(Diffuse { reflectance: TexturedColour::plain(Colour::Rgb([0.5; 3])) })
+    }
+
+    fn white() -> EmissionDescription {
+        EmissionDescription { colour: Colour::Rgb([1.0; 3]), level: Some(1.0), texture: None }
+    }
+
+    fn lamp() -> LightDescription {
+        LightDescription {
+            name: "lamp".into(),
+            to_world: DAffine3::IDENTITY,
+            later: vec![],
+            kind: LightKind::Point(PointLight),
+            emission: white(),
+        }
     }
 
     fn words(scene: &SceneDescription, settings: &RenderSettings) -> String {
@@ -188,17 +178,24 @@ mod tests {
     }
 
     #[test]
+    fn what_moves_or_changes_its_shape_is_not_refused() {
+        let mut moving = scene(grey());
+        let later_shapes = vec![ShapeDescription::default()];
+        moving.meshes.push(MeshDescription { later_shapes, ..MeshDescription::default() }.into());
+        let object = InstanceDescription::of_mesh("cart", 0, DAffine3::IDENTITY);
+        let later = vec![DAffine3::from_translation(DVec3::X)];
+        moving.instances.push(InstanceDescription { later, ..object });
+        moving.materials[0].emission = Some(white());
+        moving.lights.push(LightDescription { later: vec![DAffine3::from_translation(DVec3::X)], ..lamp() });
+        assert_eq!(words(&moving, &RenderSettings::default()), "");
+    }
+
+    #[test]
     fn panes_are_refused_beside_lamps_without_a_surface_alone() {
         let (index, transmittance) = (Dispersion::constant(1.5), Spectrum::constant(1.0));
         let mut pane = scene(Model::ThinDielectric(ThinDielectric { index, transmittance }));
         assert_eq!(words(&pane, &RenderSettings::default()), "");
-        pane.lights.push(LightDescription {
-            name: "lamp".into(),
-            to_world: DAffine3::IDENTITY,
-            later: vec![],
-            kind: LightKind::Point(PointLight),
-            emission: EmissionDescription { colour: Colour::Rgb([1.0; 3]), level: Some(1.0), texture: None },
-        });
+        pane.lights.push(lamp());
         assert!(words(&pane, &RenderSettings::default()).contains("lamp"));
     }
 }

@@ -291,13 +291,19 @@ impl PathTracer for Tracer {
     }
 }
 
-/// Start of a path as the kernels read it: origin; direction, and whether the hero is alone; wavelengths; random numbers.
+/// Start of a path as the kernels read it: origin, and the time; direction, and whether the hero is alone; wavelengths;
+/// random numbers.
 fn start_words(start: &PathStart) -> [[u32; 4]; START_WORDS as usize] {
     let PathStart { ray, wavelengths, position } = start;
     let [x, y, z] = ray.origin.to_array().map(f32::to_bits);
     let [dx, dy, dz] = ray.direction.to_array().map(f32::to_bits);
     let is_alone = u32::from(wavelengths.is_hero_alone());
-    [[x, y, z, 0], [dx, dy, dz, is_alone], wavelengths.lambdas_nm().map(f32::to_bits), position.words()]
+    [
+        [x, y, z, ray.time.to_bits()],
+        [dx, dy, dz, is_alone],
+        wavelengths.lambdas_nm().map(f32::to_bits),
+        position.words(),
+    ]
 }
 
 fn word(bytes: &[u8]) -> u32 {

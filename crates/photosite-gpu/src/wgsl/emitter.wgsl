@@ -24,6 +24,15 @@ fn emissive_triangle(light: u32) -> EmissiveTriangle {
     return EmissiveTriangle(corner.xyz, corner.w, bitcast<vec3<f32>>(tables[at + 4u].xyz), bitcast<vec3<f32>>(tables[at + 5u].xyz));
 }
 
+/// The triangle of a light that changes its shape, at a time.
+fn emissive_triangle_at(light: u32, time: f32) -> EmissiveTriangle {
+    let shapes = tables[params.lights + light * LIGHT_WORDS + 3u];
+    let corners = emissive_corners_at(shapes.x, shapes.y, time);
+    let first_edge = corners.b - corners.a;
+    let second_edge = corners.c - corners.a;
+    return EmissiveTriangle(corners.a, length(cross(first_edge, second_edge)), first_edge, second_edge);
+}
+
 fn seen_point(position: vec3<f32>, normal: vec3<f32>, parameters: vec2<f32>, seer: vec3<f32>, pdf_of_area: f32) -> SeenPoint {
     let towards = position - seer;
     let distance_squared = dot(towards, towards);
@@ -148,11 +157,14 @@ fn sample_quadric(quadric: Quadric, seer: vec3<f32>, u: vec2<f32>) -> SeenPoint 
     }
 }
 
-/// Density with which a shape's samples give a point at a distance, seen with a cosine of either sign.
-fn emitter_pdf(kind: u32, number: u32, light: u32, seer: vec3<f32>, distance: f32, cosine: f32) -> f32 {
+/// Density with which a shape's samples at a time give a point at a distance, seen with a cosine of either sign.
+fn emitter_pdf(kind: u32, number: u32, light: u32, seer: vec3<f32>, time: f32, distance: f32, cosine: f32) -> f32 {
     let distance2 = distance * distance;
     if (kind == LIGHT_TRIANGLE) {
         return to_solid_angle(2.0 / emissive_triangle(light).double_area, distance2, abs(cosine));
+    }
+    if (kind == LIGHT_DEFORMING) {
+        return to_solid_angle(2.0 / emissive_triangle_at(light, time).double_area, distance2, abs(cosine));
     }
     if (kind != LIGHT_QUADRIC) {
         return 0.0;

@@ -70,18 +70,37 @@ fn sample_delta_light(kind: u32, at: u32, level: u32, ctx: LightContext, lambda_
     return sample;
 }
 
-/// A direction to the light that was chosen.
-fn sample_chosen(choice: Choice, v: f32, ctx: LightContext, lambda_nm: vec4<f32>) -> LightSample {
+/// Direction to a light without a surface at a time: one that moves is sampled in its own space.
+fn sample_delta_light_at(kind: u32, at: u32, level: u32, ctx: LightContext, time: f32, lambda_nm: vec4<f32>) -> LightSample {
+    let motion = tables[at + 2u];
+    var transform: Transform;
+    var own = ctx;
+    if (motion.y != 0u) {
+        transform = motion_at(motion.x, motion.y, time);
+        own.point = into_object(transform, vec4<f32>(ctx.point, 1.0));
+    }
+    var sample = sample_delta_light(kind, at, level, own, lambda_nm);
+    if (motion.y != 0u) {
+        sample.wi = normalized_or(into_world(transform, vec4<f32>(sample.wi, 0.0)), vec3<f32>(0.0));
+        sample.position = into_world(transform, vec4<f32>(sample.position, 1.0));
+    }
+    return sample;
+}
+
+/// A direction to the light that was chosen, at a time.
+fn sample_chosen(choice: Choice, v: f32, ctx: LightContext, time: f32, lambda_nm: vec4<f32>) -> LightSample {
     let at = params.lights + choice.light * LIGHT_WORDS;
     let head = tables[at];
     let emission = tables[at + 1u];
     let u = vec2<f32>(choice.rest, v);
     var sample = no_light();
     switch head.x {
-        case LIGHT_TRIANGLE, LIGHT_QUADRIC: {
+        case LIGHT_TRIANGLE, LIGHT_QUADRIC, LIGHT_DEFORMING: {
             var seen: SeenPoint;
             if (head.x == LIGHT_TRIANGLE) {
                 seen = sample_emissive_triangle(emissive_triangle(choice.light), ctx.point, u);
+            } else if (head.x == LIGHT_DEFORMING) {
+                seen = sample_emissive_triangle(emissive_triangle_at(choice.light, time), ctx.point, u);
             } else {
                 seen = sample_quadric(load_quadric(head.y), ctx.point, u);
             }
@@ -102,7 +121,7 @@ fn sample_chosen(choice: Choice, v: f32, ctx: LightContext, lambda_nm: vec4<f32>
             sample.target_primitive = head.z;
         }
         case LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL: {
-            sample = sample_delta_light(head.x, at, emission.x, ctx, lambda_nm);
+            sample = sample_delta_light_at(head.x, at, emission.x, ctx, time, lambda_nm);
         }
         case LIGHT_ENVIRONMENT: {
             let drawn = sample_environment(u);
@@ -120,10 +139,10 @@ fn sample_chosen(choice: Choice, v: f32, ctx: LightContext, lambda_nm: vec4<f32>
     return sample;
 }
 
-/// Density with which light sampling finds a point of an area light.
-fn area_light_pdf(light: u32, ctx: LightContext, distance: f32, cosine: f32) -> f32 {
+/// Density with which light sampling finds a point of an area light at a time.
+fn area_light_pdf(light: u32, ctx: LightContext, time: f32, distance: f32, cosine: f32) -> f32 {
     let head = tables[params.lights + light * LIGHT_WORDS];
-    let density = emitter_pdf(head.x, head.y, light, ctx.point, distance, cosine);
+    let density = emitter_pdf(head.x, head.y, light, ctx.point, time, distance, cosine);
     if (density == 0.0) {
         return 0.0;
     }

@@ -24,3 +24,13 @@ fn transmittance(medium: u32, distance: f32, lambda_nm: vec4<f32>) -> vec4<f32> 
     }
     return exp(-distance * spectrum(medium, lambda_nm));
 }
+
+/// A medium beside a bit, in the word of a path that says so.
+fn medium_bits(medium: u32) -> u32 {
+    return (medium + 1u) << 1u;
+}
+
+/// The medium of such a word; [`NONE`] where there is none.
+fn medium_of(word: u32) -> u32 {
+    return (word >> 1u) - 1u;
+}

@@ -33,7 +33,7 @@ const LAST_POINT = 6u;
 /// Normal of the last vertex, and whether both of its sides count.
 const LAST_NORMAL = 7u;
 const RANDOM = 8u;
-/// Square of the indices that were passed, whether the hero is alone, instance of the hit, absorbing medium of the path.
+/// Square of the indices that were passed, whether the hero is alone with the medium (`medium_of`), instance of the hit, time.
 const REST = 9u;
 const SHADOW_ORIGIN_TARGET = 10u;
 const SHADOW_DIRECTION_END = 11u;
@@ -57,6 +57,14 @@ fn store(kind: u32, path: u32, value: vec4<u32>) {
 
 fn store_f32(kind: u32, path: u32, value: vec4<f32>) {
     state[place_of(kind, path)] = bitcast<vec4<u32>>(value);
+}
+
+/// Time of a path, which nobody asks for where nothing moves.
+fn time_of(path: u32) -> f32 {
+    if (params.motions == NONE) {
+        return 0.0;
+    }
+    return bitcast<f32>(state[place_of(REST, path)].w);
 }
 
 /// List of the paths that go on at this depth, and of those that go on after it.
@@ -92,7 +100,7 @@ fn generate(@builtin(global_invocation_id) id: vec3<u32>) {
     store(LAMBDA, i, starts[4u * i + 2u]);
     store_f32(LAST_POINT, i, vec4<f32>(0.0, 0.0, 0.0, -1.0));
     store(RANDOM, i, starts[4u * i + 3u]);
-    store(REST, i, vec4<u32>(bitcast<u32>(1.0f), direction.w, 0u, NONE));
+    store(REST, i, vec4<u32>(bitcast<u32>(1.0f), direction.w, 0u, origin.w));
     lists[i] = i;
 }
 
@@ -105,7 +113,7 @@ fn extend(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = lists[list_in(atomicLoad(&control[DEPTH])) + id.x];
     let origin = load(ORIGIN_LEAVES, i);
     let direction = load(DIRECTION_INSTANCE, i);
-    let ray = Ray(bitcast<vec3<f32>>(origin.xyz), FAR, bitcast<vec3<f32>>(direction.xyz), origin.w, direction.w, NONE);
+    let ray = Ray(bitcast<vec3<f32>>(origin.xyz), FAR, bitcast<vec3<f32>>(direction.xyz), origin.w, direction.w, NONE, time_of(i));
     let hit = trace(ray, false);
     store(HIT, i, vec4<u32>(bitcast<u32>(hit.t), bitcast<u32>(hit.uv.x), bitcast<u32>(hit.uv.y), hit.slot));
     state[place_of(REST, i)].z = hit.instance;
@@ -120,7 +128,7 @@ fn emission_weight(i: u32, point: SurfacePoint, wo: vec3<f32>, distance: f32) ->
     }
     let normal = load(LAST_NORMAL, i);
     let ctx = LightContext(last.xyz, bitcast<vec3<f32>>(normal.xyz), normal.w != 0u);
-    return power_heuristic(last.w, area_light_pdf(light, ctx, distance, dot(wo, point.geometric_normal)));
+    return power_heuristic(last.w, area_light_pdf(light, ctx, point.time, distance, dot(wo, point.geometric_normal)));
 }
 
 /// Samples a light, and queues its shadow ray with what the path gathers if nothing is in the way.
@@ -129,7 +137,7 @@ fn sample_direct_light(i: u32, point: SurfacePoint, shading: Shading, wo: vec3<f
     if (choice.light == NONE) {
         return;
     }
-    let light = sample_chosen(choice, u.y, ctx, lambda_nm);
+    let light = sample_chosen(choice, u.y, ctx, point.time, lambda_nm);
     if (!(light.pdf > 0.0)) {
         return;
     }
@@ -180,7 +188,7 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
     let i = lists[list_in(depth - 1u) + id.x];
     let hit_words = load(HIT, i);
     let rest = load(REST, i);
-    var is_hero_alone = rest.y;
+    var is_hero_alone = rest.y & 1u;
     var throughput = load_f32(THROUGHPUT, i);
     let lambda_nm = load_f32(LAMBDA, i);
     let direction = bitcast<vec3<f32>>(load(DIRECTION_INSTANCE, i).xyz);
@@ -203,13 +211,13 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
 
     // Add the surface's emission, weighted against light sampling
     let hit = Hit(bitcast<f32>(hit_words.x), bitcast<vec2<f32>>(hit_words.yz), hit_words.w, rest.z);
-    let point = surface_point(hit);
+    let point = surface_point(hit, bitcast<f32>(rest.w));
     let wo = -direction;
     var medium = NONE;
     if (HAS_MEDIA) {
         // Absorb along the segment: a volume seen from behind has been crossed, whether or not its front was met before.
         let behind = absorption_behind(point, wo);
-        medium = select(behind, rest.w, behind == NONE);
+        medium = select(behind, medium_of(rest.y), behind == NONE);
         throughput *= transmittance(medium, hit.t, lambda_nm);
     }
     let emission = emitted(point, wo, lambda_nm);
@@ -279,7 +287,7 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
     let ray = spawn_ray(point, wi);
     store(ORIGIN_LEAVES, i, vec4<u32>(bitcast<vec3<u32>>(ray.origin), leaving.leaves));
     store(DIRECTION_INSTANCE, i, vec4<u32>(bitcast<vec3<u32>>(wi), leaving.leaves_instance));
-    store(REST, i, vec4<u32>(bitcast<u32>(eta_scale), is_hero_alone, 0u, medium));
+    store(REST, i, vec4<u32>(bitcast<u32>(eta_scale), is_hero_alone | medium_bits(medium), 0u, rest.w));
     if (!goes_on) {
         return;
     }
@@ -302,7 +310,7 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
     let direction = load(SHADOW_DIRECTION_END, i);
     let leaves = load(ORIGIN_LEAVES, i).w;
     let instance = load(DIRECTION_INSTANCE, i).w;
-    let ray = Ray(bitcast<vec3<f32>>(origin.xyz), bitcast<f32>(direction.w), bitcast<vec3<f32>>(direction.xyz), leaves, instance, origin.w);
+    let ray = Ray(bitcast<vec3<f32>>(origin.xyz), bitcast<f32>(direction.w), bitcast<vec3<f32>>(direction.xyz), leaves, instance, origin.w, time_of(i));
     if (trace(ray, true).slot == NONE) {
         store_f32(LIGHT, i, load_f32(LIGHT, i) + load_f32(SHADOW_LIGHT, i));
     }
@@ -339,7 +347,7 @@ fn arrive(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     var light = load(LIGHT, i);
-    if (load(REST, i).y != 0u) {
+    if ((load(REST, i).y & 1u) != 0u) {
         light.y = HERO_ALONE;
     }
     arrivals[i] = light;

@@ -17,7 +17,13 @@ struct SurfacePoint {
     instance: u32,
     mesh: u32,
     material: u32,
+    /// Time from 0 to 1.
+    time: f32,
 }
+
+/// Roundings of a transform, and of its inverse; of one that is found in single precision on the way, too.
+const ROUNDINGS = 4.0f;
+const ROUNDINGS_OF_MOTION = 32.0f;
 
 fn weighted(a: vec3<f32>, b: vec3<f32>, c: vec3<f32>, uv: vec2<f32>) -> vec3<f32> {
     return a * (1.0 - uv.x - uv.y) + b * uv.x + c * uv.y;
@@ -39,30 +45,52 @@ fn corners_of(triangle: u32) -> vec3<u32> {
     return vec3<u32>(attributes[at], attributes[at + 1u], attributes[at + 2u]);
 }
 
-fn surface_point(hit: Hit) -> SurfacePoint {
+/// Shading normal of three vertices, not of unit length.
+fn normal_of(vertices: vec3<u32>, uv: vec2<f32>) -> vec3<f32> {
+    return weighted(attribute3(params.normals, vertices.x, 3u), attribute3(params.normals, vertices.y, 3u), attribute3(params.normals, vertices.z, 3u), uv);
+}
+
+/// Shading normal, not of unit length, of corners of a mesh that changes its shape.
+fn changing_normal(corners: vec3<u32>, mesh: u32, uv: vec2<f32>, time: f32) -> vec3<f32> {
+    let words = tables[params.meshes + mesh * MESH_WORDS + 2u];
+    let now = segment(time, words.w);
+    let vertices = corners - vec3<u32>(words.y) + vec3<u32>(now.index * words.z);
+    return normal_of(vertices, uv) * (1.0 - now.part) + normal_of(vertices + vec3<u32>(words.z), uv) * now.part;
+}
+
+fn surface_point(hit: Hit, time: f32) -> SurfacePoint {
     if ((hit.slot & IS_QUADRIC) != 0u) {
-        return point_of_quadric(hit);
+        return point_of_quadric(hit, time);
     }
     let at = hit.slot * TRIANGLE_WORDS;
     let a_word = triangles[at];
     let c_word = triangles[at + 2u];
-    let a = bitcast<vec3<f32>>(a_word.xyz);
-    let b = bitcast<vec3<f32>>(triangles[at + 1u].xyz);
-    let c = bitcast<vec3<f32>>(c_word.xyz);
+    let b_word = triangles[at + 1u];
+    let is_deforming = b_word.w > 1u;
+    var corners = Corners(bitcast<vec3<f32>>(a_word.xyz), bitcast<vec3<f32>>(b_word.xyz), bitcast<vec3<f32>>(c_word.xyz));
+    if (is_deforming) {
+        corners = corners_at(hit.slot, b_word.w >> 1u, time);
+    }
+    let a = corners.a;
+    let b = corners.b;
+    let c = corners.c;
     let triangle = a_word.w;
     let mesh = c_word.w;
     let mesh_words = tables[params.meshes + mesh * MESH_WORDS];
     let attribute_words = tables[params.meshes + mesh * MESH_WORDS + 1u];
     let uv = hit.uv;
     var position = weighted(a, b, c, uv);
-    var error = (abs(a) * abs(1.0 - uv.x - uv.y) + abs(b) * uv.x + abs(c) * uv.y) * gamma(7.0);
+    var error = (abs(a) * abs(1.0 - uv.x - uv.y) + abs(b) * uv.x + abs(c) * uv.y) * gamma(select(7.0, 10.0, is_deforming));
     var normal = cross(b - a, c - a);
     var shading = vec3<f32>(0.0);
     var tangent = vec3<f32>(0.0);
     var handedness = 1.0;
     if (attribute_words.x != NONE) {
-        let corners = corners_of(triangle) - vec3<u32>(attribute_words.x);
-        shading = weighted(attribute3(params.normals, corners.x, 3u), attribute3(params.normals, corners.y, 3u), attribute3(params.normals, corners.z, 3u), uv);
+        if (is_deforming) {
+            shading = changing_normal(corners_of(triangle), mesh, uv, time);
+        } else {
+            shading = normal_of(corners_of(triangle) - vec3<u32>(attribute_words.x), uv);
+        }
     }
     if (attribute_words.y != NONE) {
         let corners = corners_of(triangle) - vec3<u32>(attribute_words.y);
@@ -72,22 +100,24 @@ fn surface_point(hit: Hit) -> SurfacePoint {
     }
 
     let instance = params.instances + hit.instance * INSTANCE_WORDS;
-    if (tables[instance + 6u].y == 0u) {
-        let x = bitcast<vec4<f32>>(tables[instance]);
-        let y = bitcast<vec4<f32>>(tables[instance + 1u]);
-        let z = bitcast<vec4<f32>>(tables[instance + 2u]);
-        let x_object = bitcast<vec4<f32>>(tables[instance + 3u]);
-        let y_object = bitcast<vec4<f32>>(tables[instance + 4u]);
-        let z_object = bitcast<vec4<f32>>(tables[instance + 5u]);
+    let place = tables[instance + 6u].y;
+    if (place != PLACE_WORLD && place != PLACE_DEFORMING) {
+        let transform = transform_at(instance, time);
+        let x = transform.x;
+        let y = transform.y;
+        let z = transform.z;
+        let x_object = transform.x_object;
+        let y_object = transform.y_object;
+        let z_object = transform.z_object;
+        let roundings = gamma(select(ROUNDINGS, ROUNDINGS_OF_MOTION, place == PLACE_MOVING));
         let local = position;
-        let p = vec4<f32>(local, 1.0);
-        position = vec3<f32>(dot(x, p), dot(y, p), dot(z, p));
+        position = into_world(transform, vec4<f32>(local, 1.0));
         // The error of the local point carried over, that of this transform, and that of taking the origin of the next ray
         // back into object space.
         let size = vec4<f32>(abs(local), 1.0);
-        let forward = vec3<f32>(dot(abs(x), size), dot(abs(y), size), dot(abs(z), size)) * gamma(4.0);
+        let forward = vec3<f32>(dot(abs(x), size), dot(abs(y), size), dot(abs(z), size)) * roundings;
         let world_size = vec4<f32>(abs(position), 1.0);
-        let back = vec3<f32>(dot(abs(x_object), world_size), dot(abs(y_object), world_size), dot(abs(z_object), world_size)) * gamma(4.0);
+        let back = vec3<f32>(dot(abs(x_object), world_size), dot(abs(y_object), world_size), dot(abs(z_object), world_size)) * roundings;
         let carried = error + back;
         error = vec3<f32>(dot(abs(x.xyz), carried), dot(abs(y.xyz), carried), dot(abs(z.xyz), carried)) + forward;
         normal = x_object.xyz * normal.x + y_object.xyz * normal.y + z_object.xyz * normal.z;
@@ -97,16 +127,16 @@ fn surface_point(hit: Hit) -> SurfacePoint {
     }
     let geometric = normalized_or(normal, vec3<f32>(0.0));
     let shading_normal = normalized_or(shading, geometric);
-    return SurfacePoint(position, error, geometric, shading_normal, tangent, handedness, uv, triangle, hit.instance, mesh, mesh_words.x);
+    return SurfacePoint(position, error, geometric, shading_normal, tangent, handedness, uv, triangle, hit.instance, mesh, mesh_words.x, time);
 }
 
-fn point_of_quadric(hit: Hit) -> SurfacePoint {
+fn point_of_quadric(hit: Hit, time: f32) -> SurfacePoint {
     let quadric = load_quadric(hit.slot & ~IS_QUADRIC);
     let point = quadric_point(quadric, hit.uv);
     let material = tables[params.meshes + quadric.mesh * MESH_WORDS].x;
     let has_tangent = tables[params.meshes + quadric.mesh * MESH_WORDS + 1u].y != NONE;
     let tangent = select(vec3<f32>(0.0), point.tangent, has_tangent);
-    return SurfacePoint(point.position, point.error, point.normal, point.normal, tangent, 1.0, hit.uv, hit.slot, hit.instance, quadric.mesh, material);
+    return SurfacePoint(point.position, point.error, point.normal, point.normal, tangent, 1.0, hit.uv, hit.slot, hit.instance, quadric.mesh, material, time);
 }
 
 /// Texture coordinates of a set at a place on a primitive of a mesh.
@@ -154,5 +184,5 @@ fn spawn_ray(point: SurfacePoint, direction: vec3<f32>) -> Ray {
     let origin = offset_origin(point.position, point.error, point.geometric_normal, direction);
     // Quadrics are curved: a ray that leaves one may meet it again.
     let leaves = select(point.primitive, NONE, (point.primitive & IS_QUADRIC) != 0u);
-    return Ray(origin, FAR, direction, leaves, point.instance, NONE);
+    return Ray(origin, FAR, direction, leaves, point.instance, NONE, point.time);
 }

@@ -9,6 +9,8 @@ struct Ray {
     leaves_instance: u32,
     /// Primitive of a light that a shadow ray ends at.
     target_primitive: u32,
+    /// Time from 0 to 1.
+    time: f32,
 }
 
 struct Hit {
@@ -75,7 +77,11 @@ fn visit_triangles(first: u32, count: u32, local: LocalRay, ray: Ray, instance: 
         if (a.w == ray.leaves && instance == ray.leaves_instance) {
             continue;
         }
-        let met = meet_triangle(bitcast<vec3<f32>>(a.xyz), bitcast<vec3<f32>>(b.xyz), bitcast<vec3<f32>>(c.xyz), b.w != 0u, local);
+        var corners = Corners(bitcast<vec3<f32>>(a.xyz), bitcast<vec3<f32>>(b.xyz), bitcast<vec3<f32>>(c.xyz));
+        if (b.w > 1u) {
+            corners = corners_at(slot, b.w >> 1u, ray.time);
+        }
+        let met = meet_triangle(corners.a, corners.b, corners.c, (b.w & 1u) != 0u, local);
         if (!(met.x > 0.0)) {
             continue;
         }
@@ -187,10 +193,15 @@ fn trace(ray: Ray, is_shadow: bool) -> Hit {
                 instance = first;
                 let at = params.instances + first * INSTANCE_WORDS;
                 let last = tables[at + 6u];
-                if (last.y == 0u) {
+                next = last.x;
+                if (last.y == PLACE_MOVING) {
+                    let transform = motion_at(tables[at].x, tables[at].y, ray.time);
+                    local = local_ray(into_object(transform, vec4<f32>(ray.origin, 1.0)), into_object(transform, vec4<f32>(ray.direction, 0.0)));
+                } else if (last.y == PLACE_DEFORMING) {
+                    next = root_at(at, ray.time);
+                } else if (last.y != PLACE_WORLD) {
                     local = local_ray(transformed(at + 3u, vec4<f32>(ray.origin, 1.0)), transformed(at + 3u, vec4<f32>(ray.direction, 0.0)));
                 }
-                next = last.x;
                 continue;
             }
         }

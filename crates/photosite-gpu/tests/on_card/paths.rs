@@ -7,7 +7,7 @@ use photosite_transport::integrator::{Device, PathLimits, PathStart, radiance};
 use photosite_transport::sampler::{Sampler, SamplerKind};
 use photosite_transport::scene::Scene;
 
-use crate::stage::{everything, outdoors, panes};
+use crate::stage::{everything, moving, outdoors, panes};
 
 /// Starts that look into a scene from all around.
 fn starts(count: u32, kind: SamplerKind) -> Vec<PathStart> {
@@ -21,7 +21,7 @@ fn starts(count: u32, kind: SamplerKind) -> Vec<PathStart> {
             let target = Vec3::new(3.0 * x - 1.5, 1.2 * y, 1.5 * turn - 0.7);
             let wavelengths = [430.0, 520.0, 590.0, 660.0].map(|lambda| lambda + 25.0 * x);
             PathStart {
-                ray: Ray::new(origin, (target - origin).normalize()),
+                ray: Ray::new(origin, (target - origin).normalize()).at_time(x),
                 wavelengths: Wavelengths::new(wavelengths, [0.003; 4]),
                 position: sampler.position(),
             }
@@ -105,4 +105,10 @@ fn paths_bring_the_light_of_a_sky() {
 fn panes_let_pass_what_they_do_on_the_processor() {
     let limits = PathLimits { max_depth: 9, roulette_depth: 4, splitting: 1 };
     check("panes", &panes().build(), SamplerKind::Sobol, limits, 1000);
+}
+
+#[test]
+fn paths_bring_what_they_bring_on_the_processor_where_things_move() {
+    let limits = PathLimits { max_depth: 8, roulette_depth: 100, splitting: 1 };
+    check("moving", &moving().build(), SamplerKind::Sobol, limits, 500);
 }

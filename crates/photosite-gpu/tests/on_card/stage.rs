@@ -3,7 +3,7 @@
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
-use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3, Vec4};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use photosite_core::spectrum::{Dispersion, Spectrum, library};
 use photosite_transport::geometry::QuadricKind;
 use photosite_transport::light::{DirectionalLight, PointLight, SpotLight};
@@ -11,7 +11,8 @@ use photosite_transport::scene::description::{
     AlphaMode, AnisotropyDescription, Channel, CoatDescription, Colour, Conductor, Dielectric, Diffuse,
     EmissionDescription, EnvironmentDescription, FilmDescription, ImageLevel, InstanceDescription, LayeredDescription,
     LightDescription, LightKind, MaterialDescription, MaterialModel, MeshDescription, Mix, OrenNayar, Phong, Roughness,
-    SceneDescription, TextureDescription, TexturedColour, TexturedFactor, ThinDielectric, Translucent,
+    SceneDescription, ShapeDescription, TextureDescription, TexturedColour, TexturedFactor, ThinDielectric,
+    Translucent,
 };
 use photosite_transport::scene::{Scene, build};
 use photosite_transport::texture::{Bitmap, Filter, SamplerSettings, Texels, UvTransform, Wrap};
@@ -134,6 +135,18 @@ impl Stage {
     pub(crate) fn lamp(mut self, kind: LightKind, to_world: DAffine3, level: f64) -> Self {
         let name = format!("lamp {}", self.0.lights.len());
         self.0.lights.push(LightDescription { name, to_world, later: vec![], kind, emission: light(level) });
+        self
+    }
+
+    /// Lets the instance that was added last go on to further poses.
+    pub(crate) fn then(mut self, later: &[DAffine3]) -> Self {
+        self.0.instances.last_mut().expect("an instance").later = later.to_vec();
+        self
+    }
+
+    /// Lets the light that was added last go on to further poses.
+    pub(crate) fn lamp_then(mut self, later: &[DAffine3]) -> Self {
+        self.0.lights.last_mut().expect("a light").later = later.to_vec();
         self
     }
 
@@ -442,4 +455,112 @@ pub(crate) fn panes() -> Stage {
             colour: Colour::Rgb([0.7, 0.8, 0.9]),
             luminance_nit: Some(30.0),
         })
+}
+
+/// Ways of things that move: far and turning, turning little, growing askew, in a mirror, on the spot by half a turn.
+pub(crate) fn ways() -> [Vec<DAffine3>; 5] {
+    let skew = DMat3::from_cols(DVec3::new(0.4, 0.05, 0.0), DVec3::new(0.0, 0.3, 0.1), DVec3::new(0.02, 0.0, 0.5));
+    let askew = |growth: f64, turn: f64| DAffine3 {
+        matrix3: DMat3::from_rotation_z(turn) * skew * growth,
+        translation: DVec3::new(1.1, 0.5, -0.6 + 0.2 * turn),
+    };
+    let mirror = |x: f64, turn: f64| DAffine3 {
+        matrix3: DMat3::from_rotation_y(turn) * DMat3::from_diagonal(DVec3::new(-0.8, 0.7, 0.9)),
+        translation: DVec3::new(x, 0.1, -1.3),
+    };
+    [
+        vec![placed([-1.3, 0.4, 0.0], 0.3), placed([-0.6, 0.9, 0.5], 0.3), placed([0.2, 0.4, 0.9], 0.3)],
+        vec![placed([0.2, 0.35, 1.0], 0.25), placed([0.201, 0.35, 1.002], 0.25)],
+        vec![askew(1.0, 0.0), askew(0.7, 0.4), askew(1.3, 0.9), askew(1.2, 0.9)],
+        vec![mirror(-0.3, 0.0), mirror(0.4, -0.6)],
+        vec![placed([-2.0, 0.5, -1.2], 0.4), placed([-2.0, 0.5, -1.2], 0.4) * DAffine3::from_rotation_x(3.1)],
+    ]
+}
+
+/// A mesh that goes on to shapes that are longer or shorter along each axis.
+fn changing(mesh: MeshDescription, scales: &[Vec3]) -> MeshDescription {
+    let shape = |scale: &Vec3| ShapeDescription {
+        positions: mesh.positions.iter().map(|position| *position * *scale).collect(),
+        normals: mesh.normals.iter().map(|normal| (*normal / *scale).normalize()).collect(),
+    };
+    MeshDescription { later_shapes: scales.iter().map(shape).collect(), ..mesh }
+}
+
+/// Pose of a lamp that is turned up.
+fn aimed(place: [f64; 3], up: f64) -> DAffine3 {
+    DAffine3::from_rotation_translation(DQuat::from_rotation_x(up), DVec3::from(place))
+}
+
+/// A room in which things and lamps move, and some change their shape, before things that stand still, one of them of
+/// the mesh of one that moves.
+pub(crate) fn moving() -> Stage {
+    let mut scene = Stage::default();
+    let checker = (0..64u32).map(|i| if (i % 8 + i / 8) % 2 == 0 { [200, 120, 60, 255] } else { [40, 90, 190, 90] });
+    scene.0.images.push(bitmap(8, 8, Texels::Rgba8(checker.collect())));
+    let squares = TextureDescription {
+        image: 0,
+        sampler: SamplerSettings { wrap: [Wrap::Repeat; 2], filter: Filter::Linear },
+        transform: UvTransform::default(),
+        uv_set: 0,
+    };
+    let checkered = TexturedColour { colour: Colour::Rgb([0.9; 3]), texture: Some(squares.clone()) };
+    let still = DAffine3::IDENTITY;
+    let [far, little, askew, mirror, turning] = ways();
+    let blob = changing(ball(10, 0.05, true), &[Vec3::new(1.3, 0.6, 1.0), Vec3::new(0.8, 1.2, 0.9)]);
+    let runner = changing(ball(6, 0.1, false), &[Vec3::new(0.7, 1.0, 1.4)]);
+    let flag = changing(
+        square(Vec3::new(-1.8, 1.5, -1.9), 0.7 * Vec3::X, 0.4 * Vec3::Y),
+        &[Vec3::new(1.0, 0.9, 0.8), Vec3::new(0.9, 1.0, 1.1), Vec3::new(1.1, 1.1, 1.0)],
+    );
+    let sail = changing(square(Vec3::new(2.2, 1.4, -1.2), 0.4 * Vec3::Z, 0.5 * Vec3::Y), &[Vec3::new(0.8, 1.2, 1.1)]);
+    let squares_of_a_flag = checkered.clone();
+    let sign = square(Vec3::new(0.0, 0.6, 0.0), 0.6 * Vec3::X, 0.6 * Vec3::Y);
+    let glass = glass(library::glass("BK7").unwrap_or(Dispersion::constant(1.5)), 0.0);
+    let mut stage = scene
+        .add("floor", diffuse([0.6, 0.5, 0.4]), square(Vec3::ZERO, 3.0 * Vec3::Z, 3.0 * Vec3::X), &[still])
+        .add(
+            "wall",
+            diffuse([0.4, 0.5, 0.6]),
+            square(Vec3::new(0.0, 1.5, -2.5), 3.0 * Vec3::X, 1.5 * Vec3::Y),
+            &[still],
+        )
+        .add("balls", metal("Cu", 0.35), ball(12, 0.05, false), &[placed([1.9, 0.4, 0.4], 0.35), far[0]])
+        .then(&far[1..])
+        .add("glass", glass, ball(12, 0.0, false), &[little[0]])
+        .then(&little[1..])
+        .add("askew", diffuse([0.2, 0.6, 0.3]), ball(10, 0.0, true), &[askew[0]])
+        .then(&askew[1..])
+        .add("sign", MaterialModel::Diffuse(Diffuse { reflectance: checkered }), sign, &[mirror[0]])
+        .then(&mirror[1..])
+        .add("turning", diffuse([0.7, 0.3, 0.2]), ball(6, 0.2, false), &[turning[0]])
+        .then(&turning[1..])
+        .add("blob", diffuse([0.3, 0.4, 0.7]), blob, &[placed([1.1, 0.5, 0.9], 0.35)])
+        .add("runner", metal("Au", 0.3), runner, &[placed([-2.2, 0.4, 0.6], 0.3)])
+        .then(&[placed([-1.5, 0.6, 1.0], 0.3)])
+        .add("flag", MaterialModel::Diffuse(Diffuse { reflectance: squares_of_a_flag }), flag, &[still])
+        .shine("panel", light(900.0), false, square(Vec3::new(-0.6, 2.6, 0.2), 0.4 * Vec3::X, 0.3 * Vec3::Z), still)
+        .shine("comet", light(600.0), true, square(Vec3::new(0.0, 1.6, 0.0), 0.2 * Vec3::X, 0.2 * Vec3::Y), still)
+        .then(&[DAffine3::from_translation(DVec3::new(0.9, 0.3, -0.5)), aimed([1.2, 0.6, 0.3], 0.5)])
+        .shine("sail", light(300.0), false, sail, still)
+        .lamp(LightKind::Point(PointLight), DAffine3::from_translation(DVec3::new(0.2, 2.0, 1.5)), 60.0)
+        .lamp_then(&[
+            DAffine3::from_translation(DVec3::new(-1.2, 1.4, 1.1)),
+            DAffine3::from_translation(DVec3::new(1.2, 1.4, 0.5)),
+        ])
+        .lamp(LightKind::Spot(SpotLight::new(0.2, 0.5)), aimed([0.0, 2.5, 0.8], -1.2), 200.0)
+        .lamp_then(&[aimed([0.6, 2.2, 0.1], -1.6)])
+        .lamp(LightKind::Directional(DirectionalLight), aimed([0.0; 3], -0.9), 60.0)
+        .lamp_then(&[aimed([0.0; 3], -1.2), aimed([0.0; 3], -2.0)])
+        .environment(EnvironmentDescription::Constant {
+            colour: Colour::Rgb([0.7, 0.8, 0.9]),
+            luminance_nit: Some(30.0),
+        });
+    for material in &mut stage.0.materials {
+        if material.name == "sign" {
+            material.normal_map = Some((squares.clone(), 0.3));
+            material.alpha = AlphaMode::Mask { cutoff: 0.5 };
+            material.alpha_texture = Some(squares.clone());
+        }
+    }
+    stage
 }

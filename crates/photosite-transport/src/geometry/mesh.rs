@@ -171,14 +171,24 @@ impl Geometry {
         }
     }
 
+    /// Corner positions of a triangle in a shape of its mesh, of which most have one.
+    pub(crate) fn corners_in(&self, triangle: u32, shape: usize) -> [Vec3; 3] {
+        let triangle = &self.triangles[triangle as usize];
+        match self.meshes[triangle.mesh as usize].deformation {
+            None => triangle.corners.map(|corner| self.positions[corner as usize]),
+            Some(deformation) => self.deformations[deformation as usize].corners(shape, triangle),
+        }
+    }
+
+    /// Number of shapes of a triangle.
+    pub(crate) fn shape_count(&self, triangle: u32) -> usize {
+        let mesh = &self.meshes[self.triangles[triangle as usize].mesh as usize];
+        mesh.deformation.map_or(1, |deformation| self.deformations[deformation as usize].shape_count())
+    }
+
     /// Corner positions of a triangle in each of its shapes, between which its corners move on straight lines.
     pub(crate) fn shapes(&self, triangle: u32) -> impl Iterator<Item = [Vec3; 3]> + '_ {
-        let Triangle { corners, mesh } = self.triangles[triangle as usize];
-        let deformation = self.meshes[mesh as usize].deformation.map(|d| &self.deformations[d as usize]);
-        (0..deformation.map_or(1, Deformation::shape_count)).map(move |shape| match deformation {
-            None => corners.map(|corner| self.positions[corner as usize]),
-            Some(deformation) => corners.map(|corner| deformation.positions[deformation.index(shape, corner)]),
-        })
+        (0..self.shape_count(triangle)).map(move |shape| self.corners_in(triangle, shape))
     }
 
     /// Shading normals at the corners of a triangle of that mesh, not quite of unit length, where it has any.

@@ -1,9 +1,12 @@
 //! Motion of an instance, or of a light, over time.
 
+use std::f64::consts::TAU;
+
 use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3};
 
 use super::bounds::Bounds;
 use super::mesh::segment;
+use super::word::{KEY_WORDS, Word, word};
 use photosite_core::math::Cone;
 
 /// A transform with its inverse.
@@ -86,6 +89,17 @@ impl Motion {
         Transform::new(&self.between(i, f64::from(part)))
     }
 
+    /// Number of parts of the time, each from one key to the next.
+    pub(crate) fn segments(&self) -> u32 {
+        (self.keys.len() - 1) as u32
+    }
+
+    /// The motion as plain data, [`KEY_WORDS`] for each key.
+    pub(crate) fn words(&self) -> impl Iterator<Item = Word> + '_ {
+        let next = self.keys.iter().skip(1).chain(self.keys.last());
+        self.keys.iter().zip(next).flat_map(|(key, next)| key.words(next))
+    }
+
     /// Bounds of everything within `min`…`max` of object space at all times.
     ///
     /// The way of a point is p = T + R·S·x. Between two times h apart it leaves the straight line by at most h²·|p″|/8,
@@ -130,6 +144,25 @@ impl Motion {
 }
 
 impl Key {
+    /// The key as plain data, with the turn to the next key: after a part s of the way, where α is the angle between
+    /// both quaternions, the rotation is cos(s·α) times that of the first word plus sin(s·α) times that of the second.
+    fn words(&self, next: &Self) -> [Word; KEY_WORDS] {
+        let Self { translation, rotation, stretch } = *self;
+        let cosine = rotation.dot(next.rotation);
+        let across = next.rotation - rotation * cosine;
+        let sine = across.length();
+        let across = if sine > 0.0 { across / sine } else { across };
+        let turns = sine.atan2(cosine) / TAU;
+        let [x, y, z] = [stretch.x_axis, stretch.y_axis, stretch.z_axis];
+        [
+            rotation.as_quat().to_array().map(f32::to_bits),
+            across.as_quat().to_array().map(f32::to_bits),
+            word(translation.as_vec3(), (turns as f32).to_bits()),
+            word(DVec3::new(x.x, y.y, z.z).as_vec3(), 0),
+            word(DVec3::new(y.z, x.z, x.y).as_vec3(), 0),
+        ]
+    }
+
     /// Takes a transform apart into M = R·S by Higham's iteration R ← (R + R⁻ᵀ)/2. A mirror goes into S.
     fn new(transform: &DAffine3) -> Self {
         let m = transform.matrix3;

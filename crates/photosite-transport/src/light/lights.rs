@@ -190,11 +190,17 @@ impl Lights {
         still.or_else(|| Emitter::at(geometry, area_light.primitive, time))
     }
 
+    /// Way of a light's own space through the world, if it moves.
+    #[inline]
+    pub(super) fn motion_of(&self, light: u32) -> Option<&Motion> {
+        let found = self.motions.binary_search_by_key(&light, |(light, _)| *light).ok()?;
+        Some(&self.motions[found].1)
+    }
+
     /// Transform of a light's own space at a time, if it moves.
     #[inline]
     fn transform_at(&self, light: u32, time: f32) -> Option<Transform> {
-        let found = self.motions.binary_search_by_key(&light, |(light, _)| *light).ok()?;
-        Some(self.motions[found].1.at(time))
+        Some(self.motion_of(light)?.at(time))
     }
 
     /// Density with which [`Scene::sample_light`](crate::scene::Scene::sample_light) samples the point of an area

@@ -15,8 +15,9 @@ use glam::Vec3;
 use photosite_core::Invalid;
 use photosite_core::math::distribution::{PiecewiseConstant1D, PiecewiseConstant2D};
 
-/// Words of a light: kind, primitive, target of shadow rays, rank in the tree; what it emits, with its mesh, and the colour
-/// of that; its shape.
+/// Words of a light: kind, primitive, target of shadow rays, rank in the tree; what it emits, with its mesh, and the
+/// colour of that; its shape. A light without a surface has in place of the colour where its motion begins and the
+/// number of its segments, 0 where it stands still; one that moves is given in its own space.
 pub const LIGHT_WORDS: usize = 6;
 /// Words of a node of the light tree: box with intensity, its half with the cone, axis with the angle beyond it; links.
 pub const TREE_WORDS: usize = 4;
@@ -42,6 +43,9 @@ pub mod kind {
     pub const ENVIRONMENT: u32 = 5;
     /// A light without area, which is never sampled.
     pub const NOTHING: u32 = 6;
+    /// A triangle that emits and changes its shape: where its corners begin among the motions, three words for each
+    /// shape, and the number of parts of the time.
+    pub const DEFORMING: u32 = 7;
 }
 
 /// Numbers of the kinds of packed environments.
@@ -113,29 +117,33 @@ impl Lights {
         self.lights.iter().any(|light| matches!(light, Light::Delta(_)))
     }
 
-    /// Packs the lights. The environment's image becomes a texture.
+    /// Packs the lights. The environment's image becomes a texture; motions of those that move, and shapes of those
+    /// that change them, are added to the others.
     pub(crate) fn packed(
         &self,
         geometry: &Geometry,
         textures: &mut PackedTextures,
+        motions: &mut Vec<Word>,
     ) -> Result<(PackedLights, LightTables), Invalid> {
-        if !self.motions.is_empty() {
-            return Err(Invalid::new("lights", "lights that move are not known to devices yet"));
-        }
         let mut tables = LightTables::default();
         for (handle, light) in (0..).zip(&self.lights) {
             let rank = self.selection.rank(handle);
-            let words = match light {
+            let mut words = match light {
                 Light::Delta(light) => delta_words(light, rank)?,
                 Light::Area(light) => {
                     let mesh = geometry.mesh_of(light.primitive);
-                    area_words(light, self.static_shapes[handle as usize].as_ref(), mesh, rank)
+                    let words = area_words(light, self.static_shapes[handle as usize].as_ref(), mesh, rank);
+                    deforming(words, light, geometry, motions)
                 }
                 Light::Environment => {
                     let [emission, colour] = emission_words(None);
                     [[kind::ENVIRONMENT, NONE, NONE, rank], emission, colour, [0; 4], [0; 4], [0; 4]]
                 }
             };
+            if let Some(motion) = self.motion_of(handle) {
+                words[2] = [motions.len() as u32, motion.segments(), 0, 0];
+                motions.extend(motion.words());
+            }
             tables.lights.extend(words);
         }
         (tables.tree, tables.distant) = (self.selection.tree_words(), self.selection.distant_words());
@@ -192,6 +200,23 @@ fn area_words(light: &AreaLight, shape: Option<&Emitter>, mesh: u32, rank: u32) 
         Some(Emitter::Quadric(_)) | None => [[0; 4]; 3],
     };
     [[kind, number, primitive.target(), rank], [radiance, tint, texture, mesh], colour, a, b, c]
+}
+
+/// The words of a light whose shape, if it changes, is found at each time.
+fn deforming(
+    mut words: [Word; LIGHT_WORDS],
+    light: &AreaLight,
+    geometry: &Geometry,
+    motions: &mut Vec<Word>,
+) -> [Word; LIGHT_WORDS] {
+    if let Primitive::Triangle(triangle) = light.primitive
+        && geometry.shape_count(triangle) > 1
+    {
+        [words[0][0], words[0][1]] = [kind::DEFORMING, triangle];
+        words[3] = [motions.len() as u32, geometry.shape_count(triangle) as u32 - 1, 0, 0];
+        motions.extend(geometry.shapes(triangle).flatten().map(|corner| word(corner, 0)));
+    }
+    words
 }
 
 fn delta_words(light: &DeltaLight, rank: u32) -> Result<[Word; LIGHT_WORDS], Invalid> {

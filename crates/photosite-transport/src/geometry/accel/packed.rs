@@ -12,8 +12,8 @@ use crate::geometry::near_hit::is_slender;
 use crate::geometry::wide_bvh::{Child, WideBvh};
 use crate::geometry::wide_node::WIDTH;
 use crate::geometry::word::word;
-pub use crate::geometry::word::{NONE, QUADRIC_WORDS, Word};
-use crate::geometry::{Geometry, bounds::Bounds};
+pub use crate::geometry::word::{KEY_WORDS, NONE, QUADRIC_WORDS, Word};
+use crate::geometry::{Geometry, Transform, bounds::Bounds};
 use photosite_core::Invalid;
 
 /// Words of a node.
@@ -32,6 +32,18 @@ pub const TRIANGLES: u32 = 0;
 pub const QUADRIC: u32 = 1;
 /// Kind of a leaf of instances.
 pub const INSTANCES: u32 = 2;
+/// Kinds of places of packed instances.
+pub mod place {
+    /// A fixed transform.
+    pub const STILL: u32 = 0;
+    /// The world, in which the corners are given.
+    pub const WORLD: u32 = 1;
+    /// A motion.
+    pub const MOVING: u32 = 2;
+    /// The world, with a root for each part of the time.
+    pub const DEFORMING: u32 = 3;
+}
+
 /// Bits of the first member of a leaf.
 pub const FIRST_BITS: u32 = 26;
 
@@ -45,13 +57,18 @@ pub struct PackedAccel {
     /// planes of the eight, then the high ones.
     pub nodes: Vec<Word>,
     /// Triangles in the order of the leaves, [`TRIANGLE_WORDS`] each: a corner in each, with the index of the triangle,
-    /// whether it is slender, and its mesh.
+    /// whether it is slender, and its mesh. Triangles that change their shape are there twice: at the start of a part
+    /// of the time, and some triangles later at its end. The bits above that of the slender ones tell how many later,
+    /// and beside the first corner at the end is the number of parts.
     pub triangles: Vec<Word>,
     /// Quadrics in the order of the geometry, [`QUADRIC_WORDS`] each.
     pub quadrics: Vec<Word>,
     /// Instances in the order of the leaves, [`INSTANCE_WORDS`] each: rows of the transform to the world and of that to
-    /// the object; root, whether it stands in the world as it is, its index.
+    /// the object, or in the first word where its motion begins and the number of its segments, or where its roots
+    /// begin and their number; root, kind of its [`place`], its index.
     pub instances: Vec<Word>,
+    /// Motions of instances, [`KEY_WORDS`] for each of their keys; roots of what changes its shape, a word each.
+    pub motions: Vec<Word>,
     /// Child that all begins with; 0 where the first node is, and none for a scene without geometry.
     pub root: Option<u32>,
 }
@@ -71,26 +88,25 @@ impl Accel {
         if let Some(top) = &self.top {
             // The root of all comes first; its leaves are known once the hierarchies below are packed.
             let (first, of_top) = packed.append_nodes(&top.bvh);
-            let mut roots = Vec::with_capacity(self.blas.len());
+            let mut all = Vec::with_capacity(self.blas.len());
             for blas in self.blas.iter() {
-                let (root, below) = packed.append_blas(geometry, blas)?;
+                let (packed_blas, below) = packed.append_blas(geometry, blas)?;
                 levels = levels.max(below);
-                roots.push(root);
+                all.push(packed_blas);
             }
             levels += of_top;
+            let children = packed.nodes[first * NODE_WORDS..][..top.bvh.len() * NODE_WORDS].chunks(NODE_WORDS);
+            let numbered: Vec<u32> = children.flat_map(|node| [node[1], node[2]]).flatten().collect();
             let mut leaf = |number: u32| {
                 let first = (packed.instances.len() / INSTANCE_WORDS) as u32;
                 let members = top.leaves[number as usize].iter().flatten();
                 let count = members.clone().count() as u32;
                 for &instance in members {
                     let placed = &self.instances[instance as usize];
-                    let words = instance_words(&placed.transform, roots[placed.blas as usize], instance)?;
-                    packed.instances.extend(words);
+                    packed.append_instance(&placed.transform, all[placed.blas as usize], instance);
                 }
                 leaf_of(INSTANCES, count, first)
             };
-            let children = packed.nodes[first * NODE_WORDS..][..top.bvh.len() * NODE_WORDS].chunks(NODE_WORDS);
-            let numbered: Vec<u32> = children.flat_map(|node| [node[1], node[2]]).flatten().collect();
             let numbered = numbered.into_iter().map(|child| match Child(child).leaf() {
                 Some(number) => leaf(number),
                 None => Ok(child),
@@ -104,9 +120,9 @@ impl Accel {
             }
             packed.root = Some(first as u32);
         } else if let (Some(instance), Some(blas)) = (self.instances.first(), self.blas.first()) {
-            let (root, below) = packed.append_blas(geometry, blas)?;
-            packed.instances.extend(instance_words(&instance.transform, root, 0)?);
-            packed.root = Some(root);
+            let (packed_blas, below) = packed.append_blas(geometry, blas)?;
+            packed.append_instance(&instance.transform, packed_blas, 0);
+            packed.root = packed_blas.root();
             levels = below;
         }
         if levels > MAX_LEVELS {
@@ -117,20 +133,73 @@ impl Accel {
     }
 }
 
+/// Packed hierarchies of an instance.
+#[derive(Clone, Copy)]
+enum PackedBlas {
+    /// One of primitives that keep their shapes.
+    Rigid { root: u32 },
+    /// One for each part of the time, whose roots are motions from the first on.
+    Deforming { first: u32, parts: u32 },
+}
+
+impl PackedBlas {
+    /// The root at all times.
+    fn root(self) -> Option<u32> {
+        match self {
+            Self::Rigid { root } => Some(root),
+            Self::Deforming { .. } => None,
+        }
+    }
+}
+
 impl PackedAccel {
-    /// Adds the hierarchy of a geometry; returns its root and the number of its levels.
-    fn append_blas(&mut self, geometry: &Geometry, blas: &Blas) -> Result<(u32, usize), Invalid> {
-        let Blas::Rigid(PrimitiveBvh { bvh, blocks, quadrics, .. }) = blas else {
-            return Err(Invalid::new("scene", "meshes that change their shape are not known to devices yet"));
-        };
+    /// Adds the hierarchies of a geometry; returns them with the number of their levels.
+    fn append_blas(&mut self, geometry: &Geometry, blas: &Blas) -> Result<(PackedBlas, usize), Invalid> {
+        match blas {
+            Blas::Rigid(bvh) => {
+                let (root, levels) = self.append_bvh(geometry, bvh, |triangle| [geometry.corners(triangle)], 1)?;
+                Ok((PackedBlas::Rigid { root }, levels))
+            }
+            Blas::Deforming(parts) => {
+                let (mut roots, mut levels) = (Vec::with_capacity(parts.len()), 0);
+                for (part, bvh) in parts.iter().enumerate() {
+                    let corners = |triangle| [part, part + 1].map(|shape| geometry.corners_in(triangle, shape));
+                    let (root, below) = self.append_bvh(geometry, bvh, corners, parts.len())?;
+                    levels = levels.max(below);
+                    roots.push([root, 0, 0, 0]);
+                }
+                let first = self.motions.len() as u32;
+                self.motions.extend(roots);
+                Ok((PackedBlas::Deforming { first, parts: parts.len() as u32 }, levels))
+            }
+        }
+    }
+
+    /// Adds a hierarchy, whose triangles have these corners in its shapes, for one of so many parts of the time;
+    /// returns its root and the number of its levels.
+    fn append_bvh<const SHAPES: usize>(
+        &mut self,
+        geometry: &Geometry,
+        PrimitiveBvh { bvh, blocks, quadrics, .. }: &PrimitiveBvh<SHAPES>,
+        corners: impl Fn(u32) -> [[Vec3; 3]; SHAPES],
+        parts: usize,
+    ) -> Result<(u32, usize), Invalid> {
         // Triangles lie in the order of the blocks
         let mut firsts = Vec::with_capacity(blocks.len());
         for block in blocks {
             firsts.push((self.triangles.len() / TRIANGLE_WORDS) as u32);
+            let count = block.triangles().count() as u32;
             for id in block.triangles() {
-                let corners @ [a, b, c] = geometry.corners(id);
+                let shapes = corners(id);
+                let to_end = if SHAPES > 1 { count } else { 0 };
+                let beside = u32::from(shapes.iter().any(is_slender)) | to_end << 1;
+                let [a, b, c] = shapes[0];
                 let mesh = geometry.triangles[id as usize].mesh;
-                self.triangles.extend([word(a, id), word(b, u32::from(is_slender(&corners))), word(c, mesh)]);
+                self.triangles.extend([word(a, id), word(b, beside), word(c, mesh)]);
+            }
+            for id in block.triangles().filter(|_| SHAPES > 1) {
+                let [a, b, c] = corners(id)[SHAPES - 1];
+                self.triangles.extend([word(a, parts as u32), word(b, 0), word(c, 0)]);
             }
         }
         let (first, levels) = self.append_nodes(bvh);
@@ -148,6 +217,33 @@ impl PackedAccel {
             }
         }
         Ok((first as u32, levels))
+    }
+
+    /// Adds an instance of those hierarchies.
+    fn append_instance(&mut self, transform: &InstanceTransform, blas: PackedBlas, index: u32) {
+        let row = |m: &Affine3A, i: usize| {
+            [m.matrix3.x_axis[i], m.matrix3.y_axis[i], m.matrix3.z_axis[i], m.translation[i]].map(f32::to_bits)
+        };
+        let rows = |to_world: &Affine3A, to_object: &Affine3A| {
+            let ([a, b, c], [d, e, f]) = ([0, 1, 2].map(|i| row(to_world, i)), [0, 1, 2].map(|i| row(to_object, i)));
+            [a, b, c, d, e, f]
+        };
+        let moving = |first: u32, parts: u32| [[first, parts, 0, 0], [0; 4], [0; 4], [0; 4], [0; 4], [0; 4]];
+        let (words, kind) = match (blas, transform) {
+            // What changes its shape has the world space of all times.
+            (PackedBlas::Deforming { first, parts }, _) => (moving(first, parts), place::DEFORMING),
+            (_, InstanceTransform::World) => (rows(&Affine3A::IDENTITY, &Affine3A::IDENTITY), place::WORLD),
+            (_, InstanceTransform::Still(Transform { to_world, to_object })) => {
+                (rows(to_world, to_object), place::STILL)
+            }
+            (_, InstanceTransform::Moving(motion)) => {
+                let first = self.motions.len() as u32;
+                self.motions.extend(motion.words());
+                (moving(first, motion.segments()), place::MOVING)
+            }
+        };
+        self.instances.extend(words);
+        self.instances.push([blas.root().unwrap_or(NONE), kind, index, 0]);
     }
 
     /// Adds the nodes of a hierarchy, whose leaves keep their numbers; returns the index of its root and the number of its
@@ -249,23 +345,6 @@ fn node_words(children: &[(Option<Bounds>, u32); WIDTH]) -> [Word; NODE_WORDS] {
 fn exponent_of(from: f32, to: f32) -> u32 {
     let reaches = |exponent: &u32| from + 255.0 * f32::from_bits(exponent << 23) >= to;
     (1..=254).find(reaches).unwrap_or(254)
-}
-
-/// An instance of the hierarchy of that root.
-fn instance_words(transform: &InstanceTransform, root: u32, index: u32) -> Result<[Word; INSTANCE_WORDS], Invalid> {
-    let (to_world, to_object, is_world) = match transform {
-        InstanceTransform::World => (Affine3A::IDENTITY, Affine3A::IDENTITY, 1),
-        InstanceTransform::Still(transform) => (transform.to_world, transform.to_object, 0),
-        InstanceTransform::Moving(_) => {
-            return Err(Invalid::new("scene", "objects that move are not known to devices yet"));
-        }
-    };
-    let row = |m: &Affine3A, i: usize| {
-        [m.matrix3.x_axis[i], m.matrix3.y_axis[i], m.matrix3.z_axis[i], m.translation[i]].map(f32::to_bits)
-    };
-    let [a, b, c] = [0, 1, 2].map(|i| row(&to_world, i));
-    let [d, e, f] = [0, 1, 2].map(|i| row(&to_object, i));
-    Ok([a, b, c, d, e, f, [root, is_world, index, 0]])
 }
 
 #[cfg(test)]

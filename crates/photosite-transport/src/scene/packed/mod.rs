@@ -28,8 +28,9 @@ use crate::texture::packed::PackedTextures;
 use photosite_core::Invalid;
 use photosite_core::spectrum::upsampling;
 
-/// Words of a mesh: material, first light, first triangle, number of primitives before its own; numbers to subtract from a corner's
-/// for normals, tangents and both sets of texture coordinates; and for colours.
+/// Words of a mesh: material, first light, first triangle, number of primitives before its own; numbers to subtract
+/// from a corner's for normals, tangents and both sets of texture coordinates; that for colours, and of a mesh that
+/// changes its shape that for the normals of its shapes, the number of its corners, and that of the parts of the time.
 pub const MESH_WORDS: usize = 3;
 
 /// Places of the records of each kind in the tables, in words.
@@ -57,6 +58,9 @@ pub struct Sections {
     pub colours: u32,
     /// What extensions of glTF add to materials, [`LAYER_WORDS`](layers::LAYER_WORDS) each.
     pub layers: u32,
+    /// Keys of motions, [`KEY_WORDS`](hierarchy::KEY_WORDS) each, with roots and corners of what changes its shape;
+    /// [`NONE`] where nothing moves or changes its shape.
+    pub motions: u32,
 }
 
 /// Places of the numbers of each kind among the attributes.
@@ -118,12 +122,13 @@ impl Scene {
             let message = "panes in front of lights without a surface are not known to devices yet";
             return Err(Invalid::new("materials", message));
         }
-        let PackedAccel { nodes, triangles, quadrics, instances, root } = self.accel.packed(&self.geometry)?;
+        let PackedAccel { nodes, triangles, quadrics, instances, mut motions, root } =
+            self.accel.packed(&self.geometry)?;
         let mut textures = PackedTextures::default();
         for texture in &self.textures {
             textures.add(texture);
         }
-        let (lights, light_tables) = self.lights.packed(&self.geometry, &mut textures)?;
+        let (lights, light_tables) = self.lights.packed(&self.geometry, &mut textures, &mut motions)?;
         let (materials, layers) = self.packed_materials()?;
         let mut tables = Vec::new();
         let mut section = |words: Vec<Word>| {
@@ -136,7 +141,7 @@ impl Scene {
         let sections = Sections {
             instances: section(instances),
             quadrics: section(quadrics),
-            meshes: section(self.geometry.meshes.iter().flat_map(mesh_words).collect()),
+            meshes: section(mesh_words(&self.geometry)),
             materials: section(materials),
             textures: section(textures.words),
             lights: section(light_tables.lights),
@@ -145,6 +150,7 @@ impl Scene {
             sky: section(light_tables.sky),
             colours: section(colours),
             layers: section(layers.words),
+            motions: if motions.is_empty() { NONE } else { section(motions) },
         };
         let (attributes, attribute_sections) = attributes(&self.geometry, light_tables.environment, layers.flags);
         Ok(PackedScene {
@@ -164,14 +170,29 @@ impl Scene {
     }
 }
 
-fn mesh_words(mesh: &MeshRange) -> [Word; MESH_WORDS] {
+/// Words of all meshes. Normals of meshes that change their shape follow those of all others.
+fn mesh_words(geometry: &Geometry) -> Vec<Word> {
     let number = |number: Option<u32>| number.unwrap_or(NONE);
-    let [first, second] = mesh.uvs_from.map(number);
-    [
-        [mesh.material, number(mesh.first_light), mesh.first_triangle, mesh.first_primitive],
-        [number(mesh.normals_from), number(mesh.tangents_from), first, second],
-        [number(mesh.colours_from), 0, 0, 0],
-    ]
+    let mut first_normal = geometry.normals.len() as u32;
+    let words = |mesh: &MeshRange| {
+        let [first, second] = mesh.uvs_from.map(number);
+        let changing = match mesh.deformation {
+            None => [0; 3],
+            Some(deformation) => {
+                let deformation = &geometry.deformations[deformation as usize];
+                let normals_from = deformation.first_corner.wrapping_sub(first_normal);
+                first_normal += deformation.normals.len() as u32;
+                [normals_from, deformation.corner_count, deformation.shape_count() as u32 - 1]
+            }
+        };
+        let [normals_from, corners, parts] = changing;
+        [
+            [mesh.material, number(mesh.first_light), mesh.first_triangle, mesh.first_primitive],
+            [number(mesh.normals_from), number(mesh.tangents_from), first, second],
+            [number(mesh.colours_from), normals_from, corners, parts],
+        ]
+    };
+    geometry.meshes.iter().flat_map(words).collect()
 }
 
 /// Numbers of vertices and of distributions, and the places of each kind.
@@ -184,11 +205,12 @@ fn attributes(geometry: &Geometry, environment: Vec<f32>, layers: u32) -> (Vec<u
         all.extend(numbers);
         first
     };
+    let changing = geometry.deformations.iter().flat_map(|deformation| &deformation.normals);
     // Corners are looked up for the sake of these alone
     let corners = triangles.iter().flat_map(|triangle| triangle.corners);
     let sections = AttributeSections {
         corners: section(&mut corners.filter(|_| !has_none)),
-        normals: section(&mut normals.iter().flat_map(|v| v.to_array()).map(f32::to_bits)),
+        normals: section(&mut normals.iter().chain(changing).flat_map(|v| v.to_array()).map(f32::to_bits)),
         tangents: section(&mut tangents.iter().flat_map(|v| v.to_array()).map(f32::to_bits)),
         vertex_colours: section(&mut colours.iter().flat_map(|v| v.to_array()).map(f32::to_bits)),
         uvs: [0, 1].map(|set| section(&mut uvs[set].iter().flat_map(|v| v.to_array()).map(f32::to_bits))),
