@@ -60,6 +60,7 @@ params! {
     uvs_of_first: "u32" = |r| r.scene.attribute_sections.uvs[0],
     uvs_of_second: "u32" = |r| r.scene.attribute_sections.uvs[1],
     environment_sums: "u32" = |r| r.scene.attribute_sections.environment,
+    profiles: "u32" = |r| r.scene.attribute_sections.profiles,
     tree_nodes: "u32" = |r| r.scene.lights.tree_nodes,
     distant_count: "u32" = |r| r.scene.lights.distant,
     irradiance: "f32" = |r| r.scene.lights.irradiance.to_bits(),
@@ -72,6 +73,4 @@ params! {
     environment_cos: "f32" = |r| r.scene.lights.environment_rotation[0].to_bits(),
     environment_sin: "f32" = |r| r.scene.lights.environment_rotation[1].to_bits(),
     has_holes: "u32" = |r| u32::from(r.scene.has_holes),
-    // Sizes of uniform blocks are whole numbers of 16 bytes.
-    padding: "u32" = |_| 0,
 }

@@ -51,6 +51,10 @@ const LIGHTS: &str = concat!(
     include_str!("wgsl/sky.wgsl"),
     include_str!("wgsl/environment.wgsl"),
     include_str!("wgsl/emitter.wgsl"),
+    include_str!("wgsl/light_sample.wgsl"),
+    include_str!("wgsl/profile.wgsl"),
+    include_str!("wgsl/projector.wgsl"),
+    include_str!("wgsl/gaussian_beam.wgsl"),
     include_str!("wgsl/lights.wgsl"),
 );
 
@@ -99,6 +103,9 @@ const NUMBERS: &[(&str, u32)] = &[
     ("LIGHT_SPOT", lights::kind::SPOT),
     ("LIGHT_DIRECTIONAL", lights::kind::DIRECTIONAL),
     ("LIGHT_ENVIRONMENT", lights::kind::ENVIRONMENT),
+    ("LIGHT_PROFILE", lights::kind::PROFILE),
+    ("LIGHT_PROJECTOR", lights::kind::PROJECTOR),
+    ("LIGHT_GAUSSIAN_BEAM", lights::kind::GAUSSIAN_BEAM),
     ("ENVIRONMENT_CONSTANT", lights::environment::CONSTANT),
     ("ENVIRONMENT_IMAGE", lights::environment::IMAGE),
     ("ENVIRONMENT_SKY", lights::environment::SKY),

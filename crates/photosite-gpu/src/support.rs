@@ -95,10 +95,12 @@ fn of_light(light: &LightDescription) -> Option<Invalid> {
         return refused(key, "a light that moves");
     }
     match light.kind {
-        LightKind::Point(_) | LightKind::Spot(_) | LightKind::Directional(_) => None,
-        LightKind::Profile(_) => refused(key, "a light of a measured profile"),
-        LightKind::Projector(_) => refused(key, "a projector"),
-        LightKind::GaussianBeam(_) => refused(key, "a laser beam"),
+        LightKind::Point(_)
+        | LightKind::Spot(_)
+        | LightKind::Directional(_)
+        | LightKind::Profile(_)
+        | LightKind::Projector(_)
+        | LightKind::GaussianBeam(_) => None,
     }
 }
 

@@ -4,6 +4,7 @@
 
 mod bsdfs;
 mod images;
+mod lamps;
 mod paths;
 mod rays;
 mod samplers;

@@ -7,7 +7,7 @@ use photosite_transport::integrator::{Device, PathLimits, PathStart, radiance};
 use photosite_transport::sampler::{Sampler, SamplerKind};
 use photosite_transport::scene::Scene;
 
-use crate::stage::{everything, outdoors, panes};
+use crate::stage::{everything, outdoors, panes, under_lamps};
 
 /// Starts that look into a scene from all around.
 fn starts(count: u32, kind: SamplerKind) -> Vec<PathStart> {
@@ -99,6 +99,12 @@ fn paths_bring_what_they_bring_on_the_processor() {
 fn paths_bring_the_light_of_a_sky() {
     let limits = PathLimits { max_depth: 8, roulette_depth: 100, splitting: 1 };
     check("outdoors", &outdoors().build(), SamplerKind::Sobol, limits, 100);
+}
+
+#[test]
+fn paths_bring_the_light_of_lamps_without_a_surface() {
+    let limits = PathLimits { max_depth: 6, roulette_depth: 100, splitting: 1 };
+    check("lamps", &under_lamps().build(), SamplerKind::Sobol, limits, 200);
 }
 
 #[test]

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`nodes`](PackedScene::nodes), [`triangles`](PackedScene::triangles) | hierarchies ([`geometry::packed`](crate::geometry::packed)) |
 //! | [`tables`](PackedScene::tables) | records of a fixed number of words each, at the places of [`Sections`] |
-//! | [`attributes`](PackedScene::attributes) | corners, normals, tangents, texture coordinates; cumulative sums of an environment |
+//! | [`attributes`](PackedScene::attributes) | corners, normals, tangents, texture coordinates; cumulative sums of an environment; profiles of lights |
 //! | [`spectra`](PackedScene::spectra) | spectra, value and rise at each nanometre |
 //! | [`texels`](PackedScene::texels) | images as they are stored |
 //!
@@ -73,6 +73,8 @@ pub struct AttributeSections {
     pub uvs: [u32; 2],
     /// Cumulative sums of the environment's distribution: of its rows, then those of each row.
     pub environment: u32,
+    /// Profiles of lights: vertical angles, horizontal angles, intensities of each.
+    pub profiles: u32,
 }
 
 /// Scene as plain data; see the module.
@@ -142,7 +144,8 @@ impl Scene {
             colours: section(colours),
             albedos: section(albedos),
         };
-        let (attributes, attribute_sections) = attributes(&self.geometry, light_tables.environment);
+        let (attributes, attribute_sections) =
+            attributes(&self.geometry, light_tables.environment, light_tables.profiles);
         Ok(PackedScene {
             nodes,
             triangles,
@@ -170,7 +173,7 @@ fn mesh_words(mesh: &MeshRange) -> [Word; MESH_WORDS] {
 }
 
 /// Numbers of vertices, and the places of each kind.
-fn attributes(geometry: &Geometry, environment: Vec<f32>) -> (Vec<u32>, AttributeSections) {
+fn attributes(geometry: &Geometry, environment: Vec<f32>, profiles: Vec<f32>) -> (Vec<u32>, AttributeSections) {
     let Geometry { normals, tangents, uvs, colours, triangles, .. } = geometry;
     let has_none = normals.is_empty() && tangents.is_empty() && colours.is_empty() && uvs.iter().all(Vec::is_empty);
     let mut all: Vec<u32> = Vec::new();
@@ -188,6 +191,7 @@ fn attributes(geometry: &Geometry, environment: Vec<f32>) -> (Vec<u32>, Attribut
         vertex_colours: section(&mut colours.iter().flat_map(|v| v.to_array()).map(f32::to_bits)),
         uvs: [0, 1].map(|set| section(&mut uvs[set].iter().flat_map(|v| v.to_array()).map(f32::to_bits))),
         environment: section(&mut environment.into_iter().map(f32::to_bits)),
+        profiles: section(&mut profiles.into_iter().map(f32::to_bits)),
     };
     (all, sections)
 }
