@@ -56,6 +56,7 @@ const LIGHTS: &str = concat!(
     include_str!("wgsl/projector.wgsl"),
     include_str!("wgsl/gaussian_beam.wgsl"),
     include_str!("wgsl/lights.wgsl"),
+    include_str!("wgsl/panes.wgsl"),
 );
 
 /// Numbers that both sides share, by their names in WGSL.

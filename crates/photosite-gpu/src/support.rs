@@ -25,7 +25,6 @@ pub fn unsupported(scene: &SceneDescription, settings: &RenderSettings) -> Optio
         .or_else(of_environment)
         .or_else(of_meshes)
         .or_else(of_instances)
-        .or_else(|| of_panes(scene))
 }
 
 fn refused(key: impl Into<String>, what: &str) -> Option<Invalid> {
@@ -125,34 +124,9 @@ fn of_instance(instance: &InstanceDescription) -> Option<Invalid> {
     if moves { refused(format!("object {}", instance.name), "an object that moves") } else { None }
 }
 
-/// Light from lamps without a surface goes straight on through panes.
-fn of_panes(scene: &SceneDescription) -> Option<Invalid> {
-    let pane = scene.materials.iter().find(|material| is_pane(&material.model))?;
-    let light = scene.lights.first()?;
-    refused(
-        format!("materials.{}", pane.name),
-        &format!("a pane in front of the light \"{}\", which has no surface,", light.name),
-    )
-}
-
-fn is_pane(model: &MaterialModel) -> bool {
-    match model {
-        Model::ThinDielectric(_) => true,
-        Model::Dielectric(glass) => glass.index.is_one(),
-        Model::Mix(mix) => mix.models.iter().any(is_pane),
-        Model::Diffuse(_)
-        | Model::Conductor(_)
-        | Model::OrenNayar(_)
-        | Model::Phong(_)
-        | Model::Translucent(_)
-        | Model::Retroreflective(_)
-        | Model::Layered(_) => false,
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use glam::DAffine3;
+    use glam::{DAffine3, DVec3};
     use photosite_core::spectrum::{Dispersion, Spectrum, library};
     use photosite_transport::light::PointLight;
     use photosite_transport::scene::description::{
@@ -207,17 +181,18 @@ mod tests {
     }
 
     #[test]
-    fn panes_are_refused_beside_lamps_without_a_surface_alone() {
+    fn lamps_are_rendered_behind_panes_unless_they_move() {
         let (index, transmittance) = (Dispersion::constant(1.5), Spectrum::constant(1.0));
-        let mut pane = scene(Model::ThinDielectric(ThinDielectric { index, transmittance }));
-        assert_eq!(words(&pane, &RenderSettings::default()), "");
-        pane.lights.push(LightDescription {
+        let mut scene = scene(Model::ThinDielectric(ThinDielectric { index, transmittance }));
+        scene.lights.push(LightDescription {
             name: "lamp".into(),
             to_world: DAffine3::IDENTITY,
             later: vec![],
             kind: LightKind::Point(PointLight),
             emission: EmissionDescription { colour: Colour::Rgb([1.0; 3]), level: Some(1.0), texture: None },
         });
-        assert!(words(&pane, &RenderSettings::default()).contains("lamp"));
+        assert_eq!(words(&scene, &RenderSettings::default()), "");
+        scene.lights[0].later.push(DAffine3::from_translation(DVec3::X));
+        assert!(words(&scene, &RenderSettings::default()).starts_with("lights (lamp): a light that moves"));
     }
 }

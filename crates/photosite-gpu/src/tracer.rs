@@ -76,7 +76,7 @@ fn unlocked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Kernels {
-    fn new(device: &wgpu::Device, layouts: &Layouts) -> Self {
+    fn new(device: &wgpu::Device, layouts: &Layouts, has_panes: bool) -> Self {
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("wavefront"),
             source: wgpu::ShaderSource::Wgsl(wavefront().into()),
@@ -102,7 +102,7 @@ impl Kernels {
             generate: kernel("generate", &of_paths),
             extend: kernel("extend", &of_paths),
             shade: kernel("shade", &of_paths),
-            shadow: kernel("shadow", &of_paths),
+            shadow: kernel(if has_panes { "shadow_through_panes" } else { "shadow" }, &of_paths),
             count: kernel("count", &[Some(scene), Some(paths), Some(counted)]),
             arrive: kernel("arrive", &of_paths),
         }
@@ -163,8 +163,8 @@ impl Tracer {
         });
         let tables = scene_buffers(&device, scene, &of_device)?;
         let buffers: Vec<&wgpu::Buffer> = std::iter::once(&numbers).chain(&tables).collect();
+        let kernels = Kernels::new(&device, &layouts, scene.has_panes);
         let scene = bind(&device, &layouts.scene, &buffers);
-        let kernels = Kernels::new(&device, &layouts);
         let idle = (0..BATCHES).map(|_| Batch::new(&device, &layouts, u64::from(capacity))).collect();
 
         // The last scope ends first

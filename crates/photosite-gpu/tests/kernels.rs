@@ -13,7 +13,7 @@ fn naga_accepts_all_kernels() {
     validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(&text)));
     let mut names: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
     names.sort_unstable();
-    assert_eq!(names, ["arrive", "count", "extend", "generate", "shade", "shadow"]);
+    assert_eq!(names, ["arrive", "count", "extend", "generate", "shade", "shadow", "shadow_through_panes"]);
 
     // Uniform blocks are whole numbers of 16 bytes, and every field has its place in the order of Rust's table.
     let (_, params) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("Params")).expect("params");

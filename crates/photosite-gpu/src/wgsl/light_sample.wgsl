@@ -1,6 +1,9 @@
 // A sampled direction to a light, and the pose of a light without a surface; photosite-transport's light/sample.rs,
 // light/delta_model.rs.
 
+/// Target of shadow rays to lights without a surface, which no primitive has.
+const NO_SURFACE = 0x7fffffffu;
+
 struct LightSample {
     light: u32,
     radiance: vec4<f32>,
@@ -24,6 +27,7 @@ fn sample_without_surface() -> LightSample {
     var sample = no_light();
     sample.pdf = 1.0;
     sample.is_delta = true;
+    sample.target_primitive = NO_SURFACE;
     return sample;
 }
 

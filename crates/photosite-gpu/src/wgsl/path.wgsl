@@ -273,6 +273,15 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
     lists[list_out(depth - 1u) + place] = i;
 }
 
+/// The shadow ray of a path.
+fn shadow_ray(i: u32) -> Ray {
+    let origin = load(SHADOW_ORIGIN_TARGET, i);
+    let direction = load(SHADOW_DIRECTION_END, i);
+    let leaves = load(ORIGIN_LEAVES, i).w;
+    let instance = load(DIRECTION_INSTANCE, i).w;
+    return Ray(bitcast<vec3<f32>>(origin.xyz), bitcast<f32>(direction.w), bitcast<vec3<f32>>(direction.xyz), leaves, instance, origin.w);
+}
+
 /// Adds what shadow rays bring that meet nothing.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -280,14 +289,26 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let i = lists[shadow_list() + id.x];
-    let origin = load(SHADOW_ORIGIN_TARGET, i);
-    let direction = load(SHADOW_DIRECTION_END, i);
-    let leaves = load(ORIGIN_LEAVES, i).w;
-    let instance = load(DIRECTION_INSTANCE, i).w;
-    let ray = Ray(bitcast<vec3<f32>>(origin.xyz), bitcast<f32>(direction.w), bitcast<vec3<f32>>(direction.xyz), leaves, instance, origin.w);
-    if (trace(ray, true).slot == NONE) {
+    if (trace(shadow_ray(i), true).slot == NONE) {
         store_f32(LIGHT, i, load_f32(LIGHT, i) + load_f32(SHADOW_LIGHT, i));
     }
+}
+
+/// Takes the place of `shadow` where panes may stand before lights without a surface.
+@compute @workgroup_size(WORKGROUP_SIZE)
+fn shadow_through_panes(@builtin(global_invocation_id) id: vec3<u32>) {
+    if (id.x >= atomicLoad(&control[ACTIVE_SHADOWS])) {
+        return;
+    }
+    let i = lists[shadow_list() + id.x];
+    let ray = shadow_ray(i);
+    var passed = vec4<f32>(1.0);
+    if (ray.target_primitive == NO_SURFACE) {
+        passed = through_panes(ray, load_f32(LAMBDA, i));
+    } else if (trace(ray, true).slot != NONE) {
+        return;
+    }
+    store_f32(LIGHT, i, load_f32(LIGHT, i) + load_f32(SHADOW_LIGHT, i) * passed);
 }
 
 /// Counts the paths that go on and the shadow rays, and makes room for the next ones.

@@ -11,7 +11,7 @@ use photosite_transport::optics::{Camera, Focus, LensDescription, PixelGrid};
 use photosite_transport::scene::Scene;
 use photosite_transport::scene::description::look_at;
 
-use crate::stage::{everything, outdoors, panes, under_lamps};
+use crate::stage::{everything, lamps_behind_panes, outdoors, panes, under_lamps};
 
 const SIDE: u32 = 40;
 
@@ -64,9 +64,13 @@ fn z(a: &Estimate, b: &Estimate) -> [f64; 2] {
 #[test]
 fn images_are_those_of_the_processor() {
     let Some(card) = crate::card() else { return };
-    for (name, scene) in
-        [("everything", everything()), ("outdoors", outdoors()), ("panes", panes()), ("lamps", under_lamps())]
-    {
+    for (name, scene) in [
+        ("everything", everything()),
+        ("outdoors", outdoors()),
+        ("panes", panes()),
+        ("lamps", under_lamps()),
+        ("lamps behind panes", lamps_behind_panes()),
+    ] {
         let scene = scene.build();
         let [of_card, again] = [image(&scene, Some(card), 1), image(&scene, Some(card), 1)];
         assert!(of_card.mean.channels()[0].data == again.mean.channels()[0].data, "{name}: another time other bytes");

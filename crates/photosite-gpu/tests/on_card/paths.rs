@@ -7,7 +7,7 @@ use photosite_transport::integrator::{Device, PathLimits, PathStart, radiance};
 use photosite_transport::sampler::{Sampler, SamplerKind};
 use photosite_transport::scene::Scene;
 
-use crate::stage::{everything, outdoors, panes, under_lamps};
+use crate::stage::{everything, lamps_behind_panes, outdoors, panes, under_lamps};
 
 /// Starts that look into a scene from all around.
 fn starts(count: u32, kind: SamplerKind) -> Vec<PathStart> {
@@ -111,4 +111,13 @@ fn paths_bring_the_light_of_lamps_without_a_surface() {
 fn panes_let_pass_what_they_do_on_the_processor() {
     let limits = PathLimits { max_depth: 9, roulette_depth: 4, splitting: 1 };
     check("panes", &panes().build(), SamplerKind::Sobol, limits, 1000);
+}
+
+#[test]
+fn lamps_shine_through_panes_as_on_the_processor() {
+    let mut stage = lamps_behind_panes();
+    // A mix chooses by all bits of the place on a surface.
+    stage.0.instances.retain(|instance| instance.name != "tinted");
+    let limits = PathLimits { max_depth: 6, roulette_depth: 100, splitting: 1 };
+    check("lamps behind panes", &stage.build(), SamplerKind::Sobol, limits, 100);
 }

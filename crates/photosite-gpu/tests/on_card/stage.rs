@@ -366,6 +366,39 @@ pub(crate) fn under_lamps() -> Stage {
     lamps().into_iter().fold(stage, |stage, (kind, to_world, level)| stage.lamp(kind, to_world, level))
 }
 
+/// The same things and lights with panes between them, and boundaries of nothing at all.
+pub(crate) fn lamps_behind_panes() -> Stage {
+    let index = library::glass("BK7").unwrap_or(Dispersion::constant(1.5));
+    let pane = |transmittance: f32| {
+        let transmittance = Spectrum::from_fn(|l| f64::from(transmittance) * l / 800.0);
+        MaterialModel::ThinDielectric(ThinDielectric { index: index.clone(), transmittance })
+    };
+    let tinted = Mix { models: [pane(0.9), diffuse([0.5; 3])], weight: 0.3 };
+    under_lamps()
+        .add(
+            "pane",
+            pane(0.8),
+            square(Vec3::new(0.0, 1.3, 0.0), 0.8 * Vec3::X, 0.8 * Vec3::Z),
+            &[DAffine3::IDENTITY, placed([0.3, 0.1, -0.2], 0.8)],
+        )
+        .add(
+            "tinted",
+            MaterialModel::Mix(Box::new(tinted)),
+            quadric(QuadricKind::Disk),
+            &[placed([-0.5, 1.0, 0.3], 0.4)],
+        )
+        .add(
+            "nothing",
+            glass(Dispersion::constant(1.0), 0.0),
+            quadric(QuadricKind::Sphere),
+            &[placed([0.2, 0.7, 0.6], 0.3)],
+        )
+        .add("frost", glass(Dispersion::constant(1.0), 0.3), ball(8, 0.1, true), &[placed([-0.4, 0.6, 0.8], 0.3)])
+        .add("prism", glass(index.clone(), 0.0), ball(8, 0.1, true), &[placed([0.9, 0.5, -0.6], 0.3)])
+        .shine("bulb", light(3000.0), false, quadric(QuadricKind::Sphere), placed([-1.2, 1.6, -1.2], 0.08))
+        .lamp(LightKind::Directional(DirectionalLight), DAffine3::from_quat(DQuat::from_rotation_x(-0.9)), 120.0)
+}
+
 /// Panes before a wall that shines, in a room of constant light: no lamp without a surface.
 pub(crate) fn panes() -> Stage {
     let pane = ThinDielectric {

@@ -102,6 +102,8 @@ pub struct PackedScene {
     pub lights: PackedLights,
     /// Whether any material has holes by alpha.
     pub has_holes: bool,
+    /// Whether light of sources without a surface may go straight on through any material.
+    pub has_panes: bool,
 }
 
 impl Scene {
@@ -111,10 +113,6 @@ impl Scene {
     ///
     /// Something that no packed form has yet.
     pub fn packed(&self) -> Result<PackedScene, Invalid> {
-        if self.has_panes && self.lights.has_deltas() {
-            let message = "panes in front of lights without a surface are not known to devices yet";
-            return Err(Invalid::new("materials", message));
-        }
         let PackedAccel { nodes, triangles, quadrics, instances, root } = self.accel.packed(&self.geometry)?;
         let mut textures = PackedTextures::default();
         for texture in &self.textures {
@@ -158,6 +156,7 @@ impl Scene {
             texels: textures.texels,
             lights,
             has_holes: self.has_alpha,
+            has_panes: self.has_panes && self.lights.has_deltas(),
         })
     }
 }
