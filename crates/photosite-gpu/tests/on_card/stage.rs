@@ -366,7 +366,7 @@ pub(crate) fn under_lamps() -> Stage {
     lamps().into_iter().fold(stage, |stage, (kind, to_world, level)| stage.lamp(kind, to_world, level))
 }
 
-/// The same things and lights with panes between them, and boundaries of nothing at all.
+/// Things on a floor under lamps without a surface, with panes and boundaries of index 1 between them.
 pub(crate) fn lamps_behind_panes() -> Stage {
     let index = library::glass("BK7").unwrap_or(Dispersion::constant(1.5));
     let pane = |transmittance: f32| {
