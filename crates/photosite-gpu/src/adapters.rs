@@ -99,7 +99,7 @@ pub struct Card {
     queue: wgpu::Queue,
     /// Error of the driver that no call returned.
     fault: Arc<Mutex<Option<String>>>,
-    /// Kernels that are compiled, by the layers of scenes.
+    /// Kernels that are compiled, by the features of scenes.
     compiled: Mutex<HashMap<u32, Arc<Kernels>>>,
 }
 

@@ -1,4 +1,4 @@
-//! Kernels of the wavefront, compiled for the layers that the materials of a scene have.
+//! Kernels of the wavefront, compiled for what the materials of a scene have.
 
 use std::sync::Arc;
 
@@ -20,33 +20,33 @@ pub(crate) struct Kernels {
 }
 
 impl Card {
-    /// Kernels for scenes of these layers; they are compiled once, which takes a driver seconds.
+    /// Kernels for scenes of these features; they are compiled once, which takes a driver seconds.
     ///
     /// # Errors
     ///
     /// Kernels that the driver refuses.
-    pub(crate) fn kernels(&self, layers: u32) -> Result<Arc<Kernels>, Invalid> {
+    pub(crate) fn kernels(&self, features: u32) -> Result<Arc<Kernels>, Invalid> {
         let mut compiled = self.compiled();
-        if let Some(kernels) = compiled.get(&layers) {
+        if let Some(kernels) = compiled.get(&features) {
             return Ok(Arc::clone(kernels));
         }
         let scope = self.device().push_error_scope(wgpu::ErrorFilter::Validation);
-        let kernels = Arc::new(Kernels::new(self.device(), layers));
+        let kernels = Arc::new(Kernels::new(self.device(), features));
         if let Some(error) = pollster::block_on(scope.pop()) {
             let message = format!("{} does not take the kernels: {error}", self.adapter());
             return Err(Invalid::new("scene", message).help("render with --device cpu"));
         }
-        compiled.insert(layers, Arc::clone(&kernels));
+        compiled.insert(features, Arc::clone(&kernels));
         Ok(kernels)
     }
 }
 
 impl Kernels {
-    fn new(device: &wgpu::Device, layers: u32) -> Self {
+    fn new(device: &wgpu::Device, features: u32) -> Self {
         let layouts = Layouts::new(device);
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("wavefront"),
-            source: wgpu::ShaderSource::Wgsl(wavefront(layers).into()),
+            source: wgpu::ShaderSource::Wgsl(wavefront(features).into()),
         });
         let kernel = |name: &str, groups: &[Option<&wgpu::BindGroupLayout>]| {
             let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {

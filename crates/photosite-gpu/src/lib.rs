@@ -9,7 +9,7 @@
 //! | `support` | what a card can do, and what of a scene it cannot, by name |
 //! | `adapters` | the cards of this machine |
 //! | `buffers`, `params` | its tables and numbers on a card |
-//! | `kernels` | the kernels, compiled once for the layers that a scene has |
+//! | `kernels` | the kernels, compiled once for the features that a scene has |
 //! | `tracer` | a scene on a card, and batches of paths: generate, extend, shade, shadow, arrive |
 //! | `shaders` | the kernels in one text; numbers that Rust and WGSL share are made of Rust's constants |
 //! | `wgsl` | the kernels, a file for each concept, each with the Rust file that it follows in its head |

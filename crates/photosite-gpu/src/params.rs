@@ -74,6 +74,7 @@ params! {
     albedo_glass: "u32" = |r| r.scene.attribute_sections.albedos.glass[0],
     albedo_grooved_glass: "u32" = |r| r.scene.attribute_sections.albedos.glass[1],
     albedo_film_glass: "u32" = |r| r.scene.attribute_sections.albedos.film_glass,
+    profiles: "u32" = |r| r.scene.attribute_sections.profiles,
     tree_nodes: "u32" = |r| r.scene.lights.tree_nodes,
     distant_count: "u32" = |r| r.scene.lights.distant,
     irradiance: "f32" = |r| r.scene.lights.irradiance.to_bits(),

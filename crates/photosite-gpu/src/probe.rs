@@ -33,7 +33,7 @@ pub fn answers<const IN: usize, const OUT: usize>(
         @compute @workgroup_size(64) fn ask(@builtin(global_invocation_id) id: vec3<u32>) {{
             if (id.x < arrayLength(&inputs)) {{ outputs[id.x] = answer(inputs[id.x]); }}
         }}",
-        functions(scene.layers)
+        functions(scene.features)
     );
     let contents = |contents: &[u8], usage: wgpu::BufferUsages| {
         device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })

@@ -63,7 +63,12 @@ const LIGHTS: &str = concat!(
     include_str!("wgsl/sky.wgsl"),
     include_str!("wgsl/environment.wgsl"),
     include_str!("wgsl/emitter.wgsl"),
+    include_str!("wgsl/light_sample.wgsl"),
+    include_str!("wgsl/profile.wgsl"),
+    include_str!("wgsl/projector.wgsl"),
+    include_str!("wgsl/gaussian_beam.wgsl"),
     include_str!("wgsl/lights.wgsl"),
+    include_str!("wgsl/panes.wgsl"),
 );
 
 /// Numbers that both sides share, by their names in WGSL.
@@ -115,6 +120,7 @@ const NUMBERS: &[(&str, u32)] = &[
     ("LAYERS_FILM", flag::FILM),
     ("LAYERS_SHEEN", flag::SHEEN),
     ("LAYERS_COAT", flag::COAT),
+    ("PANES", flag::PANES),
     ("COLOUR_SPECTRUM", colour::SPECTRUM),
     ("COLOUR_TEXTURE", colour::TEXTURE),
     ("COLOUR_SPECTRUM_TEXTURE", colour::SPECTRUM_TEXTURE),
@@ -125,6 +131,9 @@ const NUMBERS: &[(&str, u32)] = &[
     ("LIGHT_DIRECTIONAL", lights::kind::DIRECTIONAL),
     ("LIGHT_ENVIRONMENT", lights::kind::ENVIRONMENT),
     ("LIGHT_DEFORMING", lights::kind::DEFORMING),
+    ("LIGHT_PROFILE", lights::kind::PROFILE),
+    ("LIGHT_PROJECTOR", lights::kind::PROJECTOR),
+    ("LIGHT_GAUSSIAN_BEAM", lights::kind::GAUSSIAN_BEAM),
     ("ENVIRONMENT_CONSTANT", lights::environment::CONSTANT),
     ("ENVIRONMENT_IMAGE", lights::environment::IMAGE),
     ("ENVIRONMENT_SKY", lights::environment::SKY),
@@ -142,12 +151,11 @@ const BINDINGS: &str = "\
 @group(0) @binding(6) var<storage, read> texels: array<u32>;
 ";
 
-/// Text of the functions, without the kernels of the wavefront, for scenes whose materials of glTF have these layers
-/// ([`flag`]).
-pub fn functions(layers: u32) -> String {
+/// Text of the functions, without the kernels of the wavefront, for scenes of these features ([`flag`]).
+pub fn functions(features: u32) -> String {
     let mut text = String::new();
     let counts = albedos::NODE_COUNTS.map(|(name, count)| (name, count as u32));
-    for (name, value) in NUMBERS.iter().chain(&counts).chain(&[("SCENE_LAYERS", layers)]) {
+    for (name, value) in NUMBERS.iter().chain(&counts).chain(&[("SCENE_FEATURES", features)]) {
         let _ = writeln!(text, "const {name} = {value}u;");
     }
     let [sky_first_nm, sky_step_nm] = lights::SKY_NM;
@@ -173,7 +181,7 @@ pub fn functions(layers: u32) -> String {
     text
 }
 
-/// Text of all kernels of the wavefront, for scenes of these layers.
-pub fn wavefront(layers: u32) -> String {
-    functions(layers) + include_str!("wgsl/path.wgsl")
+/// Text of all kernels of the wavefront, for scenes of these features.
+pub fn wavefront(features: u32) -> String {
+    functions(features) + include_str!("wgsl/path.wgsl")
 }

@@ -104,7 +104,7 @@ impl Tracer {
         sampler: SamplerKind,
     ) -> Result<Self, Invalid> {
         let (device, queue) = (card.device().clone(), card.queue().clone());
-        let kernels = card.kernels(scene.layers)?;
+        let kernels = card.kernels(scene.features)?;
         let of_device = device.limits();
         let bytes = of_device.max_storage_buffer_binding_size.min(of_device.max_buffer_size);
         let most = if card.adapter().is_software { SOFTWARE_BATCH } else { LARGEST_BATCH };

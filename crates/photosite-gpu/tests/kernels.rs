@@ -6,9 +6,9 @@ use wgpu::naga;
 
 #[test]
 fn naga_accepts_all_kernels() {
-    // Without any layers of glTF, and with all.
-    for layers in [0, u32::MAX] {
-        let text = wavefront(layers);
+    // Without any features, and with all.
+    for features in [0, u32::MAX] {
+        let text = wavefront(features);
         accepts(&text);
     }
 }

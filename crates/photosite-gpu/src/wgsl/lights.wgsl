@@ -1,22 +1,5 @@
-// Samples of lights; photosite-transport's light/lights.rs, light/area_light.rs, light/point_light.rs and its neighbours.
-
-struct LightSample {
-    light: u32,
-    radiance: vec4<f32>,
-    wi: vec3<f32>,
-    position: vec3<f32>,
-    /// Normal of the light; zero of a light without a surface.
-    normal: vec3<f32>,
-    /// Density of the direction times the probability of the light; 0 where no light arrives.
-    pdf: f32,
-    is_delta: bool,
-    is_distant: bool,
-    target_primitive: u32,
-}
-
-fn no_light() -> LightSample {
-    return LightSample(NONE, vec4<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), vec3<f32>(0.0), 0.0, false, false, NONE);
-}
+// Samples of lights; photosite-transport's light/lights.rs, light/area_light.rs, light/kind.rs, light/spot_light.rs and
+// its neighbours.
 
 /// Radiance of an emission, whose words are those of a light or a material, at a place on a primitive of a mesh.
 fn emitted_at(words: vec4<u32>, factor: vec3<f32>, primitive: u32, mesh: u32, parameters: vec2<f32>, lambda_nm: vec4<f32>) -> vec4<f32> {
@@ -38,48 +21,47 @@ fn emitted(point: SurfacePoint, wo: vec3<f32>, lambda_nm: vec4<f32>) -> vec4<f32
     return emitted_at(words, bitcast<vec3<f32>>(tables[at + 1u].xyz), point.primitive, point.mesh, point.parameters, lambda_nm);
 }
 
-/// Direction to a light without a surface.
-fn sample_delta_light(kind: u32, at: u32, level: u32, ctx: LightContext, lambda_nm: vec4<f32>) -> LightSample {
+/// Direction to a light that shines within a cone.
+fn sample_spot_light(at: u32, level: u32, ctx: LightContext, lambda_nm: vec4<f32>) -> LightSample {
     let place = bitcast<vec4<f32>>(tables[at + 3u]);
     let axis = bitcast<vec4<f32>>(tables[at + 4u]);
-    var sample = no_light();
-    sample.is_delta = true;
-    sample.pdf = 1.0;
-    sample.radiance = spectrum(level, lambda_nm);
-    if (kind == LIGHT_DIRECTIONAL) {
-        sample.wi = -axis.xyz;
-        sample.is_distant = true;
-        return sample;
-    }
-    let to_light = place.xyz - ctx.point;
-    let distance_squared = dot(to_light, to_light);
-    if (!(distance_squared > 0.0)) {
+    let cosine = dot(normalized_or(ctx.point - place.xyz, vec3<f32>(0.0)), axis.xyz);
+    let ramp = clamp((cosine - axis.w) / max(place.w - axis.w, 1e-4), 0.0, 1.0);
+    if (ramp == 0.0) {
         return no_light();
     }
-    if (kind == LIGHT_SPOT) {
-        let cosine = dot(normalized_or(-to_light, vec3<f32>(0.0)), axis.xyz);
-        let ramp = clamp((cosine - axis.w) / max(place.w - axis.w, 1e-4), 0.0, 1.0);
-        sample.radiance *= ramp * ramp;
-        if (ramp == 0.0) {
-            return no_light();
+    return sample_from_point(ctx.point, place.xyz, spectrum(level, lambda_nm) * (ramp * ramp));
+}
+
+/// Direction to a light without a surface.
+fn sample_delta_light(kind: u32, at: u32, u: vec2<f32>, ctx: LightContext, lambda_nm: vec4<f32>) -> LightSample {
+    let level = tables[at + 1u].x;
+    switch kind {
+        case LIGHT_DIRECTIONAL: {
+            var sample = sample_without_surface();
+            sample.radiance = spectrum(level, lambda_nm);
+            sample.wi = -bitcast<vec3<f32>>(tables[at + 4u].xyz);
+            sample.is_distant = true;
+            return sample;
         }
+        case LIGHT_SPOT: { return sample_spot_light(at, level, ctx, lambda_nm); }
+        case LIGHT_PROFILE: { return sample_profile(at, level, ctx, lambda_nm); }
+        case LIGHT_PROJECTOR: { return sample_projector(at, level, u, ctx, lambda_nm); }
+        case LIGHT_GAUSSIAN_BEAM: { return sample_gaussian_beam(at, level, ctx, lambda_nm); }
+        default: { return sample_from_point(ctx.point, light_pose(at).position, spectrum(level, lambda_nm)); }
     }
-    sample.radiance /= distance_squared;
-    sample.wi = to_light / sqrt(distance_squared);
-    sample.position = place.xyz;
-    return sample;
 }
 
 /// Direction to a light without a surface at a time: one that moves is sampled in its own space.
-fn sample_delta_light_at(kind: u32, at: u32, level: u32, ctx: LightContext, time: f32, lambda_nm: vec4<f32>) -> LightSample {
-    let motion = tables[at + 2u];
+fn sample_delta_light_at(head: vec4<u32>, at: u32, u: vec2<f32>, ctx: LightContext, time: f32, lambda_nm: vec4<f32>) -> LightSample {
+    let motion = head.yz;
     var transform: Transform;
     var own = ctx;
     if (motion.y != 0u) {
         transform = motion_at(motion.x, motion.y, time);
         own.point = into_object(transform, vec4<f32>(ctx.point, 1.0));
     }
-    var sample = sample_delta_light(kind, at, level, own, lambda_nm);
+    var sample = sample_delta_light(head.x, at, u, own, lambda_nm);
     if (motion.y != 0u) {
         sample.wi = normalized_or(into_world(transform, vec4<f32>(sample.wi, 0.0)), vec3<f32>(0.0));
         sample.position = into_world(transform, vec4<f32>(sample.position, 1.0));
@@ -120,8 +102,8 @@ fn sample_chosen(choice: Choice, v: f32, ctx: LightContext, time: f32, lambda_nm
             sample.pdf = seen.pdf;
             sample.target_primitive = head.z;
         }
-        case LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL: {
-            sample = sample_delta_light_at(head.x, at, emission.x, ctx, time, lambda_nm);
+        case LIGHT_POINT, LIGHT_SPOT, LIGHT_DIRECTIONAL, LIGHT_PROFILE, LIGHT_PROJECTOR, LIGHT_GAUSSIAN_BEAM: {
+            sample = sample_delta_light_at(head, at, u, ctx, time, lambda_nm);
         }
         case LIGHT_ENVIRONMENT: {
             let drawn = sample_environment(u);

@@ -108,6 +108,18 @@ fn concentric_disk(u: vec2<f32>) -> vec2<f32> {
     return select(both.xy, both.yx, is_x);
 }
 
+/// A vector turned by a unit quaternion, whose real part is last.
+fn rotated(quaternion: vec4<f32>, v: vec3<f32>) -> vec3<f32> {
+    let b = quaternion.xyz;
+    let w = quaternion.w;
+    return v * (w * w - dot(b, b)) + b * (2.0 * dot(v, b)) + cross(b, v) * (2.0 * w);
+}
+
+/// The quaternion of the rotation back.
+fn conjugate(quaternion: vec4<f32>) -> vec4<f32> {
+    return vec4<f32>(-quaternion.xyz, quaternion.w);
+}
+
 fn cosine_hemisphere(u: vec2<f32>) -> vec3<f32> {
     let p = concentric_disk(u);
     return vec3<f32>(p, sqrt(max(1.0 - dot(p, p), 0.0)));

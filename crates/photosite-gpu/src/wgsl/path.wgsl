@@ -33,7 +33,8 @@ const LAST_POINT = 6u;
 /// Normal of the last vertex, and whether both of its sides count.
 const LAST_NORMAL = 7u;
 const RANDOM = 8u;
-/// Square of the indices that were passed, whether the hero is alone with the medium (`medium_of`), instance of the hit, time.
+/// Square of the indices that were passed, whether the hero is alone with the medium (`medium_of`), instance of the hit
+/// and after it the medium in which a shadow ray through panes sets out, time.
 const REST = 9u;
 const SHADOW_ORIGIN_TARGET = 10u;
 const SHADOW_DIRECTION_END = 11u;
@@ -131,33 +132,38 @@ fn emission_weight(i: u32, point: SurfacePoint, wo: vec3<f32>, distance: f32) ->
     return power_heuristic(last.w, area_light_pdf(light, ctx, point.time, distance, dot(wo, point.geometric_normal)));
 }
 
-/// Samples a light, and queues its shadow ray with what the path gathers if nothing is in the way.
-fn sample_direct_light(i: u32, point: SurfacePoint, shading: Shading, wo: vec3<f32>, ctx: LightContext, u: vec2<f32>, throughput: vec4<f32>, medium: u32, lambda_nm: vec4<f32>) {
+/// Samples a light, and queues its shadow ray with what the path gathers if nothing is in the way. Returns the medium in which
+/// a ray sets out that is followed through panes.
+fn sample_direct_light(i: u32, point: SurfacePoint, shading: Shading, wo: vec3<f32>, ctx: LightContext, u: vec2<f32>, throughput: vec4<f32>, medium: u32, lambda_nm: vec4<f32>) -> u32 {
     let choice = choose_light(ctx, u.x);
     if (choice.light == NONE) {
-        return;
+        return NONE;
     }
     let light = sample_chosen(choice, u.y, ctx, point.time, lambda_nm);
     if (!(light.pdf > 0.0)) {
-        return;
+        return NONE;
     }
     let wo_local = to_local(shading.frame, wo);
     let wi_local = to_local(shading.frame, light.wi);
     let is_transmission = wi_local.z * wo_local.z < 0.0;
     if (leaks(point, shading.bsdf, wo, light.wi, is_transmission)) {
-        return;
+        return NONE;
     }
     let scattering = eval_bsdf(shading.bsdf, wo_local, wi_local);
     var contribution = light.radiance * scattering.f * (abs(wi_local.z) / light.pdf);
-    if (HAS_MEDIA && !light.is_distant) {
-        // Where shadow rays end at the boundary, light comes from within.
-        let crossed = select(medium, medium_across(point, light.wi, medium), is_transmission);
+    // Where shadow rays end at the boundary, light comes from within; those that are followed absorb on their way.
+    var crossed = NONE;
+    let is_followed = HAS_PANES && light.is_delta;
+    if (HAS_MEDIA) {
+        crossed = select(medium, medium_across(point, light.wi, medium), is_transmission);
+    }
+    if (HAS_MEDIA && !light.is_distant && !is_followed) {
         contribution *= transmittance(crossed, distance(point.position, light.position), lambda_nm);
     }
     let weight = select(power_heuristic(light.pdf, scattering.pdf), 1.0, light.is_delta);
     let brought = throughput * (contribution * weight);
     if (is_black(brought)) {
-        return;
+        return NONE;
     }
     let ray = spawn_ray(point, light.wi);
     var direction = ray.direction;
@@ -176,6 +182,7 @@ fn sample_direct_light(i: u32, point: SurfacePoint, shading: Shading, wo: vec3<f
     store_f32(SHADOW_LIGHT, i, brought);
     let place = atomicAdd(&control[SHADOWS], 1u);
     lists[shadow_list() + place] = i;
+    return select(NONE, crossed, is_followed);
 }
 
 /// Gathers light where rays have led, samples lights and BSDFs, and plays Russian roulette; `Path::advance`.
@@ -247,9 +254,10 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
 
     // Sample direct illumination, and queue its shadow ray. It leaves the same triangle as the ray that goes on.
     let leaving = spawn_ray(point, wo);
+    var followed = NONE;
     if (!bsdf_is_delta) {
         let u = next_2d(&random);
-        sample_direct_light(i, point, shading, wo, ctx, u, throughput, medium, lambda_nm);
+        followed = sample_direct_light(i, point, shading, wo, ctx, u, throughput, medium, lambda_nm);
     }
 
     // Sample the BSDF
@@ -287,7 +295,7 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
     let ray = spawn_ray(point, wi);
     store(ORIGIN_LEAVES, i, vec4<u32>(bitcast<vec3<u32>>(ray.origin), leaving.leaves));
     store(DIRECTION_INSTANCE, i, vec4<u32>(bitcast<vec3<u32>>(wi), leaving.leaves_instance));
-    store(REST, i, vec4<u32>(bitcast<u32>(eta_scale), is_hero_alone | medium_bits(medium), 0u, rest.w));
+    store(REST, i, vec4<u32>(bitcast<u32>(eta_scale), is_hero_alone | medium_bits(medium), followed, rest.w));
     if (!goes_on) {
         return;
     }
@@ -299,6 +307,15 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
     lists[list_out(depth - 1u) + place] = i;
 }
 
+/// The shadow ray of a path.
+fn shadow_ray(i: u32) -> Ray {
+    let origin = load(SHADOW_ORIGIN_TARGET, i);
+    let direction = load(SHADOW_DIRECTION_END, i);
+    let leaves = load(ORIGIN_LEAVES, i).w;
+    let instance = load(DIRECTION_INSTANCE, i).w;
+    return Ray(bitcast<vec3<f32>>(origin.xyz), bitcast<f32>(direction.w), bitcast<vec3<f32>>(direction.xyz), leaves, instance, origin.w, time_of(i));
+}
+
 /// Adds what shadow rays bring that meet nothing.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -306,11 +323,12 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let i = lists[shadow_list() + id.x];
-    let origin = load(SHADOW_ORIGIN_TARGET, i);
-    let direction = load(SHADOW_DIRECTION_END, i);
-    let leaves = load(ORIGIN_LEAVES, i).w;
-    let instance = load(DIRECTION_INSTANCE, i).w;
-    let ray = Ray(bitcast<vec3<f32>>(origin.xyz), bitcast<f32>(direction.w), bitcast<vec3<f32>>(direction.xyz), leaves, instance, origin.w, time_of(i));
+    let ray = shadow_ray(i);
+    if (HAS_PANES && ray.target_primitive == NO_SURFACE) {
+        let passed = through_panes(ray, state[place_of(REST, i)].z, load_f32(LAMBDA, i));
+        store_f32(LIGHT, i, load_f32(LIGHT, i) + load_f32(SHADOW_LIGHT, i) * passed);
+        return;
+    }
     if (trace(ray, true).slot == NONE) {
         store_f32(LIGHT, i, load_f32(LIGHT, i) + load_f32(SHADOW_LIGHT, i));
     }

@@ -11,7 +11,7 @@ use photosite_transport::optics::{Camera, Focus, LensDescription, PixelGrid, Rec
 use photosite_transport::scene::Scene;
 use photosite_transport::scene::description::look_at;
 
-use crate::stage::{everything, layers, moving, outdoors, panes};
+use crate::stage::{everything, lamps_behind_panes, layers, moving, outdoors, panes, under_lamps};
 
 const SIDE: u32 = 40;
 
@@ -81,6 +81,8 @@ fn images_are_those_of_the_processor() {
         ("outdoors", outdoors()),
         ("panes", panes()),
         ("moving", moving()),
+        ("lamps", under_lamps()),
+        ("lamps behind panes", lamps_behind_panes()),
     ] {
         let (scene, is_moving) = (scene.build(), name == "moving");
         let [of_card, again] = [image(&scene, is_moving, Some(card), 1), image(&scene, is_moving, Some(card), 1)];

@@ -4,6 +4,7 @@
 
 mod bsdfs;
 mod images;
+mod lamps;
 mod motions;
 mod paths;
 mod rays;

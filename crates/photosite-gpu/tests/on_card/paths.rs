@@ -7,7 +7,7 @@ use photosite_transport::integrator::{Device, PathLimits, PathStart, radiance};
 use photosite_transport::sampler::{Sampler, SamplerKind};
 use photosite_transport::scene::Scene;
 
-use crate::stage::{everything, moving, outdoors, panes};
+use crate::stage::{everything, lamps_behind_panes, moving, outdoors, panes, under_lamps};
 
 /// Starts that look into a scene from all around.
 fn starts(count: u32, kind: SamplerKind) -> Vec<PathStart> {
@@ -102,6 +102,12 @@ fn paths_bring_the_light_of_a_sky() {
 }
 
 #[test]
+fn paths_bring_the_light_of_lamps_without_a_surface() {
+    let limits = PathLimits { max_depth: 6, roulette_depth: 100, splitting: 1 };
+    check("lamps", &under_lamps().build(), SamplerKind::Sobol, limits, 200);
+}
+
+#[test]
 fn panes_let_pass_what_they_do_on_the_processor() {
     let limits = PathLimits { max_depth: 9, roulette_depth: 4, splitting: 1 };
     check("panes", &panes().build(), SamplerKind::Sobol, limits, 1000);
@@ -111,4 +117,13 @@ fn panes_let_pass_what_they_do_on_the_processor() {
 fn paths_bring_what_they_bring_on_the_processor_where_things_move() {
     let limits = PathLimits { max_depth: 8, roulette_depth: 100, splitting: 1 };
     check("moving", &moving().build(), SamplerKind::Sobol, limits, 500);
+}
+
+#[test]
+fn lamps_shine_through_panes_as_on_the_processor() {
+    let mut stage = lamps_behind_panes();
+    // A mix chooses by all bits of the place on a surface.
+    stage.0.instances.retain(|instance| instance.name != "tinted");
+    let limits = PathLimits { max_depth: 6, roulette_depth: 100, splitting: 1 };
+    check("lamps behind panes", &stage.build(), SamplerKind::Sobol, limits, 100);
 }

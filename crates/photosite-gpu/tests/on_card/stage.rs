@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use photosite_core::spectrum::{Dispersion, Spectrum, library};
 use photosite_transport::geometry::QuadricKind;
-use photosite_transport::light::{DirectionalLight, PointLight, SpotLight};
+use photosite_transport::light::{DirectionalLight, GaussianBeam, PointLight, Profile, Projector, SpotLight};
 use photosite_transport::scene::description::{
     AlphaMode, AnisotropyDescription, Channel, CoatDescription, Colour, Conductor, Dielectric, Diffuse,
     EmissionDescription, EnvironmentDescription, FilmDescription, ImageLevel, InstanceDescription, LayeredDescription,
@@ -434,6 +434,92 @@ pub(crate) fn layers() -> Stage {
         }
     }
     stage
+}
+
+/// A light above the floor that shines down, aslant.
+fn hung(place: [f64; 3], aslant: f64) -> DAffine3 {
+    let turn = DQuat::from_rotation_y(0.7 * place[0]) * DQuat::from_rotation_x(aslant - 1.5);
+    DAffine3::from_rotation_translation(turn, DVec3::from(place))
+}
+
+/// Lights of measured profiles, projectors and laser beams with their poses, and levels that light a floor alike.
+pub(crate) fn lamps() -> Vec<(LightKind, DAffine3, f64)> {
+    let even = |from: f32, to: f32, steps: u8| {
+        (0..=steps).map(move |i| from + (to - from) * f32::from(i) / f32::from(steps)).collect::<Vec<_>>()
+    };
+    let candela = |count: u16| (0..count).map(|i| 30.0 + 25.0 * (1.7 * f32::from(i)).sin()).collect::<Vec<_>>();
+    let downlight = Profile::new(even(0.0, 0.5 * PI, 6), vec![0.0], candela(7));
+    let mut around = candela(5 * 8);
+    around.extend_from_within(..5);
+    let around = Profile::new(even(0.2, 2.5, 4), even(0.0, TAU, 8), around);
+    let patch =
+        |i: u32| [[250, 60, 40, 255], [255; 4], [30, 200, 90, 255], [20, 30, 220, 255]][(i * i % 7 % 4) as usize];
+    let slide = bitmap(6, 4, Texels::Rgba8((0..24).map(patch).collect()));
+    let sharp = Projector::new(slide.clone(), [0.9, 0.6], [0.1, -0.2], 0.0, 1.0);
+    let wide = Projector::new(slide, [1.2, 0.8], [0.0, 0.1], 0.05, 1.4);
+    vec![
+        (LightKind::Profile(downlight), hung([-1.0, 1.8, 0.4], 0.2), 40.0),
+        (LightKind::Profile(around), hung([1.1, 1.5, -0.8], -0.3), 30.0),
+        (LightKind::Projector(sharp), hung([0.1, 2.0, 0.9], 0.1), 1200.0),
+        (LightKind::Projector(wide), hung([0.7, 1.9, 0.2], 0.5), 1600.0),
+        (LightKind::GaussianBeam(GaussianBeam::new([0.15, 0.15], [0.05, 0.05])), hung([-0.5, 2.1, -0.6], 0.3), 400.0),
+        (LightKind::GaussianBeam(GaussianBeam::new([0.06, 0.004], [0.0, 0.4])), hung([0.2, 1.7, 0.0], 0.6), 500.0),
+    ]
+}
+
+/// Things on a floor under all of these lights, at dusk.
+pub(crate) fn under_lamps() -> Stage {
+    let stage = Stage::default()
+        .add("floor", diffuse([0.7, 0.6, 0.5]), square(Vec3::ZERO, 2.5 * Vec3::Z, 2.5 * Vec3::X), &[DAffine3::IDENTITY])
+        .add("stone", diffuse([0.7; 3]), ball(10, 0.1, false), &[placed([0.6, 0.3, 0.5], 0.3)])
+        .add("ball", metal("Cu", 0.5), ball(12, 0.05, true), &[placed([-0.7, 0.35, -0.2], 0.35)]);
+    let dusk = EnvironmentDescription::Constant { colour: Colour::Rgb([0.7, 0.8, 0.9]), luminance_nit: Some(5.0) };
+    let stage = stage.environment(dusk);
+    lamps().into_iter().fold(stage, |stage, (kind, to_world, level)| stage.lamp(kind, to_world, level))
+}
+
+/// Things on a floor under lamps without a surface, with panes, a foil, boundaries of index 1 and a haze between them.
+pub(crate) fn lamps_behind_panes() -> Stage {
+    let index = library::glass("BK7").unwrap_or(Dispersion::constant(1.5));
+    let pane = |transmittance: f32| {
+        let transmittance = Spectrum::from_fn(|l| f64::from(transmittance) * l / 800.0);
+        MaterialModel::ThinDielectric(ThinDielectric { index: index.clone(), transmittance })
+    };
+    let tinted = Mix { models: [pane(0.9), diffuse([0.5; 3])], weight: 0.3 };
+    let of = |layers: LayeredDescription| MaterialModel::Layered(Box::new(layers));
+    let clear = LayeredDescription {
+        transmission: TexturedFactor::plain(0.8),
+        roughness: TexturedFactor::plain(0.0),
+        ..LayeredDescription::default()
+    };
+    let foil = LayeredDescription { base_colour: TexturedColour::plain(Colour::Rgb([0.9, 0.6, 0.4])), ..clear.clone() };
+    let absorption_per_m = Some(Spectrum::from_fn(|l| 0.5 + l / 400.0));
+    let haze = LayeredDescription { index: Dispersion::constant(1.0), absorption_per_m, ..clear };
+    under_lamps()
+        .add(
+            "pane",
+            pane(0.8),
+            square(Vec3::new(0.0, 1.3, 0.0), 0.8 * Vec3::X, 0.8 * Vec3::Z),
+            &[DAffine3::IDENTITY, placed([0.3, 0.1, -0.2], 0.8)],
+        )
+        .add(
+            "tinted",
+            MaterialModel::Mix(Box::new(tinted)),
+            quadric(QuadricKind::Disk),
+            &[placed([-0.5, 1.0, 0.3], 0.4)],
+        )
+        .add(
+            "nothing",
+            glass(Dispersion::constant(1.0), 0.0),
+            quadric(QuadricKind::Sphere),
+            &[placed([0.2, 0.7, 0.6], 0.3)],
+        )
+        .add("foil", of(foil), square(Vec3::new(0.5, 0.9, 0.6), 0.4 * Vec3::X, 0.4 * Vec3::Z), &[DAffine3::IDENTITY])
+        .add("haze", of(haze), ball(8, 0.1, true), &[placed([-0.2, 0.5, -0.7], 0.35)])
+        .add("frost", glass(Dispersion::constant(1.0), 0.3), ball(8, 0.1, true), &[placed([-0.4, 0.6, 0.8], 0.3)])
+        .add("prism", glass(index.clone(), 0.0), ball(8, 0.1, true), &[placed([0.9, 0.5, -0.6], 0.3)])
+        .shine("bulb", light(3000.0), false, quadric(QuadricKind::Sphere), placed([-1.2, 1.6, -1.2], 0.08))
+        .lamp(LightKind::Directional(DirectionalLight), DAffine3::from_quat(DQuat::from_rotation_x(-0.9)), 120.0)
 }
 
 /// Panes before a wall that shines, in a room of constant light: no lamp without a surface.

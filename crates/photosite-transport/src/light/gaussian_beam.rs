@@ -46,6 +46,12 @@ impl GaussianBeam {
         let pair = |[x, y]: [f64; 2]| Vec2::new(x as f32, y as f32);
         Self { waist: pair(waist_radius_m), tan_divergence: pair(divergence_rad.map(f64::tan)) }
     }
+
+    /// Radii of the waist, m, and tangents of the divergences, along the beam's x and y.
+    pub(super) fn numbers(&self) -> [f32; 4] {
+        let Self { waist, tan_divergence } = *self;
+        [waist.x, waist.y, tan_divergence.x, tan_divergence.y]
+    }
 }
 
 impl DeltaModel for GaussianBeam {

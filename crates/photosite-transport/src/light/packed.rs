@@ -11,13 +11,12 @@ use super::lights::{Light, Lights};
 use super::sky::{FIRST_NM, KNOTS, STEP_NM};
 use crate::geometry::{Geometry, NONE, Primitive, Word, word};
 use crate::texture::packed::PackedTextures;
-use glam::Vec3;
-use photosite_core::Invalid;
 use photosite_core::math::distribution::{PiecewiseConstant1D, PiecewiseConstant2D};
 
 /// Words of a light: kind, primitive, target of shadow rays, rank in the tree; what it emits, with its mesh, and the
-/// colour of that; its shape. A light without a surface has in place of the colour where its motion begins and the
-/// number of its segments, 0 where it stands still; one that moves is given in its own space.
+/// colour of that; its shape. A light without a surface has in place of primitive and target where its motion begins and
+/// the number of its segments, 0 where it stands still; the parameters of its kind in place of the colour; and its
+/// position, axis and rotation from the world in place of the shape. One that moves is given in its own space.
 pub const LIGHT_WORDS: usize = 6;
 /// Words of a node of the light tree: box with intensity, its half with the cone, axis with the angle beyond it; links.
 pub const TREE_WORDS: usize = 4;
@@ -46,6 +45,12 @@ pub mod kind {
     /// A triangle that emits and changes its shape: where its corners begin among the motions, three words for each
     /// shape, and the number of parts of the time.
     pub const DEFORMING: u32 = 7;
+    /// A point of measured intensities.
+    pub const PROFILE: u32 = 8;
+    /// A projector of a slide.
+    pub const PROJECTOR: u32 = 9;
+    /// A laser beam.
+    pub const GAUSSIAN_BEAM: u32 = 10;
 }
 
 /// Numbers of the kinds of packed environments.
@@ -107,6 +112,8 @@ pub(crate) struct LightTables {
     pub(crate) distant: Vec<Word>,
     /// Cumulative sums of the environment's distribution.
     pub(crate) environment: Vec<f32>,
+    /// Angles and intensities of measured profiles.
+    pub(crate) profiles: Vec<f32>,
     /// The sky, if it is the environment.
     pub(crate) sky: Vec<Word>,
 }
@@ -124,12 +131,12 @@ impl Lights {
         geometry: &Geometry,
         textures: &mut PackedTextures,
         motions: &mut Vec<Word>,
-    ) -> Result<(PackedLights, LightTables), Invalid> {
+    ) -> (PackedLights, LightTables) {
         let mut tables = LightTables::default();
         for (handle, light) in (0..).zip(&self.lights) {
             let rank = self.selection.rank(handle);
             let mut words = match light {
-                Light::Delta(light) => delta_words(light, rank)?,
+                Light::Delta(light) => delta_words(light, rank, &mut tables.profiles, textures),
                 Light::Area(light) => {
                     let mesh = geometry.mesh_of(light.primitive);
                     let words = area_words(light, self.static_shapes[handle as usize].as_ref(), mesh, rank);
@@ -141,7 +148,7 @@ impl Lights {
                 }
             };
             if let Some(motion) = self.motion_of(handle) {
-                words[2] = [motions.len() as u32, motion.segments(), 0, 0];
+                [words[0][1], words[0][2]] = [motions.len() as u32, motion.segments()];
                 motions.extend(motion.words());
             }
             tables.lights.extend(words);
@@ -176,7 +183,7 @@ impl Lights {
                 (packed.environment_cells, tables.environment) = sums(sky.distribution());
             }
         }
-        Ok((packed, tables))
+        (packed, tables)
     }
 }
 
@@ -219,21 +226,55 @@ fn deforming(
     words
 }
 
-fn delta_words(light: &DeltaLight, rank: u32) -> Result<[Word; LIGHT_WORDS], Invalid> {
-    let unknown = |what: &str| Err(Invalid::new("lights", format!("{what} are not known to devices yet")));
-    let &LightPose { position, axis, .. } = light.pose();
-    let (kind, cosines) = match light.kind() {
-        LightKind::Point(_) => (kind::POINT, [0.0; 2]),
-        LightKind::Spot(spot) => (kind::SPOT, spot.cosines()),
-        LightKind::Directional(_) => (kind::DIRECTIONAL, [0.0; 2]),
-        LightKind::Profile(_) => return unknown("lights of a measured profile"),
-        LightKind::Projector(_) => return unknown("projectors"),
-        LightKind::GaussianBeam(_) => return unknown("laser beams"),
-    };
-    let emission = SurfaceEmission { radiance: light.level(), tint: Tint::None, two_sided: true };
-    let [emitted, colour] = emission_words(Some(&emission));
-    let [inner, outer] = cosines.map(f32::to_bits);
-    Ok([[kind, NONE, NONE, rank], emitted, colour, word(position, inner), word(axis, outer), word(Vec3::ZERO, 0)])
+/// Parameters of a kind of light without a surface.
+struct DeltaParameters {
+    kind: u32,
+    /// Numbers that stand beside its position and its axis.
+    beside: [f32; 2],
+    parameters: Word,
+    /// Texture of its slide, and the factor of that.
+    slide: Option<(u32, f32)>,
+}
+
+impl DeltaParameters {
+    /// Parameters of a light; the numbers of its profile and the texture of its slide are added to those that there are.
+    fn new(light: &LightKind, profiles: &mut Vec<f32>, textures: &mut PackedTextures) -> Self {
+        let of_kind = |kind: u32| Self { kind, beside: [0.0; 2], parameters: [0; 4], slide: None };
+        match light {
+            LightKind::Point(_) => of_kind(kind::POINT),
+            LightKind::Spot(spot) => Self { beside: spot.cosines(), ..of_kind(kind::SPOT) },
+            LightKind::Directional(_) => of_kind(kind::DIRECTIONAL),
+            LightKind::Profile(profile) => {
+                let ([vertical, horizontal], first) = (profile.counts(), profiles.len() as u32);
+                profiles.extend(profile.numbers());
+                Self { parameters: [first, vertical, horizontal, 0], ..of_kind(kind::PROFILE) }
+            }
+            LightKind::Projector(projector) => Self {
+                beside: projector.lens(),
+                parameters: projector.frame().map(f32::to_bits),
+                slide: Some((textures.add(projector.slide()), projector.per_flux())),
+                ..of_kind(kind::PROJECTOR)
+            },
+            LightKind::GaussianBeam(beam) => {
+                Self { parameters: beam.numbers().map(f32::to_bits), ..of_kind(kind::GAUSSIAN_BEAM) }
+            }
+        }
+    }
+}
+
+fn delta_words(
+    light: &DeltaLight,
+    rank: u32,
+    profiles: &mut Vec<f32>,
+    textures: &mut PackedTextures,
+) -> [Word; LIGHT_WORDS] {
+    let DeltaParameters { kind, beside, parameters, slide } = DeltaParameters::new(light.kind(), profiles, textures);
+    let &LightPose { position, axis, world_to_light } = light.pose();
+    let (texture, factor) = slide.unwrap_or((NONE, 0.0));
+    let emitted = [light.level().number(), colour::SPECTRUM | TWO_SIDED, texture, factor.to_bits()];
+    let [first, second] = beside.map(f32::to_bits);
+    let rotation = world_to_light.to_array().map(f32::to_bits);
+    [[kind, 0, 0, rank], emitted, parameters, word(position, first), word(axis, second), rotation]
 }
 
 /// Spectrum of what is emitted, [`NONE`] for nothing, with its colour.

@@ -38,6 +38,16 @@ impl Profile {
         self.at(vertical, horizontal)
     }
 
+    /// Numbers of vertical and of horizontal angles.
+    pub(super) fn counts(&self) -> [u32; 2] {
+        [&self.vertical_rad, &self.horizontal_rad].map(|angles| angles.len() as u32)
+    }
+
+    /// Vertical angles, horizontal angles and intensities, one after the other.
+    pub(super) fn numbers(&self) -> impl Iterator<Item = f32> {
+        self.vertical_rad.iter().chain(&self.horizontal_rad).chain(&self.candela).copied()
+    }
+
     fn at(&self, vertical: f32, horizontal: f32) -> f32 {
         let Some([(v0, w0), (v1, w1)]) = between(&self.vertical_rad, vertical) else { return 0.0 };
         let Some(horizontals) =

@@ -52,6 +52,27 @@ impl Projector {
         }
     }
 
+    /// Slide, with the way in which it is looked up.
+    pub(super) fn slide(&self) -> &Texture {
+        &self.slide
+    }
+
+    /// Extent of the image 1 m away and the shift of its middle there, m.
+    pub(super) fn frame(&self) -> [f32; 4] {
+        let Self { extent: [width, height], shift: [x, y], .. } = *self;
+        [width, height, x, y]
+    }
+
+    /// Radius of the opening and distance of the plane of focus, m.
+    pub(super) fn lens(&self) -> [f32; 2] {
+        [self.radius, self.focus_distance]
+    }
+
+    /// Factor from the flux of a white slide to the intensity on the axis, sr⁻¹.
+    pub(super) fn per_flux(&self) -> f32 {
+        self.per_flux
+    }
+
     /// Largest angle from the axis at which light leaves, rad.
     fn reach_rad(&self) -> f32 {
         let farthest = |i: usize| 0.5 * self.extent[i].abs() + self.shift[i].abs();

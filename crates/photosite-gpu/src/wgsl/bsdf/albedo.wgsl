@@ -1,8 +1,6 @@
 // Tabulated albedos of lobes; photosite-transport's bsdf/albedo. Each table is a grid of rows: for a roughness the values at
 // all nodes of √μ and, twice, their mean over the hemisphere.
 
-const FRAC_2_PI = 0.636619772367581f;
-
 /// Place among even nodes: the node below, and the fraction of the way to the next.
 struct Place {
     node: u32,

@@ -88,3 +88,8 @@ fn sample_dielectric(bsdf: Bsdf, wo_seen: vec3<f32>, u_lobe: f32, u: vec2<f32>) 
     sample.wi = select(sample.wi, mirrored(sample.wi), is_below);
     return sample;
 }
+
+/// The boundary of a medium of index 1 lets all light straight on.
+fn straight_dielectric(bsdf: Bsdf, wo: vec3<f32>) -> vec4<f32> {
+    return select(vec4<f32>(0.0), vec4<f32>(1.0), all(bsdf.first == vec4<f32>(1.0)) && !is_grazing(wo));
+}

@@ -36,6 +36,21 @@ fn sample_bsdf(bsdf: Bsdf, wo: vec3<f32>, u_lobe: f32, u: vec2<f32>) -> BsdfSamp
     return no_sample();
 }
 
+/// The part of the light from wo that goes straight on, to −wo.
+fn straight(bsdf: Bsdf, wo: vec3<f32>) -> vec4<f32> {
+    switch bsdf.model {
+        case MODEL_DIELECTRIC: { return straight_dielectric(bsdf, wo); }
+        case MODEL_THIN_DIELECTRIC: { return straight_thin_dielectric(bsdf, wo); }
+        case MODEL_LAYERED: {
+            if (HAS_TRANSMISSION) {
+                return straight_layered(bsdf, wo);
+            }
+            return vec4<f32>(0.0);
+        }
+        default: { return vec4<f32>(0.0); }
+    }
+}
+
 /// Whether sampling chooses among lobes, so that its first random number matters.
 fn has_lobes(bsdf: Bsdf) -> bool {
     return bsdf.model != MODEL_DIFFUSE && bsdf.model != MODEL_CONDUCTOR;

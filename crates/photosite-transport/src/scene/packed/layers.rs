@@ -10,7 +10,7 @@ use crate::scene::{FactorSource, LayeredMaterial};
 /// its roughness and its normal map.
 pub const LAYER_WORDS: usize = 14;
 
-/// Layers of a material, and in the sum those of a scene.
+/// Features of scenes: the layers that any of their materials has, and panes.
 pub mod flag {
     /// Any material of glTF.
     pub const ANY: u32 = 1;
@@ -30,6 +30,8 @@ pub mod flag {
     pub const SHEEN: u32 = 128;
     /// Clear coat.
     pub const COAT: u32 = 256;
+    /// Surfaces that light from sources without a surface passes straight on.
+    pub const PANES: u32 = 512;
 }
 
 /// Words of what extensions add to the materials of a scene, and the layers that any of these has.

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`nodes`](PackedScene::nodes), [`triangles`](PackedScene::triangles) | hierarchies ([`geometry::packed`](crate::geometry::packed)) |
 //! | [`tables`](PackedScene::tables) | records of a fixed number of words each, at the places of [`Sections`] |
-//! | [`attributes`](PackedScene::attributes) | corners, normals, tangents, texture coordinates; cumulative sums of an environment; albedos |
+//! | [`attributes`](PackedScene::attributes) | corners, normals, tangents, texture coordinates; cumulative sums of an environment; profiles of lights; albedos |
 //! | [`spectra`](PackedScene::spectra) | spectra, value and rise at each nanometre |
 //! | [`texels`](PackedScene::texels) | images as they are stored |
 //!
@@ -80,6 +80,8 @@ pub struct AttributeSections {
     pub environment: u32,
     /// Albedos of lobes.
     pub albedos: AlbedoSections,
+    /// Profiles of lights: vertical angles, horizontal angles, intensities of each.
+    pub profiles: u32,
 }
 
 /// Scene as plain data; see the module.
@@ -107,8 +109,8 @@ pub struct PackedScene {
     pub lights: PackedLights,
     /// Whether any material has holes by alpha.
     pub has_holes: bool,
-    /// Layers of its materials of glTF, see [`flag`](layers::flag).
-    pub layers: u32,
+    /// Features of the scene, which kernels are compiled for, see [`flag`](layers::flag).
+    pub features: u32,
 }
 
 impl Scene {
@@ -118,18 +120,14 @@ impl Scene {
     ///
     /// Something that no packed form has yet.
     pub fn packed(&self) -> Result<PackedScene, Invalid> {
-        if self.has_panes && self.lights.has_deltas() {
-            let message = "panes in front of lights without a surface are not known to devices yet";
-            return Err(Invalid::new("materials", message));
-        }
         let PackedAccel { nodes, triangles, quadrics, instances, mut motions, root } =
             self.accel.packed(&self.geometry)?;
         let mut textures = PackedTextures::default();
         for texture in &self.textures {
             textures.add(texture);
         }
-        let (lights, light_tables) = self.lights.packed(&self.geometry, &mut textures, &mut motions)?;
-        let (materials, layers) = self.packed_materials()?;
+        let (lights, light_tables) = self.lights.packed(&self.geometry, &mut textures, &mut motions);
+        let (materials, of_gltf) = self.packed_materials()?;
         let mut tables = Vec::new();
         let mut section = |words: Vec<Word>| {
             let first = tables.len() as u32;
@@ -149,10 +147,11 @@ impl Scene {
             distant: section(light_tables.distant),
             sky: section(light_tables.sky),
             colours: section(colours),
-            layers: section(layers.words),
+            layers: section(of_gltf.words),
             motions: if motions.is_empty() { NONE } else { section(motions) },
         };
-        let (attributes, attribute_sections) = attributes(&self.geometry, light_tables.environment, layers.flags);
+        let (attributes, attribute_sections) =
+            attributes(&self.geometry, [light_tables.environment, light_tables.profiles], of_gltf.flags);
         Ok(PackedScene {
             nodes,
             triangles,
@@ -165,7 +164,7 @@ impl Scene {
             texels: textures.texels,
             lights,
             has_holes: self.has_alpha,
-            layers: layers.flags,
+            features: of_gltf.flags | if self.has_panes && self.lights.has_deltas() { layers::flag::PANES } else { 0 },
         })
     }
 }
@@ -195,8 +194,9 @@ fn mesh_words(geometry: &Geometry) -> Vec<Word> {
     geometry.meshes.iter().flat_map(words).collect()
 }
 
-/// Numbers of vertices and of distributions, and the places of each kind.
-fn attributes(geometry: &Geometry, environment: Vec<f32>, layers: u32) -> (Vec<u32>, AttributeSections) {
+/// Numbers of vertices, of lights and of lobes, and the places of each kind.
+fn attributes(geometry: &Geometry, lights: [Vec<f32>; 2], layers: u32) -> (Vec<u32>, AttributeSections) {
+    let [environment, profiles] = lights;
     let Geometry { normals, tangents, uvs, colours, triangles, .. } = geometry;
     let has_none = normals.is_empty() && tangents.is_empty() && colours.is_empty() && uvs.iter().all(Vec::is_empty);
     let mut all: Vec<u32> = Vec::new();
@@ -215,6 +215,7 @@ fn attributes(geometry: &Geometry, environment: Vec<f32>, layers: u32) -> (Vec<u
         vertex_colours: section(&mut colours.iter().flat_map(|v| v.to_array()).map(f32::to_bits)),
         uvs: [0, 1].map(|set| section(&mut uvs[set].iter().flat_map(|v| v.to_array()).map(f32::to_bits))),
         environment: section(&mut environment.into_iter().map(f32::to_bits)),
+        profiles: section(&mut profiles.into_iter().map(f32::to_bits)),
         albedos: AlbedoSections::of(layers, |numbers| section(&mut numbers.into_iter().map(f32::to_bits))),
     };
     (all, sections)

@@ -2,16 +2,16 @@
 // reflectance at normal incidence are `first` and `second` of the BSDF. What no material of a scene has is left out of its
 // kernels: constants of the scene say so, and compilers drop what depends on them.
 
-const HAS_LAYERED = (SCENE_LAYERS & LAYERS_ANY) != 0u;
-const HAS_TRANSMISSION = (SCENE_LAYERS & LAYERS_TRANSMISSION) != 0u;
+const HAS_LAYERED = (SCENE_FEATURES & LAYERS_ANY) != 0u;
+const HAS_TRANSMISSION = (SCENE_FEATURES & LAYERS_TRANSMISSION) != 0u;
 /// Whether any surface bounds a medium, and whether light gets into one by refraction.
-const HAS_MEDIA = (SCENE_LAYERS & LAYERS_VOLUME) != 0u;
+const HAS_MEDIA = (SCENE_FEATURES & LAYERS_VOLUME) != 0u;
 const HAS_VOLUMES = HAS_MEDIA && HAS_TRANSMISSION;
-const HAS_DIFFUSE_TRANSMISSION = (SCENE_LAYERS & LAYERS_DIFFUSE_TRANSMISSION) != 0u;
-const HAS_GROOVES = (SCENE_LAYERS & LAYERS_GROOVES) != 0u;
-const HAS_FILM = (SCENE_LAYERS & LAYERS_FILM) != 0u;
-const HAS_SHEEN = (SCENE_LAYERS & LAYERS_SHEEN) != 0u;
-const HAS_COAT = (SCENE_LAYERS & LAYERS_COAT) != 0u;
+const HAS_DIFFUSE_TRANSMISSION = (SCENE_FEATURES & LAYERS_DIFFUSE_TRANSMISSION) != 0u;
+const HAS_GROOVES = (SCENE_FEATURES & LAYERS_GROOVES) != 0u;
+const HAS_FILM = (SCENE_FEATURES & LAYERS_FILM) != 0u;
+const HAS_SHEEN = (SCENE_FEATURES & LAYERS_SHEEN) != 0u;
+const HAS_COAT = (SCENE_FEATURES & LAYERS_COAT) != 0u;
 /// Whether light passes any of these materials.
 const LAYERS_PASS = HAS_TRANSMISSION || HAS_DIFFUSE_TRANSMISSION;
 

@@ -322,3 +322,20 @@ fn sample_layered(bsdf: Bsdf, u_lobe: f32, u: vec2<f32>) -> BsdfSample {
     sample.wi = select(sample.wi, mirrored(sample.wi), view.is_inside);
     return sample;
 }
+
+/// The part of the light from `wo` that goes straight on.
+fn straight_layered(bsdf: Bsdf, wo: vec3<f32>) -> vec4<f32> {
+    view_layers(bsdf, wo);
+    let is_clear = select(is_smooth(bsdf.roughness), all(view.eta == vec4<f32>(1.0)), view.refracts);
+    if (!scatters() || !is_clear || layers.transmission <= 0.0) {
+        return vec4<f32>(0.0);
+    }
+    var sample: BsdfSample;
+    if (HAS_VOLUMES && view.refracts) {
+        sample = pass_refracted(bsdf);
+    } else {
+        let wi = vec3<f32>(-view.wo.xy, -min(view.wo.z, 1.0));
+        sample = pass_straight(bsdf, wi, split_at(bsdf, wi));
+    }
+    return sample.f * abs(sample.wi.z);
+}
