@@ -190,3 +190,17 @@ fn the_summary_tells_noise_in_words() {
     assert!(said.contains("Monte Carlo noise is ") && !said.contains("would halve it"), "{said}");
     assert!(!folder.succeed("render capture.toml -o quiet --quiet").text().contains("Monte Carlo"));
 }
+
+#[test]
+fn the_summary_tells_of_how_many_pixels_the_noise_is() {
+    let folder = room("[render]\nsamples_per_pixel = 4");
+    folder.succeed("render capture.toml -o out");
+    let suits = number(&folder.report("out")["exposure"]["time_s"]);
+    for (times, least) in [(3.0, 0.2), (1e4, 0.99)] {
+        let longer = format!("render capture.toml -o longer --force --set exposure.time_s={}", times * suits);
+        let said = folder.succeed(&longer).text();
+        let saturated = number(&folder.report("longer")["render"]["saturated_part"]);
+        assert!((least..1.0).contains(&saturated), "{saturated}");
+        assert!(said.contains(" % of pixels that are not saturated: "), "{said}");
+    }
+}

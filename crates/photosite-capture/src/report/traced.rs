@@ -65,10 +65,14 @@ pub struct RenderReport {
     pub triangles: usize,
     /// Number of lights of the scene.
     pub lights: usize,
-    /// Root-mean-square Monte Carlo noise over root-mean-square sensor noise; `null` in the dark and after a
-    /// single sample. The noise is that of independent samples: with Sobol points, its variance is 1.2 to 1.9
-    /// times what it is.
+    /// Root-mean-square Monte Carlo noise over root-mean-square sensor noise; `null` in the dark, after a single sample
+    /// and where all pixels are saturated. The noise is that of independent samples: with Sobol points, its variance
+    /// is 1.2 to 1.9 times what it is.
     pub noise_ratio: Option<f64>,
+    /// Part of the pixels, 0–1, that are saturated, where no noise shows: the noise ratio is that of the others. Left
+    /// out where none is, and where the ratio is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub saturated_part: Option<f64>,
     /// Result of the noise target; `null` without one.
     pub noise: Option<NoiseReport>,
 }
