@@ -146,7 +146,7 @@ fn a_prescription_takes_the_place_of_a_lens_and_gives_it_up() {
         let (capture, lens, _) = lens_of(&order.map(|i| sets[i]).join(" "));
         assert_eq!((number(&lens["focal_length_mm"]), number(&capture["focal_length_mm"])), (50.0, 50.0));
     }
-    let glass = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    let glass = folder.text("capture.toml");
     let start = glass.find("focal_length_mm").expect("a key");
     let end = glass.find("[sensor]").expect("a table");
     folder.add("capture.toml", [&glass[..start], "prescription = 'double-gauss'\n", &glass[end..]].concat());
