@@ -94,8 +94,8 @@ class Light:
     @cached_property
     def noise_ratio(self) -> Optional[float]:
         """Monte Carlo noise over the noise of the sensor at the exposure of the capture, root-mean-square over the image,
-        as the command tells it: 0.1 is not seen, 1 is as much again. None in the dark and after a single sample of each
-        pixel."""
+        as the command tells it: 0.1 is not seen, 1 is as much again. None in the dark, where all pixels are saturated
+        and after a single sample of each pixel."""
         return self._compiled.noise_ratio()
 
     @cached_property

@@ -201,8 +201,8 @@ class Shot:
     @cached_property
     def noise_ratio(self) -> Optional[float]:
         """Monte Carlo noise over the noise of the sensor at this exposure, root-mean-square over the image, as the command
-        tells it: 0.1 is not seen, 1 is as much again. None in the dark, after a single sample of each pixel, and for light
-        that does not come from a scene."""
+        tells it: 0.1 is not seen, 1 is as much again. Saturated pixels show no noise and do not count. None in the dark,
+        where all pixels are saturated, after a single sample of each pixel, and for light that does not come from a scene."""
         return self._compiled.noise_ratio()
 
     @cached_property

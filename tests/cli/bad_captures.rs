@@ -7,9 +7,10 @@ use crate::folder::Folder;
 use crate::room::encoded;
 
 /// Line 4 begins what the cases add.
-const HEAD: &str = "[scene]\ngeometry = ['room.obj']\nenvironment = { illuminant = 'D65', illuminance_lux = 500 }\n";
+pub(crate) const HEAD: &str =
+    "[scene]\ngeometry = ['room.obj']\nenvironment = { illuminant = 'D65', illuminance_lux = 500 }\n";
 
-fn folder(capture: String) -> Folder {
+pub(crate) fn folder(capture: String) -> Folder {
     let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl wall\nf 1 2 3\n";
     Folder::new([("room.obj", obj.into()), ("capture.toml", capture.into())])
 }

@@ -2,15 +2,7 @@
 
 use rstest::rstest;
 
-use crate::folder::Folder;
-
-/// Line 4 begins what the cases add.
-const HEAD: &str = "[scene]\ngeometry = ['room.obj']\nenvironment = { illuminant = 'D65', illuminance_lux = 500 }\n";
-
-fn folder(capture: String) -> Folder {
-    let obj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl wall\nf 1 2 3\n";
-    Folder::new([("room.obj", obj.into()), ("capture.toml", capture.into())])
-}
+use crate::bad_captures::{HEAD, folder};
 
 #[rstest]
 #[case::negative_noise("[sensor.noise]\nread_noise_e = -2", "noise.read_noise_e: must not be negative", "write 0")]

@@ -26,6 +26,7 @@ fn wrong_usage_is_told_apart_from_failure(#[case] arguments: &str, #[case] messa
 #[rstest]
 #[case::table("lns.f_number=4", "--set lns.f_number=4: lns: unknown key `lns`; did you mean `lens`?")]
 #[case::key("lens.fnumber=4", "lens.fnumber: unknown key `fnumber` in [lens]; did you mean `f_number`?")]
+#[case::two("render.sampels=4", "unknown key `sampels` in [render]; did you mean `samples_per_pixel` or `sampler`?")]
 #[case::kind("lens.f_number=wide", "lens.f_number: expected a number, found string \"wide\"")]
 #[case::too_few("camera.look_at_m=[1,2]", "camera.look_at_m: expected a list of 3 values, found 2")]
 #[case::too_many("sensor.resolution_px=[8,8,8]", "sensor.resolution_px: expected a list of 2 values, found 3")]

@@ -28,7 +28,7 @@ fn a_bracket_is_a_raw_file_for_each_time_and_their_light() {
         assert!((raw.metadata.exposure_time_s / time - 1.0).abs() < 1e-6);
     }
     // The image is that of the time that was asked for, which comes first here, and so has the noise of a single one.
-    let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    let capture = folder.text("capture.toml");
     folder.add("single.toml", capture.replace("bracket_ev = [0, -3, 4]", ""));
     folder.succeed("render single.toml -o single");
     let (bracket, single) = (folder.results("out"), folder.results("single"));
@@ -53,7 +53,7 @@ fn files_and_render_merge_to_the_same_light() {
     folder.succeed("render capture.toml -o out");
     folder.succeed("merge-hdr out/raw-0002.dng out/raw-0000.dng out/raw-0001.dng -o merged.exr");
     folder.succeed("merge-hdr out/raw-0001.dng out/raw-0002.dng out/raw-0000.dng -o single.exr --threads 1");
-    let [many, single] = ["merged.exr", "single.exr"].map(|name| std::fs::read(folder.path(name)).expect("a file"));
+    let [many, single] = ["merged.exr", "single.exr"].map(|name| folder.bytes(name));
     assert!(many == single, "order of files and number of threads make no difference");
     let [ours, merged] = ["out/hdr.exr", "merged.exr"].map(|name| exr(&folder, name));
     let time = |image: &ExrImage| image.attributes.iter().find(|(name, _)| name == "exposureTime").cloned();
@@ -68,7 +68,7 @@ fn files_and_render_merge_to_the_same_light() {
     folder.succeed(
         "merge-hdr out/raw-0002.dng out/raw-0000.dng out/raw-0001.dng -o toned.exr --set develop.tone_curve=filmic",
     );
-    assert!(std::fs::read(folder.path("toned.exr")).expect("a file") == many);
+    assert!(folder.bytes("toned.exr") == many);
     let shown = folder.succeed("merge-hdr out/raw-0002.dng out/raw-0000.dng -o two.exr --set develop.colour_model=lab");
     assert!(shown.stderr.contains("develop.colour_model does not affect merged light"), "{}", shown.stderr);
     // It reaches further than any of its images: 1 saturates the longest of them.
@@ -81,7 +81,7 @@ fn files_and_render_merge_to_the_same_light() {
         assert!(folder.results("two")[name] == *bytes && folder.results("out")[name] == *bytes, "{name}");
     }
     let outcome = folder.succeed("merge-hdr out/raw-0000.dng out/raw-0001.dng -o merged.exr --force --json");
-    let report: serde_json::Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+    let report = outcome.json();
     assert_eq!(report["resolution_px"], json!([32, 24]));
     folder.fail(
         "merge-hdr out/raw-0000.dng out/raw-0001.dng -o merged.exr",

@@ -15,11 +15,6 @@ fn folder(sensor: &str, rest: &str) -> Folder {
     Folder::new([("board.toml", capture.into())])
 }
 
-fn report(folder: &Folder, name: &str) -> Value {
-    let text = std::fs::read_to_string(folder.path(name).join("capture.json")).expect("a report");
-    serde_json::from_str(&text).expect("JSON")
-}
-
 const HEXAGONS: &str = "pixel_pitch_um = [200, 173.2]\ncells = 'hexagonal'";
 
 #[test]
@@ -31,11 +26,10 @@ fn hexagons_become_square_pixels_in_the_image_and_from_the_file() {
     assert!(raw.metadata.is_staggered);
     assert_eq!([raw.width, raw.height], [32, 24]);
     folder.succeed("develop out/raw.dng -o again.png");
-    let [of_render, of_file] =
-        ["out/image.png", "again.png"].map(|name| std::fs::read(folder.path(name)).expect("there"));
+    let [of_render, of_file] = ["out/image.png", "again.png"].map(|name| folder.bytes(name));
     assert!(of_render == of_file);
     // 32 pitches of 200 on square pixels of 173.2.
-    assert_eq!(report(&folder, "out")["image"]["resolution_px"], serde_json::json!([37, 24]));
+    assert_eq!(folder.report("out")["image"]["resolution_px"], serde_json::json!([37, 24]));
     let regular = "sensor.pixel_pitch_um=[200,200]";
     let told = folder.succeed(&format!("render board.toml --set {regular} -o other")).text();
     assert!(told.contains("not regular") && told.contains("[200, 173.2051]"), "{told}");
@@ -64,7 +58,7 @@ fn beyond_the_image_circle_there_is_nothing() {
     folder.succeed(
         "render board.toml --set output.truth=[\'depth\'] --set output.truth_formats=[\'npy\'] -o out --quiet",
     );
-    let file = std::fs::read(folder.path("out/electrons.exr")).expect("there");
+    let file = folder.bytes("out/electrons.exr");
     let planes = photosite::io::exr::read_exr(std::io::Cursor::new(file)).expect("EXR").planes;
     // 16 pixels across about 16, 12.
     let is_lit = |i: usize| {
@@ -88,7 +82,7 @@ fn beyond_the_image_circle_there_is_nothing() {
 fn the_camera_of_the_image_is_that_of_the_samples() {
     let folder = folder("pixel_pitch_um = [200, 200]\nframe_grabber.size_px = [24, 36]", "");
     folder.succeed("render board.toml --set develop.square_pixels=false -o out --quiet");
-    let report = report(&folder, "out");
+    let report = folder.report("out");
     let near = |of: &str, axis: usize, wanted: f64| {
         let found = report[of]["camera_matrix"][axis][axis].as_f64().expect("a number");
         assert!((found / wanted - 1.0).abs() < 1e-12, "{of} {axis}: {found}");
@@ -116,7 +110,7 @@ fn gain_control_follows_the_light_from_frame_to_frame() {
     folder.add("agc.toml", BOARD.replace("time_s = 0.004\n", &format!("time_s = 2e-6\nframes = 8\n{control}\n")));
     folder.succeed("render agc.toml --set output.electrons=true -o out --quiet");
     let gains = |name: &str| -> Vec<f64> {
-        let gains = report(&folder, name)["exposure"]["frame_gains_db"].clone();
+        let gains = folder.report(name)["exposure"]["frame_gains_db"].clone();
         serde_json::from_value(gains).expect("a list of numbers")
     };
     let found = gains("out");
@@ -137,7 +131,7 @@ fn gain_control_follows_the_light_from_frame_to_frame() {
 #[test]
 fn formats_have_names_and_pitches() {
     let folder = Folder::new([]);
-    let rows: Value = serde_json::from_str(&folder.succeed("sensors --formats 4000x3000 --json").stdout).expect("JSON");
+    let rows = folder.succeed("sensors --formats 4000x3000 --json").json();
     let row = |name: &str| {
         let has = |row: &&Value| row["names"].as_array().is_some_and(|names| names.iter().any(|known| known == name));
         rows.as_array().expect("rows").iter().find(has).expect("known").clone()

@@ -1,7 +1,6 @@
 //! `photosite compare --noise-profile`: whether noise explains how two photographs differ.
 
 use rstest::rstest;
-use serde_json::Value;
 
 use crate::folder::Folder;
 
@@ -38,7 +37,7 @@ fn noise_of_the_profile_explains_noise_alone(
     let command = format!("compare a/raw.dng b/raw.dng --noise-profile{pattern} --json");
     let outcome = folder.run(&command);
     assert_eq!(outcome.status, Some(i32::from(!is_noise)), "{}", outcome.stdout);
-    let report: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+    let report = outcome.json();
     if is_noise {
         let spread = report["channels"][0]["z_scores"]["spread"].as_f64().expect("a spread");
         assert!((spread - 1.0).abs() < 0.035, "{spread}");

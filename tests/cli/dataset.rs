@@ -246,8 +246,7 @@ fn a_trajectory_zooms() {
     let folder = folder(poses);
     folder.succeed("dataset set.toml -o out");
     let focal_length = |frame: u32| {
-        let results = folder.results(&format!("out/camera/00000{frame}"));
-        let report: serde_json::Value = serde_json::from_slice(&results["capture.json"]).expect("JSON");
+        let report = folder.report(&format!("out/camera/00000{frame}"));
         report["lens"]["focal_length_mm"].as_f64().expect("a number")
     };
     assert_eq!([0, 1, 2].map(focal_length), [10.0, 15.0, 20.0]);

@@ -22,7 +22,7 @@ fn frames_told(folder: &Folder, words: &str) -> usize {
 fn each_kind_of_warning_is_said_once_with_its_number_of_frames() {
     let folder = folder(BRIGHTER);
     let told = folder.succeed("dataset set.toml -o out --set render.samples_per_pixel=4").text();
-    let card = std::fs::read_to_string(folder.path("out/README.md")).expect("a card");
+    let card = folder.text("out/README.md");
     let saturated = frames_told(&folder, "is saturated");
     assert!((1..3).contains(&saturated), "{saturated}: some frames, not all");
     for (words, frames) in [("is saturated", saturated), ("spectra of the scene are not known", 3)] {
@@ -41,7 +41,7 @@ fn each_kind_of_warning_is_said_once_with_its_number_of_frames() {
 #[test]
 fn files_of_cameras_that_autofocus_moves_are_told_of() {
     let focused = folder("frames = 2\n[poses.random]\ntarget = 'board'\ndistance_m = [0.6, 0.9]\nmargin_px = 1\n");
-    let board = std::fs::read_to_string(focused.path("board.toml")).expect("a capture");
+    let board = focused.text("board.toml");
     focused.add("board.toml", board.replace("'pinhole'", "'thin'").replace("focus_distance_m = 'infinity'\n", ""));
     let told = focused.succeed("dataset set.toml -o out").text();
     for words in ["calibration/ lacks all of its files", "autofocus", "write lens.focus_distance_m"] {
@@ -82,7 +82,7 @@ fn noise_is_said_in_the_closing_line_the_manifest_and_the_card() {
     let wanted = wanted.split_whitespace().next().expect("a number");
     let equal = 4.0 * median * median;
     near(wanted, if median > 1.0 { equal } else { equal * 25.0 });
-    let card = std::fs::read_to_string(folder.path("out/README.md")).expect("a card");
+    let card = folder.text("out/README.md");
     let card: Vec<&str> = card.split_whitespace().collect();
     assert!(card.join(" ").contains("## Noise Monte Carlo noise is "), "{card:?}");
 

@@ -5,21 +5,17 @@ use serde_json::{Value, json};
 use crate::folder::Folder;
 use crate::room::room;
 
-fn bytes(folder: &Folder, name: &str) -> Vec<u8> {
-    std::fs::read(folder.path(name)).expect("readable")
-}
-
 fn rendered(more: &str) -> Folder {
     let folder = room(&format!("[render]\nsamples_per_pixel = 16\n{more}"));
     // Dark enough that little is white.
-    let capture = String::from_utf8(bytes(&folder, "capture.toml")).expect("UTF-8");
+    let capture = String::from_utf8(folder.bytes("capture.toml")).expect("UTF-8");
     folder.add("capture.toml", capture.replace("time_s = 0.0002", "time_s = 0.00004"));
     folder.succeed("render capture.toml -o out");
     folder
 }
 
 fn report(folder: &Folder, arguments: &str) -> Value {
-    serde_json::from_str(&folder.succeed(&format!("develop {arguments} --json")).stdout).expect("JSON")
+    folder.succeed(&format!("develop {arguments} --json")).json()
 }
 
 #[test]
@@ -27,10 +23,10 @@ fn the_same_settings_give_the_image_of_render() {
     for table in ["", "[develop]\ndemosaic = 'bilinear'\nexposure_ev = 1.0\ntone_curve = 'filmic'\n"] {
         let folder = rendered(table);
         folder.succeed("develop out/raw.dng -o again.png --capture capture.toml");
-        assert_eq!(bytes(&folder, "again.png"), bytes(&folder, "out/image.png"), "{table}");
+        assert_eq!(folder.bytes("again.png"), folder.bytes("out/image.png"), "{table}");
         let plain = if table.is_empty() { "again.png" } else { "plain.png" };
         folder.succeed(&format!("develop out/raw.dng -o {plain} --force"));
-        assert_eq!(bytes(&folder, plain) == bytes(&folder, "out/image.png"), table.is_empty());
+        assert_eq!(folder.bytes(plain) == folder.bytes("out/image.png"), table.is_empty());
     }
 }
 
@@ -61,7 +57,7 @@ fn every_format_and_setting_can_be_chosen() {
         let (key, value) = setting.split_once('=').expect("a key and a value");
         let shown = found["settings"][key].to_string();
         assert_eq!(shown.trim_matches('"').trim_end_matches(".0"), value, "{found}");
-        assert!(bytes(&folder, &image) != bytes(&folder, "out/image.png"), "{setting}");
+        assert!(folder.bytes(&image) != folder.bytes("out/image.png"), "{setting}");
     }
     for image in ["a.png", "a.tiff", "a.jpg", "a.ppm", "a.exr"] {
         let found = report(&folder, &format!("out/raw.dng -o {image}"));
@@ -80,7 +76,7 @@ fn every_format_and_setting_can_be_chosen() {
 #[test]
 fn what_goes_wrong_is_told() {
     let folder = rendered("");
-    folder.add("torn.dng", &bytes(&folder, "out/raw.dng")[..2000]);
+    folder.add("torn.dng", &folder.bytes("out/raw.dng")[..2000]);
     folder.add("notes.txt", b"not a raw file");
     for (arguments, status, wanted) in [
         ("out/raw.dng -o p.gif", 2, &["p.gif", ".png, .tiff, .jpg, .pgm, .ppm, .npy or .exr"][..]),
@@ -125,7 +121,7 @@ fn images_take_the_steps_that_are_not_of_raw_files() {
     folder.succeed("develop out/raw.dng -o light.exr");
     // The same light, encoded now or then.
     folder.succeed("develop light.exr -o later.png");
-    assert!(bytes(&folder, "later.png") == bytes(&folder, "out/image.png"));
+    assert!(folder.bytes("later.png") == folder.bytes("out/image.png"));
     // Of codes comes the light that they stand for, and of that the codes.
     folder.succeed("develop later.png -o again.png");
     folder.succeed("compare again.png later.png --max-rmse 0.2");
@@ -136,7 +132,7 @@ fn images_take_the_steps_that_are_not_of_raw_files() {
         warnings.iter().any(|w| w.as_str().expect("text").contains(&format!("develop.{key} does not affect")))
     };
     assert!(warnings.len() == 2 && said("demosaic") && said("jpeg_quality"), "{warnings:?}");
-    assert!(bytes(&folder, "shown.png") != bytes(&folder, "later.png"));
+    assert!(folder.bytes("shown.png") != folder.bytes("later.png"));
     let zoomed =
         report(&folder, "light.exr -o zoomed.npy --set develop.digital_zoom=2 --set develop.resize_px=[50,40]");
     assert_eq!(zoomed["resolution_px"], json!([50, 40]));
@@ -146,7 +142,7 @@ fn images_take_the_steps_that_are_not_of_raw_files() {
 fn image_png_is_the_image_of_the_camera_that_the_report_tells() {
     let folder = room("[render]\nsamples_per_pixel = 4\n[develop]\ndigital_zoom = 2.0\nresize_px = [64, 48]\n");
     folder.succeed("render capture.toml -o out");
-    let report: Value = serde_json::from_slice(&bytes(&folder, "out/capture.json")).expect("JSON");
+    let report = folder.report("out");
     let (image, camera) = (&report["image"], &report["camera"]);
     assert_eq!(image["resolution_px"], json!([64, 48]));
     let number = |of: &Value, row: usize, column: usize| of["camera_matrix"][row][column].as_f64().expect("a number");
@@ -213,9 +209,9 @@ fn files_of_numbers_of_every_kind_become_linear_light() {
     }
     // Grey goes into a PGM file: P5, its largest number 255 or 65535.
     folder.succeed("develop grey.tif -o shown.pgm -q --set develop.tone_curve=linear");
-    assert_eq!(bytes(&folder, "shown.pgm"), [b"P5\n3 2\n255\n", &grey[..]].concat());
+    assert_eq!(folder.bytes("shown.pgm"), [b"P5\n3 2\n255\n", &grey[..]].concat());
     folder.succeed("develop grey.tif -o deep.pgm -q --set develop.tone_curve=linear --set develop.bits=16");
-    assert!(bytes(&folder, "deep.pgm").starts_with(b"P5\n3 2\n65535\n\0\0\x33\x33"));
+    assert!(folder.bytes("deep.pgm").starts_with(b"P5\n3 2\n65535\n\0\0\x33\x33"));
     folder.add("cut.tif", &tiff8(3, 2, 1, &grey)[..100]);
     folder.add("cut.pgm", b"P2 3 2 255 1 2 3 4 5");
     for (arguments, status, wanted) in [
@@ -230,9 +226,7 @@ fn files_of_numbers_of_every_kind_become_linear_light() {
 #[test]
 fn measures_of_images() {
     let folder = rendered("");
-    let value = |arguments: &str| -> Value {
-        serde_json::from_str(&folder.succeed(&format!("measure {arguments} --json")).stdout).expect("JSON")
-    };
+    let value = |arguments: &str| -> Value { folder.succeed(&format!("measure {arguments} --json")).json() };
     let histograms = value("histogram out/image.png --bins 16");
     let counts = histograms[0]["counts"].as_array().expect("a list").iter().filter_map(Value::as_u64);
     assert_eq!(counts.sum::<u64>(), 32 * 24);
@@ -273,8 +267,7 @@ fn a_grey_wall_is_as_bright_in_the_ideal_image_as_in_the_developed_one() {
     folder.succeed("render capture.toml -o out");
     folder.succeed("develop out/raw.dng -o out/developed.exr");
     let mean = |image: &str, channel: usize| {
-        let found: Value =
-            serde_json::from_str(&folder.succeed(&format!("measure histogram {image} --json")).stdout).expect("JSON");
+        let found = folder.succeed(&format!("measure histogram {image} --json")).json();
         (
             found[channel]["mean"].as_f64().expect("a number"),
             found[channel]["standard_deviation"].as_f64().expect("one"),
@@ -288,7 +281,7 @@ fn a_grey_wall_is_as_bright_in_the_ideal_image_as_in_the_developed_one() {
         let tolerance = 4.0 * (noise / 384f64.sqrt()).hypot(0.003 * ideal);
         assert!(ideal > 0.05 && (developed - ideal).abs() < tolerance, "{channel}: {developed} {ideal} ± {tolerance}");
     }
-    assert!(bytes(&folder, "out/ideal.png").starts_with(b"\x89PNG"));
+    assert!(folder.bytes("out/ideal.png").starts_with(b"\x89PNG"));
 }
 
 /// Values that a key of [develop] may have by the schema.
@@ -350,7 +343,7 @@ const NUMBERS: [(&str, &str); 38] = [
 #[test]
 fn every_key_and_value_of_the_schema_develops() {
     let folder = rendered("");
-    let schema: Value = serde_json::from_str(&folder.succeed("schema").stdout).expect("JSON");
+    let schema = folder.succeed("schema").json();
     let develop = schema["properties"]["develop"]["$ref"].as_str().expect("a table").trim_start_matches('#');
     let properties = schema.pointer(develop).expect("a definition")["properties"].as_object().expect("keys");
     let mut tried = 0;
@@ -379,12 +372,12 @@ fn every_key_and_value_of_the_schema_develops() {
                 continue;
             }
             assert_eq!(outcome.status, Some(0), "{arguments}: {}", outcome.stderr);
-            let report: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+            let report = outcome.json();
             let (path, value) = setting.split_once('=').expect("a key and a value");
             let shown = report["settings"].pointer(&format!("/{}", path.replace('.', "/"))).expect("the key");
             let same = |text: &str| text.replace(".0", "").trim_matches('"').to_owned();
             assert_eq!(same(&shown.to_string()), same(value), "{arguments}");
-            assert!(!bytes(&folder, &format!("{tried}.{extension}")).is_empty());
+            assert!(!folder.bytes(&format!("{tried}.{extension}")).is_empty());
         }
     }
     // A key that has got lost would not be missed above.
@@ -413,7 +406,7 @@ fn files_of_numbers_alone_can_be_told_what_they_are() {
     folder.succeed(&format!("develop out/raw.dng -o dng.png {told} {plain}"));
     for kind in ["tiff", "pgm", "npy", "exr"] {
         folder.succeed(&format!("develop out/raw.{kind} -o {kind}.png {told}"));
-        assert!(bytes(&folder, &format!("{kind}.png")) == bytes(&folder, "dng.png"), "{kind}");
+        assert!(folder.bytes(&format!("{kind}.png")) == folder.bytes("dng.png"), "{kind}");
     }
     for (setting, words) in [
         ("raw.cfa=full:RGB", &["develop.raw.cfa", "3 values per pixel, the file 1"][..]),
@@ -436,8 +429,7 @@ fn a_nonlinear_sensor_develops_with_and_without_its_table() {
     folder
         .succeed("develop out/raw.dng -o nonlinear.png --set develop.exposure_ev=-2 --set develop.linearisation=false");
     let mean = |image: &str| -> f64 {
-        let found: Value =
-            serde_json::from_str(&folder.succeed(&format!("measure histogram {image} --json")).stdout).expect("JSON");
+        let found = folder.succeed(&format!("measure histogram {image} --json")).json();
         found[1]["mean"].as_f64().expect("a number")
     };
     // A gamma lifts what lies between black and white.
@@ -467,8 +459,7 @@ fn images_are_measured_in_the_colours_that_their_files_say() {
     folder.succeed("develop out/raw.dng -o a.jpg");
     folder.succeed("develop out/raw.dng -o a.ppm");
     let difference = |a: &str, b: &str| -> f64 {
-        let found: Value =
-            serde_json::from_str(&folder.succeed(&format!("measure similarity {a} {b} --json")).stdout).expect("JSON");
+        let found = folder.succeed(&format!("measure similarity {a} {b} --json")).json();
         found["mean_delta_e_2000"].as_f64().unwrap_or_else(|| panic!("{a} and {b} have colours: {found}"))
     };
     for (a, b) in [
@@ -504,8 +495,7 @@ fn checkers_are_found_by_capture_or_report_and_the_right_file_is_blamed() {
     folder.add("chart.toml", WALL.replace("0.5", "'colour-checker/19-white'").replace("D50", "D65"));
     folder.succeed("render chart.toml -o chart");
     for capture in ["chart.toml", "chart/capture.json"] {
-        let found = folder.succeed(&format!("measure checker chart/image.png --capture {capture} --json")).stdout;
-        let found: Value = serde_json::from_str(&found).expect("JSON");
+        let found = folder.succeed(&format!("measure checker chart/image.png --capture {capture} --json")).json();
         assert_eq!(found["patches"][0]["name"], "colour-checker/19-white");
         // The matrix of three broad channels leaves an error of 1 to 3 in a patch; the next grey is 10 away.
         assert!(found["mean_delta_e_2000"].as_f64().expect("a number") < 3.0, "{found}");
@@ -522,7 +512,7 @@ fn checkers_are_found_by_capture_or_report_and_the_right_file_is_blamed() {
 fn files_that_claim_to_be_huge_take_no_memory() {
     let folder = rendered("[output]\nraw = ['dng', 'tiff', 'exr']\n");
     let with = |name: &str, change: &dyn Fn(&mut Vec<u8>)| {
-        let mut file = bytes(&folder, &format!("out/raw.{name}"));
+        let mut file = folder.bytes(&format!("out/raw.{name}"));
         change(&mut file);
         folder.add(&format!("huge.{name}"), file);
     };

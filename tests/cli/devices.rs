@@ -1,14 +1,12 @@
 //! Devices that trace light: those that there are, and what is said where there is none.
 
-use serde_json::Value;
-
 use crate::folder::Folder;
 use crate::room::room;
 
 #[test]
 fn the_processor_is_a_device() {
     let folder = Folder::new([]);
-    let rows: Value = serde_json::from_str(&folder.succeed("devices --json").stdout).expect("JSON");
+    let rows = folder.succeed("devices --json").json();
     assert_eq!(rows[0]["device"], "cpu");
     assert!(folder.succeed("devices").stdout.contains("the processor"));
 }
@@ -46,7 +44,7 @@ fn data_sets_take_devices_as_renders_do() {
     folder.fail("dataset set.toml --device gpu -o card", 2, &words);
     let done = folder.succeed("dataset set.toml --device auto -o auto");
     assert!(words.iter().all(|words| done.stderr.contains(words)), "{}", done.stderr);
-    let identity = |name: &str| std::fs::read_to_string(folder.path(&format!("{name}/dataset.json"))).expect("a set");
+    let identity = |name: &str| folder.text(&format!("{name}/dataset.json"));
     assert_eq!(identity("one"), identity("auto"));
 }
 
@@ -56,7 +54,7 @@ fn parts_of_two_devices_are_not_merged() {
     let folder = room("[render]\nsamples_per_pixel = 4\n");
     folder.succeed("render capture.toml --samples 0..2 -o one");
     folder.succeed("render capture.toml --samples 2..4 -o two");
-    let part = std::fs::read_to_string(folder.path("two/part.json")).expect("a part");
+    let part = folder.text("two/part.json");
     let fingerprint = part.split("\"fingerprint\": \"").nth(1).expect("a fingerprint")[..64].to_owned();
     let changed = part.replace(&fingerprint, &"0".repeat(64)).replacen(
         "\"photosite_version\"",

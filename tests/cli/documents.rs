@@ -26,9 +26,9 @@ fn complaint(capture: &str) -> Option<String> {
 
 /// Faults that the schema of a kind of file finds in one.
 fn complaint_of(kind: &str, file: &str) -> Option<String> {
-    let schema = Folder::new([]).succeed(&format!("schema {kind}")).stdout;
+    let schema = Folder::new([]).succeed(&format!("schema {kind}")).json();
     let mut compiler = Compiler::new();
-    compiler.add_resource("schema.json", serde_json::from_str(&schema).expect("JSON")).expect("a new name");
+    compiler.add_resource("schema.json", schema).expect("a new name");
     let mut schemas = Schemas::new();
     let index = compiler.compile("schema.json", &mut schemas).expect("a valid schema");
     let file: Value = toml::from_str(file).expect("TOML");

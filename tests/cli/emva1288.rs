@@ -7,27 +7,23 @@ use crate::folder::Folder;
 
 const SMALL: &str = "emva1288 generic-cmos-color --channels G --size 24x16 --steps 8 --spatial 4 -o sets";
 
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).expect("JSON")
-}
-
 #[test]
 fn image_sets_are_taken_and_measured() {
     let folder = Folder::new([]);
-    let printed = folder.succeed(&format!("{SMALL} --sweep 500..600:50 --temperatures 15..35:10 --json")).stdout;
-    let contents = std::fs::read_to_string(folder.path("sets/emva1288.json")).expect("contents");
-    assert_eq!(json(&printed), json(&contents));
-    let channel = &json(&contents)["channels"][0];
+    let printed = folder.succeed(&format!("{SMALL} --sweep 500..600:50 --temperatures 15..35:10 --json")).json();
+    let contents = folder.json("sets/emva1288.json");
+    assert_eq!(printed, contents);
+    let channel = &contents["channels"][0];
     assert_eq!((&channel["channel"], &channel["expected"]["system_gain_dn_per_e"]), (&json!("G"), &json!(0.1344)));
     assert_eq!(channel["wavelengths"][1]["descriptor"], "G/wavelengths/0550.txt");
     assert_eq!(channel["temperatures"][2]["descriptor"], "G/temperatures/+35.txt");
-    let descriptor = std::fs::read_to_string(folder.path("sets/G/emva1288.txt")).expect("a descriptor");
+    let descriptor = folder.text("sets/G/emva1288.txt");
     assert!(descriptor.starts_with("v 4.0\nn 12 24 16\nd "), "{descriptor}");
     // A bright and a dark pair a step, two stacks, at each wavelength four pairs, at each temperature ten times two.
     let images = folder.contents().into_keys().filter(|path| path.extension().is_some_and(|e| e == "tiff")).count();
     assert_eq!(images, 8 * 4 + 2 * 4 + 3 * 8 + 3 * 40);
 
-    let measured = json(&folder.succeed("emva1288-report sets --json").stdout);
+    let measured = folder.succeed("emva1288-report sets --json").json();
     let found = &measured[0];
     assert_eq!(found["expected"]["dark_noise_e"], channel["expected"]["dark_noise_e"]);
     assert_eq!(found["wavelengths"].as_array().map(Vec::len), Some(3));
@@ -36,7 +32,7 @@ fn image_sets_are_taken_and_measured() {
     assert!((gain / 0.1344 - 1.0).abs() < 0.2, "{gain}");
     let doubling = found["doubling_temperature_k"][1].as_f64().expect("a number");
     assert!((doubling / 7.0 - 1.0).abs() < 0.1, "{doubling}");
-    let page = std::fs::read_to_string(folder.path("sets/report.html")).expect("the page");
+    let page = folder.text("sets/report.html");
     assert!(page.contains("Photon transfer curve") && page.contains("Quantum efficiency"));
     // Nothing is fetched: no addresses but the name of the format.
     assert!(page.matches("http").count() == page.matches("http://www.w3.org/2000/svg").count());
@@ -51,7 +47,7 @@ fn image_sets_are_taken_and_measured() {
 fn sets_without_exposure_times_are_measured_but_for_what_needs_them() {
     let folder = Folder::new([]);
     folder.succeed("emva1288 sony-imx249-mono --size 48x32 --steps 8 --spatial 4 -o sets -q");
-    let descriptor = std::fs::read_to_string(folder.path("sets/Y/emva1288.txt")).expect("a descriptor");
+    let descriptor = folder.text("sets/Y/emva1288.txt");
     // One dark pair, and every time the same, as a set has it whose light varies.
     let with_time = |time: &str| {
         let mut series: Vec<Vec<&str>> = Vec::new();
@@ -82,7 +78,7 @@ fn sets_without_exposure_times_are_measured_but_for_what_needs_them() {
     assert!(untimed.contains("i images\\"), "{untimed}");
     folder.add("sets/Y/untimed.txt", untimed);
     let report =
-        |name: &str| json(&folder.succeed(&format!("emva1288-report sets/Y/{name} --json --force")).stdout)[0].clone();
+        |name: &str| folder.succeed(&format!("emva1288-report sets/Y/{name} --json --force")).json()[0].clone();
     let (timed, untimed) = (report("timed.txt"), report("untimed.txt"));
     assert_eq!(untimed["measured"], timed["measured"], "no figure takes 0 for a time");
     let measured = &untimed["measured"];
@@ -100,7 +96,7 @@ fn sets_without_exposure_times_are_measured_but_for_what_needs_them() {
     assert_eq!((&missing["figure"], &missing["reason"]), (&json!("dark current"), &json!(reason)));
     let text = folder.succeed("emva1288-report sets/Y/untimed.txt --force").stdout;
     assert!(text.contains(&format!("not measured: dark current; {reason}")), "{text}");
-    let page = std::fs::read_to_string(folder.path("sets/Y/report.html")).expect("the page");
+    let page = folder.text("sets/Y/report.html");
     assert!(page.contains("Not measured: dark current;"), "{page}");
 }
 
@@ -163,7 +159,7 @@ fn two_sets_stand_side_by_side() {
         folder.succeed(&format!("emva1288 sony-imx249-mono {size} -o {name} {changes}"));
     }
     let figures = |other: &str| {
-        let printed = json(&folder.succeed(&format!("emva1288-report a {other} --json --force")).stdout);
+        let printed = folder.succeed(&format!("emva1288-report a {other} --json --force")).json();
         printed[0]["figures"].as_array().expect("a list").clone()
     };
     let score = |figures: &[Value], symbol: &str| {
@@ -177,7 +173,7 @@ fn two_sets_stand_side_by_side() {
     // The offset of a line through 10 dark pairs of 3072 pixels knows σ_d to some 2 %, of which 1.2 e⁻ of 6.3 are ten.
     let other = figures("c");
     assert!(score(&other, "σ_d") > 5.0 && score(&other, "K").abs() < 4.5, "{other:?}");
-    let page = std::fs::read_to_string(folder.path("a/comparison.html")).expect("the page");
+    let page = folder.text("a/comparison.html");
     assert!(page.contains("in standard errors") && page.contains("Photon transfer curve"));
     let text = folder.succeed("emva1288-report a/Y/emva1288.txt c/Y/emva1288.txt -o page.html").stdout;
     assert!(text.contains("standard errors") && text.contains("System gain"), "{text}");

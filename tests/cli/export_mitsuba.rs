@@ -63,13 +63,13 @@ fn a_scene_names_the_files_that_lie_beside_it() {
     let folder = triangle();
     let outcome = folder.succeed("export-mitsuba capture.toml -o out");
     assert!(outcome.text().contains("wrote 3 files to out"), "{}", outcome.stderr);
-    let text = std::fs::read_to_string(folder.path("out/scene.xml")).expect("scene.xml");
+    let text = folder.text("out/scene.xml");
     let (objects, files) = parsed(&text);
     for kind in ["path", "thinlens", "specfilm", "box", "twosided", "diffuse", "constant", "ply"] {
         assert!(objects.contains(kind), "{kind} is missing in {objects:?}");
     }
     assert_eq!(files.into_iter().collect::<Vec<_>>(), ["meshes/0.ply"]);
-    let ply = std::fs::read(folder.path("out/meshes/0.ply")).expect("a mesh");
+    let ply = folder.bytes("out/meshes/0.ply");
     let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
                   property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
     assert!(ply.starts_with(header.as_bytes()));
@@ -92,7 +92,7 @@ fn what_has_no_counterpart_is_refused_by_name_or_listed(#[case] from: &str, #[ca
     let outcome = folder.succeed("export-mitsuba capture.toml -o out --approximate");
     assert!(outcome.text().contains("approximated: "), "{}", outcome.stderr);
     assert!(named.iter().all(|named| outcome.text().contains(named)), "{}", outcome.stderr);
-    parsed(&std::fs::read_to_string(folder.path("out/scene.xml")).expect("scene.xml"));
+    parsed(&folder.text("out/scene.xml"));
 }
 
 /// Every type of material: its keys, and what is said of it; nothing where Mitsuba has the same.
@@ -142,7 +142,7 @@ fn every_type_of_material_is_named_as_its_capture_names_it() {
 fn everything_of_a_room_can_be_approximated() {
     let folder = room("[render]\nsamples_per_pixel = 1");
     folder.succeed("export-mitsuba capture.toml -o out --approximate --quiet");
-    let (_, files) = parsed(&std::fs::read_to_string(folder.path("out/scene.xml")).expect("scene.xml"));
+    let (_, files) = parsed(&folder.text("out/scene.xml"));
     assert!(files.iter().any(|name| name.ends_with(".exr")) && files.iter().any(|name| name.ends_with(".ply")));
     for name in files {
         assert!(folder.path("out").join(&name).is_file(), "{name} is missing");

@@ -98,9 +98,8 @@ fn the_colours_of_a_sensor_are_not_fitted_again() {
 #[case::frames("frames = 2")]
 fn what_is_not_changed_gives_the_same_bytes_as_render(#[case] exposure: &str, #[values(1, 2)] threads: usize) {
     let folder = room("[render]\nsamples_per_pixel = 4\nseed = 3\n[output]\nraw = ['dng', 'npy']\n");
-    let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
     let time = if exposure.starts_with("auto") { exposure.to_owned() } else { format!("time_s = 0.0002\n{exposure}") };
-    folder.add("capture.toml", capture.replace("time_s = 0.0002", &time));
+    folder.change("capture.toml", "time_s = 0.0002", &time);
     folder.succeed("render capture.toml -o out");
     folder.succeed(&format!("expose out -o again --threads {threads}"));
     let (mut first, mut again) = (folder.results("out"), folder.results("again"));
@@ -127,7 +126,7 @@ fn what_is_not_changed_gives_the_same_bytes_as_render(#[case] exposure: &str, #[
 #[test]
 fn what_automatic_gain_control_chose_gives_the_same_bytes_when_it_is_written_down() {
     let folder = room("[render]\nsamples_per_pixel = 4\nseed = 3\n[output]\nraw = ['dng', 'npy']\n");
-    let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    let capture = folder.text("capture.toml");
     let automatic = "auto_mean = 0.5\nmax_time_s = 0.0000063\nmax_gain_db = 30.0\n";
     folder.add("auto.toml", capture.replace("time_s = 0.0002", automatic));
     folder.succeed("render auto.toml -o auto");
@@ -188,7 +187,7 @@ fn a_sensor_of_files_is_kept_wherever_the_command_is_given() {
          dark_current_doubling_k = 8, prnu_percent = 1, dsnu_e = 1 }\n\
          adc = { bits = 12, conversion_gain_dn_per_e = 0.004, black_level_dn = 64, gain_db_range = [0, 20] }\n",
     );
-    let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    let capture = folder.text("capture.toml");
     folder.add(
         "scene/capture.toml",
         capture
@@ -287,7 +286,7 @@ fn an_image_without_a_report_takes_its_sensor_from_the_arguments() {
 fn the_report_is_printed_on_request_and_nothing_when_quiet() {
     let folder = rendered("");
     let outcome = folder.succeed("expose out -o a --json");
-    let report: serde_json::Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+    let report = outcome.json();
     assert_eq!(report, folder.report("a"));
     assert_eq!(report["camera"], folder.report("out")["camera"]);
     let outcome = folder.succeed("expose out -o a --quiet --force");

@@ -9,10 +9,6 @@ use crate::folder::Folder;
 const SET: &str = "emva1288 sony-imx249-mono --size 64x48 --steps 12 --spatial 8 -q -o set --set serial=7 \
                    --set noise.row_noise_e=3 --set noise.prnu_percent=1 --set noise.dsnu_e=4 --set charge.full_well_e=24000";
 
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).expect("JSON")
-}
-
 fn parameter(report: &Value, key: &str) -> [f64; 2] {
     let all = report["parameters"].as_array().expect("a list");
     let found = all.iter().find(|p| p["key"] == key).unwrap_or_else(|| panic!("{key} in {report}"));
@@ -28,7 +24,7 @@ fn reasons(report: &Value) -> String {
 fn a_twin_takes_the_set_that_it_was_fitted_to() {
     let folder = Folder::new([]);
     folder.succeed(SET);
-    let report = json(&folder.succeed("fit set -o twin.toml --json --pixel-pitch-um 5.86").stdout);
+    let report = folder.succeed("fit set -o twin.toml --json --pixel-pitch-um 5.86").json();
     for (key, truth, most) in [
         // Errors of 3072 pixels in 8 points below 70 %, and in 12 pairs of dark images.
         ("adc.conversion_gain_dn_per_e", 0.1245, 0.02),
@@ -49,7 +45,7 @@ fn a_twin_takes_the_set_that_it_was_fitted_to() {
     {
         assert!(left_out.contains(figure), "{left_out}");
     }
-    let text = std::fs::read_to_string(folder.path("twin.toml")).expect("a sensor file");
+    let text = folder.text("twin.toml");
     assert!(text.contains("pixel_pitch_um = [5.86, 5.86]  # as stated"), "{text}");
     assert!(text.contains("black_level_dn = 64  # ") && text.contains("dark_current_reference_c = 25.0  # as stated"));
     folder.fail("fit set -o twin.toml", 2, &["twin.toml already exists", "--force"]);
@@ -57,7 +53,7 @@ fn a_twin_takes_the_set_that_it_was_fitted_to() {
     folder.succeed("emva1288 twin.toml --like set -o again -q --seed 3");
     let [first, second] = ["set", "again"].map(|name| {
         let path = format!("{name}/Y/emva1288.txt");
-        let text = std::fs::read_to_string(folder.path(&path)).expect("a descriptor");
+        let text = folder.text(&path);
         text.lines().filter(|line| !line.starts_with('i')).map(str::to_owned).collect::<Vec<_>>()
     });
     assert_eq!(first.len(), second.len());
@@ -69,7 +65,7 @@ fn a_twin_takes_the_set_that_it_was_fitted_to() {
             assert!(same, "exposure times, photons and bits: {first} and {second}");
         }
     }
-    let again = json(&folder.succeed("fit again -o third.toml --json").stdout);
+    let again = folder.succeed("fit again -o third.toml --json").json();
     for key in ["adc.conversion_gain_dn_per_e", "noise.read_noise_e", "noise.prnu_percent", "quantum_efficiency"] {
         let ([a, a_error], [b, b_error]) = (parameter(&report, key), parameter(&again, key));
         assert!((a - b).abs() < 4.0 * a_error.hypot(b_error), "{key}: {a} and {b}");
@@ -85,7 +81,7 @@ fn plain_folder(folder: &Folder) {
 
 /// Adds the files of a set to the folder, with another word in their names.
 fn add_to_plain_folder(folder: &Folder, set: &str, word: &str) {
-    let descriptor = std::fs::read_to_string(folder.path(&format!("{set}/Y/emva1288.txt"))).expect("a descriptor");
+    let descriptor = folder.text(&format!("{set}/Y/emva1288.txt"));
     let mut head = (String::new(), String::new());
     for line in descriptor.lines() {
         let words: Vec<&str> = line.split(' ').collect();
@@ -94,7 +90,7 @@ fn add_to_plain_folder(folder: &Folder, set: &str, word: &str) {
             ["b", ns, _] => head = ("flat".to_owned(), ns.to_owned()),
             ["i", path] => {
                 let name = path.rsplit('\\').next().expect("a name");
-                let bytes = std::fs::read(folder.path(&format!("{set}/Y/images/{name}"))).expect("an image");
+                let bytes = folder.bytes(&format!("{set}/Y/images/{name}"));
                 let us = head.1.parse::<f64>().expect("a time") / 1000.0;
                 folder.add(&format!("frames/{}_{us}us_{word}{name}", head.0), bytes);
             }
@@ -107,13 +103,13 @@ fn add_to_plain_folder(folder: &Folder, set: &str, word: &str) {
 fn a_folder_of_flats_and_darks_tells_all_but_the_quantum_efficiency() {
     let folder = Folder::new([]);
     plain_folder(&folder);
-    let of_set = json(&folder.succeed("fit set -o a.toml --json").stdout);
-    let of_folder = json(&folder.succeed("fit frames -o b.toml --json").stdout);
+    let of_set = folder.succeed("fit set -o a.toml --json").json();
+    let of_folder = folder.succeed("fit frames -o b.toml --json").json();
     for key in ["adc.conversion_gain_dn_per_e", "noise.read_noise_e", "noise.dark_current_e_per_s"] {
         let ([a, error], [b, _]) = (parameter(&of_set, key), parameter(&of_folder, key));
         assert!((a - b).abs() < error, "{key}: {a} and {b}");
     }
-    let text = std::fs::read_to_string(folder.path("b.toml")).expect("a sensor file");
+    let text = folder.text("b.toml");
     assert!(text.contains("quantum_efficiency = 1.0  # assumed: the number of photons"), "{text}");
     folder.succeed("info b.toml");
     folder.fail("emva1288 b.toml --like frames -o x", 1, &["does not state the photons", "frames.csv"]);
@@ -130,7 +126,7 @@ fn images_of_several_gains_become_steps_of_gain() {
         folder.succeed(&format!("{CAMERA} --gain-db {gain} --seed {gain} -o set{gain}"));
         add_to_plain_folder(&folder, &format!("set{gain}"), &format!("{gain}dB_"));
     }
-    let report = json(&folder.succeed("fit frames -o twin.toml --json").stdout);
+    let report = folder.succeed("fit frames -o twin.toml --json").json();
     let steps = report["gain_steps"].as_array().expect("steps");
     assert_eq!(steps.iter().map(|step| step["gain_db"].as_f64()).collect::<Vec<_>>(), [Some(0.0), Some(12.0)]);
     let keys = ["noise.read_noise_e", "noise.row_noise_e", "adc.black_level_dn"];
@@ -143,7 +139,7 @@ fn images_of_several_gains_become_steps_of_gain() {
             assert!((value - wanted).abs() < 4.0 * error && error < 0.1 * wanted, "{key}: {value} ± {error}, {wanted}");
         }
     }
-    let info = json(&folder.succeed("info twin.toml --json").stdout);
+    let info = folder.succeed("info twin.toml --json").json();
     let blacks: Vec<_> = info["gain_steps"].as_array().expect("steps").iter().map(|s| &s["black_level_dn"]).collect();
     assert_eq!(blacks, [64, 80], "{info}");
     // The twin is taken at a gain between.
@@ -163,13 +159,13 @@ fn dark_images_alone_tell_the_dark_noise() {
             std::fs::rename(from, to).expect("moved");
         }
     }
-    let report = json(&folder.succeed("fit darks -o dn.toml --json").stdout);
+    let report = folder.succeed("fit darks -o dn.toml --json").json();
     let [in_dn, _] = parameter(&report, "noise.read_noise_e");
     // 6.3 e⁻ of 0.1245 DN each.
     assert!((in_dn / (6.3 * 0.1245) - 1.0).abs() < 0.1, "{in_dn}");
     assert_eq!(report["assumed"][0]["key"], "adc.conversion_gain_dn_per_e");
     assert!(reasons(&report).contains("PRNU: there are no bright images"));
-    let stated = json(&folder.succeed("fit darks -o e.toml --json --system-gain 0.1245").stdout);
+    let stated = folder.succeed("fit darks -o e.toml --json --system-gain 0.1245").json();
     let [in_e, _] = parameter(&stated, "noise.read_noise_e");
     assert!((in_e * 0.1245 / in_dn - 1.0).abs() < 1e-9, "{in_e}");
     folder.succeed("info dn.toml");
@@ -225,7 +221,7 @@ fn light_that_drifts_and_images_that_nothing_goes_with_are_said() {
     {
         add_frame(&folder, name, number as u64, 16, level);
     }
-    let report = json(&folder.succeed("fit frames -o x.toml --json").stdout);
+    let report = folder.succeed("fit frames -o x.toml --json").json();
     let notes: Vec<&str> = report["notes"].as_array().expect("a list").iter().filter_map(Value::as_str).collect();
     // 19 of 945 DN, in single images known to some 0.05 DN.
     let drift = notes.iter().find(|note| note.contains("the light drifts")).unwrap_or_else(|| panic!("{notes:?}"));
@@ -247,7 +243,7 @@ fn saturated_flats_tell_no_gain() {
     for (number, (name, level)) in frames.into_iter().enumerate() {
         add_frame(&folder, name, number as u64, 16, level);
     }
-    let report = json(&folder.succeed("fit frames -o x.toml --json").stdout);
+    let report = folder.succeed("fit frames -o x.toml --json").json();
     let reason = report["assumed"][0]["reason"].as_str().expect("a reason");
     assert!(reason.contains("all bright images are saturated"), "{reason}");
     assert!(reasons(&report).contains("PRNU: there are no bright images below saturation"));
@@ -263,12 +259,12 @@ fn a_twin_with_maps_has_the_patterns_of_the_camera() {
     folder.succeed(&SET.replace("--spatial 8", "--spatial 32"));
     let said = folder.succeed("fit set -o twin.toml --maps --pixel-pitch-um 5.86").stdout;
     assert!(!said.contains("correlate by"), "{said}");
-    let text = std::fs::read_to_string(folder.path("twin.toml")).expect("a sensor file");
+    let text = folder.text("twin.toml");
     assert!(text.contains("prnu_map = { file = \"twin.prnu.npy\" }") && !text.contains("prnu_percent"), "{text}");
     assert!(text.contains("dsnu_map = { file = \"twin.dsnu.npy\" }") && !text.contains("dsnu_e"), "{text}");
     folder.succeed("emva1288 twin.toml --like set -o again -q --seed 3");
     let reports = ["fit set -o first.toml --json", "fit again -o second.toml --maps --json"]
-        .map(|command| json(&folder.succeed(command).stdout));
+        .map(|command| folder.succeed(command).json());
     for (name, key) in [("prnu", "noise.prnu_percent"), ("dsnu", "noise.dsnu_e")] {
         let [first, second] = ["twin", "second"].map(|twin| {
             photosite::io::map_file::read_map(&folder.path(&format!("{twin}.{name}.npy")), None).expect("a map").values
@@ -291,7 +287,7 @@ fn a_twin_with_maps_has_the_patterns_of_the_camera() {
 fn a_response_that_bends_is_straightened() {
     let folder = Folder::new([]);
     folder.succeed(&format!("{SET} --set adc.amplifier_nonlinearity_percent=[-3]"));
-    let report = json(&folder.succeed("fit set -o twin.toml --json").stdout);
+    let report = folder.succeed("fit set -o twin.toml --json").json();
     // The standard's gain of such a response is 4 % off, and its full well 3 %.
     for (key, truth, most) in [
         ("adc.amplifier_nonlinearity_percent", -3.0, 0.05),
@@ -302,7 +298,7 @@ fn a_response_that_bends_is_straightened() {
         let [value, error] = parameter(&report, key);
         assert!((value - truth).abs() < 4.0 * error && error < f64::abs(most * truth), "{key}: {value} ± {error}");
     }
-    let text = std::fs::read_to_string(folder.path("twin.toml")).expect("a sensor file");
+    let text = folder.text("twin.toml");
     assert!(text.contains("amplifier_nonlinearity_percent = [-"), "{text}");
     folder.succeed("info twin.toml");
 }
@@ -312,14 +308,14 @@ fn defective_pixels_are_none_of_the_maps() {
     let folder = Folder::new([]);
     let defects = "--set defects.dead_per_million=8000 --set defects.hot_per_million=8000 --set defects.hot_dark_current_e_per_s=300";
     folder.succeed(&format!("{SET} {defects}"));
-    let report = json(&folder.succeed("fit set -o twin.toml --maps --json").stdout);
+    let report = folder.succeed("fit set -o twin.toml --maps --json").json();
     let count = report["defects"].as_array().expect("a list").len();
     assert!(count > 30, "{count}");
     assert!(report["notes"].to_string().contains(&format!("leave out {count} defective pixels")), "{report}");
-    let text = std::fs::read_to_string(folder.path("twin.toml")).expect("a sensor file");
+    let text = folder.text("twin.toml");
     assert!(text.contains("pixels = { file = \"twin.defects.csv\" }") && !text.contains("per_million"), "{text}");
     folder.succeed("emva1288 twin.toml --like set -o again -q --seed 3");
-    let again = json(&folder.succeed("fit again -o second.toml --json").stdout);
+    let again = folder.succeed("fit again -o second.toml --json").json();
     // The same pixels, but for those whose dark current lies near the threshold.
     let places = |report: &Value, kind: &str| -> Vec<(u64, u64)> {
         let defects = report["defects"].as_array().expect("a list").iter().filter(|defect| defect["kind"] == kind);

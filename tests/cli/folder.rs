@@ -39,6 +39,11 @@ impl Folder {
         fs::write(path, bytes).expect("written");
     }
 
+    /// Replaces a text in a file.
+    pub(crate) fn change(&self, name: &str, from: &str, to: &str) {
+        self.add(name, self.text(name).replace(from, to));
+    }
+
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
@@ -139,10 +144,24 @@ impl Folder {
         entries.map(|entry| file(entry.expect("an entry").path())).collect()
     }
 
+    /// The bytes of a file.
+    pub(crate) fn bytes(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).expect(name)
+    }
+
+    /// A file of text.
+    pub(crate) fn text(&self, name: &str) -> String {
+        fs::read_to_string(self.path(name)).expect(name)
+    }
+
+    /// A file of JSON.
+    pub(crate) fn json(&self, name: &str) -> Value {
+        serde_json::from_slice(&self.bytes(name)).expect("JSON")
+    }
+
     /// `capture.json` of a folder of results.
     pub(crate) fn report(&self, name: &str) -> Value {
-        let text = fs::read(self.path(name).join("capture.json")).expect("capture.json");
-        serde_json::from_slice(&text).expect("JSON")
+        self.json(&format!("{name}/capture.json"))
     }
 
     /// `electrons.exr` of a folder of results.
@@ -158,6 +177,11 @@ impl Folder {
 }
 
 impl Outcome {
+    /// JSON on standard output.
+    pub(crate) fn json(&self) -> Value {
+        serde_json::from_str(&self.stdout).expect("JSON")
+    }
+
     /// Text on standard error, in one line of single blanks.
     pub(crate) fn text(&self) -> String {
         self.stderr.split_whitespace().collect::<Vec<_>>().join(" ")

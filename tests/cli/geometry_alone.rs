@@ -212,7 +212,7 @@ fn what_init_writes_gives_the_same_images() {
             assert!(report.remove("capture.json").is_some());
         }
         assert!(alone == file && alone.len() == 4, "{model}: {:?}", alone.keys());
-        let text = std::fs::read_to_string(folder.path(capture)).expect("a capture");
+        let text = folder.text(capture);
         let keys = text.lines().filter(|line| line.contains(" = "));
         assert!(
             keys.clone().count() > 20 && keys.clone().all(|line| line.contains("  # ")),
@@ -221,7 +221,7 @@ fn what_init_writes_gives_the_same_images() {
     }
     // Without a file it is printed, for one in the current folder.
     let printed = folder.succeed("init sail.obj").stdout;
-    assert_eq!(printed, std::fs::read_to_string(folder.path("sail.toml")).expect("a capture"));
+    assert_eq!(printed, folder.text("sail.toml"));
     folder.fail("init sail.obj -o sail.toml", 2, &["sail.toml already exists", "--force"]);
     folder.fail("init sail.toml", 1, &["sail.toml", "is not a scene file"]);
 }

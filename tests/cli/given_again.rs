@@ -40,11 +40,8 @@ fn what_is_finished_is_left_as_it_is(#[values("render", "part", "merge")] what: 
     );
     assert!(before == folder.contents());
     let report = if what == "part" { "out/part.json" } else { "out/capture.json" };
-    let printed = folder.succeed(&format!("{command} --json")).stdout;
-    let [printed, written]: [serde_json::Value; 2] =
-        [printed, fs::read_to_string(folder.path(report)).expect("a report")]
-            .map(|text| serde_json::from_str(&text).expect("JSON"));
-    assert_eq!(printed, written);
+    let printed = folder.succeed(&format!("{command} --json")).json();
+    assert_eq!(printed, folder.json(report));
     folder.succeed(&format!("{command} --force"));
 }
 
@@ -52,12 +49,12 @@ fn what_is_finished_is_left_as_it_is(#[values("render", "part", "merge")] what: 
 fn what_has_lost_a_file_is_made_again(#[values("render", "part", "merge")] what: &str) {
     let (folder, command) = made(what);
     let lost = if what == "part" { "out/film.npy.gz" } else { "out/raw.dng" };
-    let whole = fs::read(folder.path(lost)).expect("there");
+    let whole = folder.bytes(lost);
     fs::remove_file(folder.path(lost)).expect("removed");
     let outcome = folder.succeed(command);
     let name = lost.trim_start_matches("out/");
     assert!(outcome.text().contains(&format!("warning: out is made again: {name} is missing")), "{}", outcome.stderr);
-    assert!(whole == fs::read(folder.path(lost)).expect("there again"));
+    assert!(whole == folder.bytes(lost));
 }
 
 /// Each decides what the image is: keys, and files that the capture, its scene and its materials name.

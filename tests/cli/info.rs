@@ -7,7 +7,7 @@ use crate::gltf::triangle;
 use crate::room::room;
 
 fn facts(folder: &Folder, name: &str) -> Value {
-    serde_json::from_str(&folder.succeed(&format!("info {name} --json")).stdout).expect("JSON")
+    folder.succeed(&format!("info {name} --json")).json()
 }
 
 /// The value behind a key in the text.
@@ -118,7 +118,7 @@ fn of_damaged_results() {
 fn of_sensors() {
     let assets = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/photosite-sensor/assets/sensors");
     let folder = Folder::new([]);
-    let rows: Value = serde_json::from_str(&folder.succeed("sensors --json").stdout).expect("JSON");
+    let rows = folder.succeed("sensors --json").json();
     let table = folder.succeed("sensors").stdout;
     let rows = rows.as_array().expect("a list");
     assert_eq!(table.lines().count(), rows.len() + 1, "{table}");

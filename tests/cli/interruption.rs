@@ -155,7 +155,7 @@ fn what_a_killed_command_was_writing_is_swept(#[case] arguments: &str) {
     let folder = room("bracket_ev = [0, -2]\n[render]\nsamples_per_pixel = 1\n[output]\nraw = ['dng']\n");
     folder.succeed("render capture.toml -o out");
     for (from, to) in [("0000", "raw-0000.dng"), ("0001", "raw-0001.dng"), ("0000", "raw.dng")] {
-        folder.add(to, fs::read(folder.path(&format!("out/raw-{from}.dng"))).expect("a raw file"));
+        folder.add(to, folder.bytes(&format!("out/raw-{from}.dng")));
     }
     let partial = |folder: &Folder| {
         let is_partial = |path: &&PathBuf| path.to_string_lossy().ends_with(".partial");

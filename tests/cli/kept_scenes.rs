@@ -101,7 +101,7 @@ fn add_objects(folder: &Folder) {
         type = 'diffuse'
         reflectance = 0
         emission = { illuminant = 'D65', luminance_nit = 500 }";
-    let board = fs::read_to_string(folder.path("board.toml")).expect("the capture");
+    let board = folder.text("board.toml");
     folder.add("board.toml", format!("{board}{objects}"));
 }
 

@@ -121,7 +121,7 @@ fn images_show_things_where_ground_truth_has_them() {
     let folder = made(SET, distortion);
     // What the raw file says of the lens is not applied.
     folder.succeed("develop out/left/000001/raw.dng -o as-taken.png --quiet --set develop.distortion=false");
-    let file = |name: &str| std::fs::read(folder.path(name)).expect("a file");
+    let file = |name: &str| folder.bytes(name);
     assert!(file("as-taken.png") == file("out/left/000001/image.png"));
     let folder = made(SET, &format!("{distortion} --set develop.distortion=true"));
     let wanted = ["capture.develop", "was developed in another size, or without the distortion", "000000/capture.json"];
@@ -143,7 +143,7 @@ fn cameras_of_layouts_have_the_pixels_of_their_images(#[case] change: &str, #[ca
     folder.succeed("layout out --format colmap -o laid");
     let image = image::open(folder.path("laid/images/left/000000.png")).expect("an image");
     assert_eq!([image.width(), image.height()], size);
-    let cameras = std::fs::read_to_string(folder.path("laid/sparse/0/cameras.txt")).expect("a file");
+    let cameras = folder.text("laid/sparse/0/cameras.txt");
     let words = format!(" {} {} ", size[0], size[1]);
     assert_eq!(cameras.matches(&words).count(), 2, "{cameras}");
 }
@@ -161,14 +161,10 @@ fn key_points_of_objects_are_laid_out_and_missing_ones_are_said() {
                    truth = ['instance']\nobjects = true\n";
     let set = "capture = 'capture.toml'\nframes = 1\n[[cameras]]\nname = 'cam'\n";
     let folder = Folder::new([("quad.obj", quad.into()), ("capture.toml", capture.into()), ("set.toml", set.into())]);
-    let objects = |folder: &Folder, out: &str| -> serde_json::Value {
-        let bytes = std::fs::read(folder.path(out).join("cam/000000/objects.json")).expect("a file");
-        serde_json::from_slice(&bytes).expect("JSON")
-    };
+    let objects = |folder: &Folder, out: &str| folder.json(&format!("{out}/cam/000000/objects.json"));
     folder.succeed("dataset set.toml -o out --quiet");
     folder.succeed("layout out --format coco -o laid");
-    let text = std::fs::read(folder.path("laid/annotations/instances.json")).expect("a file");
-    let coco: serde_json::Value = serde_json::from_slice(&text).expect("JSON");
+    let coco = folder.json("laid/annotations/instances.json");
     assert_eq!(coco["categories"][0]["keypoints"], serde_json::json!(["corner"]));
     let points: Vec<f64> = serde_json::from_value(coco["annotations"][0]["keypoints"].clone()).expect("three numbers");
     // Vertices are single precision.
@@ -200,7 +196,7 @@ fn calibrations_come_with_the_data_set_where_lenses_keep() {
         assert!(folder.path("out/calibration").join(file).is_file(), "{file}");
     }
     // The first camera's own pose is none: the others' lead from it.
-    let text = std::fs::read_to_string(folder.path("out/calibration/opencv/left.yaml")).expect("a file");
+    let text = folder.text("out/calibration/opencv/left.yaml");
     assert!(text.contains("camera_name: \"left\""), "{text}");
     let zoomed = made(&format!("{SET}[[vary]]\nkey = 'lens.focal_length_mm'\nsweep = [5, 6]\n"), "");
     assert!(!zoomed.path("out/calibration").exists());
@@ -256,7 +252,7 @@ fn files_of_a_rig_hold_the_rig() {
         (ros_matrix(&folder, "ros/left.yaml", "projection"), ros_matrix(&folder, "ros/right.yaml", "projection"));
     // 6 mm on pixels of 200 µm are 30 px, and the cameras stand 0.1 m apart.
     assert!(left[3] == 0.0 && (right[3] + 30.0 * 0.1).abs() < 1e-9, "{left:?} {right:?}");
-    let text = std::fs::read_to_string(folder.path("out/calibration/opencv/stereo/left-right.yaml")).expect("a file");
+    let text = folder.text("out/calibration/opencv/stereo/left-right.yaml");
     for key in ["M1", "D1", "M2", "D2", "R", "T", "R1", "R2", "P1", "P2", "Q"] {
         assert!(text.contains(&format!("\n{key}: !!opencv-matrix")), "{key}: {text}");
     }
@@ -270,7 +266,7 @@ fn files_of_a_rig_hold_the_rig() {
     assert!((ros("ros/left-right/right.yaml")[3] + 3.0).abs() < 1e-9);
     let files = folder.path("out/calibration");
     assert!(!files.join("ros/left-up/up.yaml").exists() && !files.join("ros/left.yaml").exists());
-    let card = std::fs::read_to_string(folder.path("out/README.md")).expect("a card");
+    let card = folder.text("out/README.md");
     assert!(card.contains("`ros/left-up/up.yaml`: ROS files have no model for the division lens of up"), "{card}");
 }
 

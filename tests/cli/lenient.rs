@@ -41,7 +41,7 @@ fn a_report_renders_the_same_image_again() {
     folder.succeed("merge part-0..1 part-1..2 -o c");
     folder.succeed("render a/capture.json -o d");
     for other in ["b", "c", "d"] {
-        let read = |name: &str| std::fs::read(folder.path(&format!("{name}/image.png"))).expect("an image");
+        let read = |name: &str| folder.bytes(&format!("{name}/image.png"));
         assert!(read("a") == read(other), "{other}");
     }
 }

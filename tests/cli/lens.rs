@@ -118,7 +118,7 @@ fn light_lands_where_the_law_of_a_fisheye_says(#[case] projection: &str, #[case]
 #[test]
 fn info_says_how_far_the_lens_reaches() {
     let folder = capture(&format!("{K}\nprojection = 'fisheye'\nmax_angle_deg = 30"));
-    let facts: Value = serde_json::from_str(&folder.succeed("info capture.toml --json").stdout).expect("JSON");
+    let facts = folder.succeed("info capture.toml --json").json();
     assert_eq!(facts["projection"], "kannala-brandt");
     assert_eq!(facts["covers_sensor"], false);
     assert_eq!(facts["lens_reach_deg"], 30.0);
@@ -131,8 +131,7 @@ fn info_says_how_far_the_lens_reaches() {
 fn sweeps_change_focus_and_focal_length_on_the_command_line() {
     let folder = capture("focal_length_mm = 4");
     let focus = |options: &str| {
-        let facts: Value =
-            serde_json::from_str(&folder.succeed(&format!("info capture.toml --json{options}")).stdout).expect("JSON");
+        let facts = folder.succeed(&format!("info capture.toml --json{options}")).json();
         facts["focus"].as_str().expect("text").to_owned()
     };
     assert_eq!(focus(""), "2 m");

@@ -21,7 +21,7 @@ const DEEPLENS: &str = r#"{
 fn a_lens_that_ships_is_shown_as_its_reference_has_it() {
     let folder = Folder::new([]);
     let outcome = folder.succeed("lens double-gauss --json");
-    let figures: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+    let figures = outcome.json();
     let position = &figures["positions"][0];
     // Optiland: 99.985804328, 100.00372967, 100.063426611 mm at F, d, C.
     for (row, efl) in [99.985804328, 100.00372967, 100.063426611].into_iter().enumerate() {
@@ -45,7 +45,7 @@ fn a_lens_that_ships_is_shown_as_its_reference_has_it() {
         line.split_whitespace().map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(words("cooke-triplet")[1..3], ["50.0", "5.00"], "{list}");
-    let all: Value = serde_json::from_str(&folder.succeed("lens zoom-laikin --json").stdout).expect("JSON");
+    let all = folder.succeed("lens zoom-laikin --json").json();
     // At d.
     let of = |position: &Value| position["first_order"][1]["efl_mm"].as_f64().expect("a number");
     let lengths: Vec<f64> = all["positions"].as_array().expect("positions").iter().map(of).collect();
@@ -57,15 +57,14 @@ fn a_lens_that_ships_is_shown_as_its_reference_has_it() {
 fn a_lens_file_becomes_one_of_ours_and_a_page() {
     let folder = Folder::new([("singlet.seq", SEQ.into())]);
     folder.succeed("lens singlet.seq -o lens.toml -o lens.html --quiet");
-    let page = std::fs::read_to_string(folder.path("lens.html")).expect("a page");
+    let page = folder.text("lens.html");
     for part in ["<h1>singlet</h1>", "Cross-section", "Field curves", "Spots", "Modulation transfer", "</html>"] {
         assert!(page.contains(part), "{part}");
     }
     // It refers to nothing but itself.
     assert!(!page.contains("src=") && !page.contains("href="));
     let efl = |file: &str| {
-        let figures: Value =
-            serde_json::from_str(&folder.succeed(&format!("lens {file} --json")).stdout).expect("JSON");
+        let figures = folder.succeed(&format!("lens {file} --json")).json();
         figures["positions"][0]["first_order"][1]["efl_mm"].as_f64().expect("a number")
     };
     assert_eq!(efl("lens.toml"), efl("singlet.seq"));
@@ -85,7 +84,7 @@ fn a_sequence_without_rdm_and_a_file_of_deeplens_are_the_same_lens() {
     for (number, line) in ["radii.seq --radii", "curvatures.seq --curvatures", "deeplens.json"].into_iter().enumerate()
     {
         folder.succeed(&format!("lens {line} -q -o {number}.toml"));
-        let toml = std::fs::read_to_string(folder.path(&format!("{number}.toml"))).expect("a lens");
+        let toml = folder.text(&format!("{number}.toml"));
         assert!(toml.contains("radius = 50.0") && toml.contains("thickness = 90.0"), "{line}: {toml}");
     }
 }
@@ -129,8 +128,7 @@ const SINGLET: &str = "[descriptive data]\ntitle\tsinglet\n[constants]\nAspheric
 #[test]
 fn figures_of_a_near_position_are_for_objects_there() {
     let folder = Folder::new([("singlet.txt", SINGLET.into())]);
-    let figures: Value =
-        serde_json::from_str(&folder.succeed("lens singlet.txt --position 2 --json").stdout).expect("JSON");
+    let figures = folder.succeed("lens singlet.txt --position 2 --json").json();
     assert_eq!(figures["positions"].as_array().map(Vec::len), Some(1));
     let position = &figures["positions"][0];
     assert_eq!(position["object_distance_mm"], 900.0);

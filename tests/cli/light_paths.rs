@@ -45,7 +45,7 @@ fn is_the_same_however_it_is_shared_out(folder: &Folder) {
 /// The room through a wide lens from a prescription.
 fn room_through_glass(keys: &str) -> Folder {
     let folder = room_of(keys, "");
-    let text = std::fs::read_to_string(folder.path("capture.toml")).expect("UTF-8");
+    let text = folder.text("capture.toml");
     let (before, after) = text.split_once("[lens]").expect("a lens");
     let (_, after) = after.split_once("[sensor]").expect("a sensor");
     let lens = "[lens]\nprescription = 'canon-rf24'\nf_number = 2.8\nfocus_distance_m = 3\n\n[sensor]";

@@ -2,7 +2,6 @@
 
 use photosite::image::{Channel, Planes};
 use photosite::io::exr::{Attribute, write_exr};
-use serde_json::Value;
 
 use crate::folder::Folder;
 
@@ -27,7 +26,7 @@ fn hdr(lines: &str, exponent: u8) -> Vec<u8> {
 fn numbers_that_are_not_finite_are_counted_and_named() {
     let values = [[1.0, 2.0, 3.0, f32::NAN], [f32::INFINITY, 1.0, 2.0, 3.0], [1.0; 4]];
     let folder = Folder::new([("a.exr", exr(values, &[]))]);
-    let found: Value = serde_json::from_str(&folder.succeed("info a.exr --json").stdout).expect("JSON");
+    let found = folder.succeed("info a.exr --json").json();
     for (channel, not_finite, mean) in [(0, 1, 2.0), (1, 1, 2.0), (2, 0, 1.0)] {
         let channel = &found["channels"][channel];
         assert_eq!((&channel["not_finite"], &channel["mean"]), (&not_finite.into(), &mean.into()));
@@ -59,12 +58,11 @@ fn degenerate_primaries_are_refused() {
 fn radiance_images_are_read_wherever_images_are() {
     // Half of 1 is half as bright once the exposure is taken back.
     let folder = Folder::new([("a.hdr", hdr("EXPOSURE=2\r\n", 129)), ("b.hdr", hdr("", 128))]);
-    let found: Value = serde_json::from_str(&folder.succeed("info a.hdr --json").stdout).expect("JSON");
+    let found = folder.succeed("info a.hdr --json").json();
     assert_eq!(found["channels"][0]["mean"], 0.5);
     folder.succeed("develop a.hdr -o a.npy");
     folder.succeed("compare a.hdr a.hdr");
-    let histogram: Value =
-        serde_json::from_str(&folder.succeed("measure histogram b.hdr --json").stdout).expect("JSON");
+    let histogram = folder.succeed("measure histogram b.hdr --json").json();
     assert_eq!(histogram[0]["mean"], 0.875);
 }
 
@@ -175,8 +173,7 @@ fn values_of_any_size_and_sign_have_finite_figures() {
 fn references_without_light_are_refused_or_alike() {
     let folder = Folder::new([("a.exr", exr([[0.5; 4]; 3], &[])), ("dark.exr", exr([[0.0; 4]; 3], &[]))]);
     folder.fail("measure similarity a.exr dark.exr", 1, &["dark.exr: channel R has no value above 0"]);
-    let same: Value =
-        serde_json::from_str(&folder.succeed("measure similarity dark.exr dark.exr --json").stdout).expect("JSON");
+    let same = folder.succeed("measure similarity dark.exr dark.exr --json").json();
     assert!(same["channels"][0]["psnr_db"].is_null() && same["mean_delta_e_2000"] == 0.0, "{same}");
 }
 
@@ -190,7 +187,7 @@ fn a_stated_luminance_of_white_is_said_to_have_no_effect_where_another_level_is_
     let at = sky.windows(14).position(|part| part == b"whiteLuminancX").expect("its name");
     sky[at..at + 14].copy_from_slice(b"whiteLuminance");
     let folder = Folder::new([("a.obj", obj.into()), ("capture.toml", capture.into()), ("sky.exr", sky)]);
-    let found: Value = serde_json::from_str(&folder.succeed("info capture.toml --json").stdout).expect("JSON");
+    let found = folder.succeed("info capture.toml --json").json();
     let words = "its whiteLuminance, 100 cd/m², has no effect: illuminance_lux, 1000, is the level";
     assert!(found["warnings"].to_string().contains(words), "{}", found["warnings"]);
     let said = folder.succeed("expose sky.exr --unit lux --one 10 --set exposure.time_s=0.001 -o out").text();

@@ -23,6 +23,14 @@ fn render_parts(folder: &Folder, input: &str) {
     }
 }
 
+/// Asserts that the parts of a render, merged, have the bytes of the whole.
+fn assert_parts_make_the_whole(folder: &Folder, input: &str) {
+    folder.succeed(&format!("render {input} -o whole"));
+    render_parts(folder, input);
+    folder.succeed("merge part0 part1 part2 -o merged");
+    assert_same(folder, "whole", "merged");
+}
+
 #[rstest]
 #[case::usual("", "")]
 #[case::independent("", "sampler = 'independent'")]
@@ -50,38 +58,27 @@ fn parts_make_the_bytes_of_one_render(#[case] exposure: &str, #[case] more: &str
 #[test]
 fn parts_of_a_capture_with_an_absolute_path_are_merged() {
     let folder = room("[render]\nsamples_per_pixel = 8");
-    let capture = fs::read_to_string(folder.path("capture.toml")).expect("a capture");
     let absolute = folder.path("room.obj");
     assert!(absolute.is_absolute());
-    folder.add("capture.toml", capture.replace("\"room.obj\"", &format!("'{}'", absolute.display())));
-    folder.succeed("render capture.toml -o whole");
-    render_parts(&folder, "capture.toml");
-    folder.succeed("merge part0 part1 part2 -o merged");
-    assert_same(&folder, "whole", "merged");
+    folder.change("capture.toml", "\"room.obj\"", &format!("'{}'", absolute.display()));
+    assert_parts_make_the_whole(&folder, "capture.toml");
 }
 
 #[test]
 fn what_is_chosen_by_the_light_is_chosen_by_all_of_it() {
     let folder = room("[render]\nsamples_per_pixel = 8");
-    let capture = fs::read_to_string(folder.path("capture.toml")).expect("a capture");
-    folder.add("capture.toml", capture.replace("time_s = 0.0002", "auto = true"));
-    folder.succeed("render capture.toml -o whole");
-    render_parts(&folder, "capture.toml");
-    folder.succeed("merge part0 part1 part2 -o merged");
-    assert_same(&folder, "whole", "merged");
+    folder.change("capture.toml", "time_s = 0.0002", "auto = true");
+    assert_parts_make_the_whole(&folder, "capture.toml");
 }
 
 #[test]
 fn a_scene_without_a_capture_file_and_changed_keys_are_merged() {
     let folder = room("");
     let input = "sails.gltf --set render.samples_per_pixel=8 --set sensor.resolution_px=[24,16] --seed 4";
-    folder.succeed(&format!("render {input} -o whole"));
-    render_parts(&folder, input);
-    folder.succeed("merge part0 part1 part2 -o merged");
-    assert_same(&folder, "whole", "merged");
+    assert_parts_make_the_whole(&folder, input);
     assert_eq!(folder.report("merged")["input"], "../sails.gltf", "from the folder of the report");
     // The file of the scene is hashed although no capture names it.
-    let scene = fs::read_to_string(folder.path("sails.gltf")).expect("a scene");
+    let scene = folder.text("sails.gltf");
     folder.add("sails.gltf", scene.replace("0.1,", "0.2,"));
     folder.fail("merge part0 part1 part2 -o other", 2, &["part0 is a part of something else than", "has changed"]);
     folder.add("there/sails.gltf", scene);
@@ -179,8 +176,7 @@ fn state_samples_backwards(folder: &Folder) {
 }
 
 fn render_another_capture(folder: &Folder) {
-    let capture = fs::read_to_string(folder.path("capture.toml")).expect("a capture");
-    folder.add("capture.toml", capture.replace("roughness = 0.3", "roughness = 0.2"));
+    folder.change("capture.toml", "roughness = 0.3", "roughness = 0.2");
     folder.succeed("render capture.toml --samples 1..6 -o part1 --force");
 }
 
@@ -205,7 +201,7 @@ fn damaged_and_foreign_parts_are_refused(#[case] damage: fn(&Folder), #[case] st
 #[test]
 fn parts_without_one_of_their_keys_are_refused_or_merged() {
     let folder = parts();
-    let whole: Value = serde_json::from_slice(&folder.results("part1")["part.json"]).expect("JSON");
+    let whole = folder.json("part1/part.json");
     let keys = |value: &Value| value.as_object().into_iter().flat_map(Map::keys).cloned().collect::<Vec<_>>();
     let mut pointers: Vec<[String; 2]> = Vec::new();
     for key in keys(&whole) {
@@ -329,7 +325,6 @@ fn parts_of_data_sets_are_not_mixed() {
     folder.succeed("merge b a -o merged");
     assert!(files(&folder, "whole") == files(&folder, "merged"));
     // What the parts were made from has changed.
-    let text = fs::read_to_string(folder.path("board.toml")).expect("a capture");
-    folder.add("board.toml", text.replace("500", "600"));
+    folder.change("board.toml", "500", "600");
     fail("merge a b -o other", &["a is a part of another data set: the capture says something else"]);
 }

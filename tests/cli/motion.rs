@@ -72,7 +72,7 @@ fn a_single_image_of_a_moving_camera_has_plain_names() {
         "[[camera.motion.poses]]\ntime_s = 0\nposition_m = [0, 1, 3]\nlook_at_m = [0, 1, 0]\n\
         [[camera.motion.poses]]\ntime_s = 0.0002\nposition_m = [0.5, 1, 3]\nlook_at_m = [0, 0.5, 0]\n{RENDER}"
     ));
-    let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    let capture = folder.text("capture.toml");
     let camera = "position_m = [0.2, 1.1, 3.2]\nlook_at_m = [0, 0.7, 0]\n";
     assert!(capture.contains(camera));
     folder.fail(
@@ -228,8 +228,7 @@ fn pose_truth_and_targets_of_a_moving_camera_are_of_the_middle_of_the_exposure()
         let expected = start + velocity * 0.002;
         assert!((place[axis].as_f64().expect("a number") - expected).abs() < 1e-12, "{place:?}");
     }
-    let info: serde_json::Value =
-        serde_json::from_str(&folder.succeed("info out/capture.json --json").stdout).expect("JSON");
+    let info = folder.succeed("info out/capture.json --json").json();
     assert_eq!(info["camera_position_m"], report["camera"]["position_m"]);
     let pose = pose(&report);
     // Both sides calculate in double precision, from numbers that are written with all digits.

@@ -42,8 +42,7 @@ fn folder() -> Folder {
 }
 
 fn edges(folder: &Folder, arguments: &str) -> Vec<Value> {
-    let text = folder.succeed(arguments).stdout;
-    serde_json::from_str(&text).expect("a list")
+    serde_json::from_value(folder.succeed(arguments).json()).expect("a list")
 }
 
 fn number(edge: &Value, key: &str) -> f64 {
@@ -98,9 +97,9 @@ fn plots_are_written_and_asked_for_again() {
     folder.succeed("render chart.toml -o out --quiet");
     folder.succeed("measure mtf out/raw.dng --all --json --plot mtf.svg");
     folder.succeed("measure mtf out/raw.dng --all --json --plot mtf.png");
-    let svg = fs::read_to_string(folder.path("mtf.svg")).expect("written");
+    let svg = folder.text("mtf.svg");
     assert!(svg.contains("<svg") && svg.contains("cycles per mm") && svg.contains("edges along rows"), "{svg:.300}");
-    assert!(fs::read(folder.path("mtf.png")).expect("written").starts_with(b"\x89PNG"));
+    assert!(folder.bytes("mtf.png").starts_with(b"\x89PNG"));
     folder.fail("measure mtf out/raw.dng --all --plot mtf.svg", 2, &["mtf.svg already exists", "--force"]);
     folder.fail("measure mtf out/raw.dng --all --plot mtf.pdf", 2, &["mtf.pdf", ".svg or a .png"]);
     folder.succeed("measure mtf out/raw.dng --all --json --plot mtf.svg --force");

@@ -13,8 +13,7 @@ fn flats(folder: &Folder) {
 }
 
 fn planes(folder: &Folder, arguments: &str) -> Value {
-    let report: Value =
-        serde_json::from_str(&folder.succeed(&format!("noise {arguments} --json")).stdout).expect("JSON");
+    let report = folder.succeed(&format!("noise {arguments} --json")).json();
     report["planes"].clone()
 }
 
@@ -53,14 +52,14 @@ fn sigma_maps_pages_and_plots_are_written_on_request() {
     assert!(said.text().contains("wrote s.exr"), "{}", said.stderr);
     // The mean square of the map is the temporal noise, and its largest value the worst pixel's.
     let temporal = &planes(&folder, &images)[0]["temporal"];
-    let file = std::fs::read(folder.path("s.exr")).expect("written");
+    let file = folder.bytes("s.exr");
     let map = photosite::io::exr::read_exr(std::io::Cursor::new(file)).expect("an EXR file");
     assert_eq!((map.text("unit"), map.planes.width(), map.planes.height()), (Some("DN"), 64, 48));
     let sigmas = &map.planes.channels()[0].data;
     let mean_square = sigmas.iter().map(|&s| f64::from(s).powi(2)).sum::<f64>() / sigmas.len() as f64;
     assert!((mean_square / temporal["noise"]["variance"].as_f64().expect("a number") - 1.0).abs() < 1e-6);
     assert_eq!(temporal["map"]["freedom"], 5.0);
-    let page = std::fs::read_to_string(folder.path("page.html")).expect("written");
+    let page = folder.text("page.html");
     for words in ["Standard deviations of the pixels", "Autocovariance", "of the noisiest pixel", "<svg"] {
         assert!(page.contains(words), "{words}");
     }
@@ -149,8 +148,7 @@ fn masked_pixels_are_left_out_unless_asked_for(#[case] cfa: &str, #[case] planes
     masked(&folder, cfa);
     let number = |value: &Value| value.as_f64().expect("a number");
     for file in ["masked.dng", "masked.exr"] {
-        let report: Value =
-            serde_json::from_str(&folder.succeed(&format!("noise {file} --json")).stdout).expect("JSON");
+        let report = folder.succeed(&format!("noise {file} --json")).json();
         assert_eq!(report["active_area_px"], serde_json::json!([5, 3, 36, 26]));
         let found = report["planes"].as_array().expect("planes");
         if file.ends_with("dng") {
@@ -164,8 +162,7 @@ fn masked_pixels_are_left_out_unless_asked_for(#[case] cfa: &str, #[case] planes
             let expected = 50.0 * (n / (n - 1.0)).sqrt();
             assert!(mean == level && (sigma / expected - 1.0).abs() < 1e-9, "{file}: {mean} {sigma}");
         }
-        let histograms: Value =
-            serde_json::from_str(&folder.succeed(&format!("measure histogram {file} --json")).stdout).expect("JSON");
+        let histograms = folder.succeed(&format!("measure histogram {file} --json")).json();
         assert_eq!((number(&histograms[0]["mean"]), number(&histograms[0]["standard_deviation"])), (1000.0, 50.0));
         // Patches count from the first pixel that sees light, and with --masked from the corner of the file.
         let mean = |arguments: &str| number(&planes(&folder, &format!("{file} {arguments}"))[0]["mean"]);
@@ -174,8 +171,7 @@ fn masked_pixels_are_left_out_unless_asked_for(#[case] cfa: &str, #[case] planes
         folder.fail(&format!("noise {file} --patch 30,0,8,8"), 2, &["beyond the 36 × 26 pixels of the active area"]);
         folder.succeed(&format!("noise {file} --patch 30,0,8,8 --masked"));
     }
-    let whole: Value =
-        serde_json::from_str(&folder.succeed("measure histogram masked.dng --masked --json").stdout).expect("JSON");
+    let whole = folder.succeed("measure histogram masked.dng --masked --json").json();
     assert!(number(&whole[0]["standard_deviation"]) > 300.0, "with the masked pixels");
     folder.succeed("compare masked.dng masked.exr --max-rmse 0");
     folder.fail("compare masked.dng masked.npy", 2, &["36 × 26 pixels", "36 × 26 at 5, 3", "--masked"]);

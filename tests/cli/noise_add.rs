@@ -49,11 +49,11 @@ fn folder() -> Folder {
 }
 
 fn done(folder: &Folder, arguments: &str) -> Value {
-    serde_json::from_str(&folder.succeed(&format!("noise add {arguments} --json")).stdout).expect("JSON")
+    folder.succeed(&format!("noise add {arguments} --json")).json()
 }
 
 fn mean_and_sigma(folder: &Folder, file: &str) -> Vec<[f64; 2]> {
-    let report: Value = serde_json::from_str(&folder.succeed(&format!("noise {file} --json")).stdout).expect("JSON");
+    let report = folder.succeed(&format!("noise {file} --json")).json();
     let number = |value: &Value| value.as_f64().expect("a number");
     let of_plane = |plane: &Value| [number(&plane["mean"]), number(&plane["uniform"]["sigma"])];
     report["planes"].as_array().expect("planes").iter().map(of_plane).collect()
@@ -81,12 +81,12 @@ fn floating_point_numbers_are_neither_rounded_nor_clipped_and_keep_what_their_fi
     let folder = folder();
     let report = done(&folder, "even.exr -o out.exr --set laplacian.sigma=2");
     assert!(report["clipped"].is_null() && report["added_to"].as_str().expect("words").ends_with("in lux"), "{report}");
-    let file = std::fs::read(folder.path("out.exr")).expect("written");
+    let file = folder.bytes("out.exr");
     let image = read_exr(Cursor::new(file)).expect("an EXR file");
     assert_eq!(image.text("unit"), Some("lux"));
     assert!(image.planes.channels()[0].data.iter().any(|&v| v < -1.0));
     folder.succeed("noise add even.exr -o out.npy --set laplacian.sigma=2");
-    let file = std::fs::read(folder.path("out.npy")).expect("written");
+    let file = folder.bytes("out.npy");
     assert_eq!(
         read_npy_image(&file[..]).expect("an array").numbers,
         NpyValues::F32(image.planes.into_channels().remove(0).data)
@@ -109,19 +109,13 @@ fn what_is_clipped_is_said_and_transparency_stays() {
     let image = image::open(folder.path("out.png")).expect("an image").into_rgba8();
     assert!(image.pixels().all(|pixel| pixel.0[3] == 77) && image.pixels().any(|pixel| pixel.0[0] != 100));
     let report = done(&folder, "alpha.png -o again.png --set uniform.sigma=20");
-    assert_eq!(
-        std::fs::read(folder.path("out.png")).expect("one"),
-        std::fs::read(folder.path("again.png")).expect("other")
-    );
+    assert_eq!(folder.bytes("out.png"), folder.bytes("again.png"));
     let [low, high] = ["low", "high"].map(|end| report["clipped"][end].as_u64().expect("a count"));
     // Blue 250 ± 34.6 rounds beyond 255 with (34.6 − 5.5)/69.3 = 42 %; red and green stay inside.
     assert!(low == 0 && (400..610).contains(&high), "{low} {high}");
     assert_eq!(report["clipped"]["values"], 4800);
     done(&folder, "alpha.png -o other.png --seed 1 --set uniform.sigma=20");
-    assert_ne!(
-        std::fs::read(folder.path("out.png")).expect("one"),
-        std::fs::read(folder.path("other.png")).expect("other")
-    );
+    assert_ne!(folder.bytes("out.png"), folder.bytes("other.png"));
 }
 
 #[test]
@@ -135,7 +129,7 @@ fn linear_light_and_profiles() {
     let report = done(&folder, "stated.png -o stated.tiff --linear --set gaussian.sigma=1");
     assert!(report["added_to"].as_str().expect("words").contains("decoded as stated.png says"), "{report}");
     let profile = |name: &str| {
-        let file = std::fs::read(folder.path(name)).expect("a file");
+        let file = folder.bytes(name);
         let decoder: Box<dyn image::ImageDecoder> = if name.ends_with("png") {
             Box::new(image::codecs::png::PngDecoder::new(Cursor::new(file)).expect("PNG"))
         } else {
@@ -190,6 +184,6 @@ fn keys_without_effect_are_named_and_all_are_described() {
     let folder = folder();
     let said = folder.succeed("noise add grey.png -o x.png --set gaussian.sigma=1 --set film_grain.correlation_px=3");
     assert!(said.text().contains("film_grain changes nothing without film_grain.factor"), "{}", said.text());
-    let schema: Value = serde_json::from_str(&folder.succeed("schema noise").stdout).expect("JSON");
+    let schema = folder.succeed("schema noise").json();
     assert!(schema["properties"]["film_grain"].is_object());
 }

@@ -1,7 +1,6 @@
 //! `photosite noise model`: the noise of a sensor over its gains.
 
 use rstest::rstest;
-use serde_json::Value;
 
 use crate::folder::Folder;
 
@@ -9,17 +8,13 @@ use crate::folder::Folder;
 const STEPS: &str = "--set noise.read_noise_e=3 --set noise.gain_steps=[{gain_db=0,read_noise_e=3,row_noise_e=0.5},\
                      {gain_db=24,read_noise_e=1.5,row_noise_e=0.5}]";
 
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).expect("JSON")
-}
-
 /// Between two steps ln σ follows a line over ln K: √(3·1.5) e⁻ in the middle, and half a slope less than that of noise
 /// before the gain, as the gain rises by 24 dB and the noise falls by a factor of two.
 #[test]
 fn a_table_has_the_noise_of_steps_and_the_line_through_them() {
     let folder = Folder::new([]);
     let sensor = "sony-imx249-mono --set adc.gain_db_range=[0,24]";
-    let report = json(&folder.succeed(&format!("noise model {sensor} {STEPS} --gains 0..24:12 --json")).stdout);
+    let report = folder.succeed(&format!("noise model {sensor} {STEPS} --gains 0..24:12 --json")).json();
     for (i, (gain, read_e)) in [(0.0, 3.0), (12.0, 4.5_f64.sqrt()), (24.0, 1.5)].into_iter().enumerate() {
         let row = &report["gains"][i];
         let k = row["system_gain_dn_per_e"].as_f64().expect("K");
@@ -41,11 +36,11 @@ fn a_table_has_the_noise_of_steps_and_the_line_through_them() {
 fn image_sets_show_the_noise_of_the_table(#[case] gain: u32) {
     let folder = Folder::new([]);
     let sensor = "sony-imx249-mono --set noise.gain_steps=[{gain_db=0,read_noise_e=9},{gain_db=24,read_noise_e=5}]";
-    let table = folder.succeed(&format!("noise model {sensor} --gains {gain}..{gain}:1 --time-s 1e-5 --json")).stdout;
-    let row = &json(&table)["gains"][0];
+    let table = folder.succeed(&format!("noise model {sensor} --gains {gain}..{gain}:1 --time-s 1e-5 --json")).json();
+    let row = &table["gains"][0];
     folder
         .succeed(&format!("emva1288 {sensor} --gain-db {gain} --steps 12 --spatial 3 --size 128x128 -o sets --quiet"));
-    let measured = &json(&folder.succeed("emva1288-report sets --json").stdout)[0]["measured"];
+    let measured = &folder.succeed("emva1288-report sets --json").json()[0]["measured"];
     for (key, bound) in [("dark_noise_dn", 0.03), ("system_gain_dn_per_e", 0.05)] {
         let [measured, table] = [&measured[key], &row[key]].map(|value| value.as_f64().expect(key));
         assert!((measured / table - 1.0).abs() < bound, "{key}: {measured} in images, {table} in the table");
@@ -57,8 +52,8 @@ fn image_sets_show_the_noise_of_the_table(#[case] gain: u32) {
 fn the_table_is_a_file_that_others_read() {
     let folder = Folder::new([]);
     folder.succeed("noise model generic-cmos-color --gains 0..12:6 -o noise.csv");
-    let report = json(&folder.succeed("noise model generic-cmos-color --gains 0..12:6 --json").stdout);
-    let text = std::fs::read_to_string(folder.path("noise.csv")).expect("a table");
+    let report = folder.succeed("noise model generic-cmos-color --gains 0..12:6 --json").json();
+    let text = folder.text("noise.csv");
     let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
     assert_eq!(lines.len(), 4);
     let place = |name: &str| lines[0].iter().position(|heading| *heading == name).expect("a column");
@@ -79,7 +74,7 @@ fn a_sensor_becomes_fields_of_isetcam() {
         .succeed("noise model sony-imx249-mono --set noise.row_noise_e=1 --gains 12..12:1 --isetcam a.json")
         .stderr;
     assert!(said.contains("no place for:") && said.contains("row-noise"), "{said}");
-    let found = json(&std::fs::read_to_string(folder.path("a.json")).expect("fields"));
+    let found = folder.json("a.json");
     assert!((found["analogGain"].as_f64().expect("a gain") - 10f64.powf(-0.6)).abs() < 1e-8, "{found}");
     assert_eq!(found["color"]["filterNames"], serde_json::json!(["w"]));
     let odd = "--set masked_columns=[8,0] --set shutter.kind=rolling --set shutter.row_time_us=10 --set resolution_px=[64,48]";

@@ -1,7 +1,5 @@
 //! Rendering until noise is low enough in each pixel, in a scene with depth of field.
 
-use std::fs;
-
 use photosite::image::{Estimate, Planes};
 use serde_json::Value;
 
@@ -47,7 +45,7 @@ fn mosaic(planes: &Planes) -> Vec<f64> {
 
 /// What `samples.npy` holds.
 fn samples(folder: &Folder, name: &str) -> Vec<f64> {
-    let file = fs::read(folder.path(&format!("{name}/samples.npy"))).expect("samples.npy");
+    let file = folder.bytes(&format!("{name}/samples.npy"));
     let array = npyz::NpyFile::new(&file[..]).expect("an array");
     assert_eq!(array.shape(), [SIZE[1] as u64, SIZE[0] as u64]);
     array.into_vec::<u32>().expect("numbers").into_iter().map(f64::from).collect()

@@ -81,7 +81,7 @@ fn json_is_what_capture_json_holds() {
         "{}",
         outcome.stderr
     );
-    let report: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+    let report = outcome.json();
     let seconds = |key: &str| report["timings"][key].as_f64().expect(key);
     for key in ["load_s", "build_s", "trace_s", "expose_s", "develop_s", "write_s"] {
         assert!((0.0..60.0).contains(&seconds(key)), "{key} is {}", seconds(key));

@@ -72,8 +72,7 @@ fn a_frame_is_the_same_alone_at_once_and_from_its_manifest() {
 
 /// Lowest height of the box of each placed object, which for a block is its own, with its category.
 fn lowest(folder: &Folder, image: &str) -> Vec<(String, f64)> {
-    let text = std::fs::read_to_string(folder.path(image).join("objects.json")).expect("objects.json");
-    let objects: Value = serde_json::from_str(&text).expect("JSON");
+    let objects = folder.json(&format!("{image}/objects.json"));
     let placed = objects["objects"].as_array().expect("a list").iter().filter(|o| o["name"] != "table");
     let of_object = |object: &Value| {
         let corners = object["box_corners_world_m"].as_array().expect("corners");
@@ -109,8 +108,7 @@ fn sizes_are_those_of_the_longest_side(#[case] keys: &str, #[case] range_m: [f64
     let region = "region = { min_m = [-0.4, 0.3, -0.4], max_m = [0.4, 0.6, 0.4] }";
     let folder = placed(&format!("[[place]]\nobjects = ['block.obj']\ncount = 2\nmethod = 'box'\n{region}\n{keys}\n"));
     folder.succeed("dataset set.toml -o out");
-    let text = std::fs::read_to_string(folder.path("out/camera/000000/objects.json")).expect("objects.json");
-    let objects: Value = serde_json::from_str(&text).expect("JSON");
+    let objects = folder.json("out/camera/000000/objects.json");
     let placed: Vec<&Value> = objects["objects"]
         .as_array()
         .expect("a list")

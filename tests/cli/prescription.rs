@@ -200,7 +200,7 @@ fn data_sets_tell_the_fitted_model() {
         (&"prescription".into(), &"brown-conrady".into())
     );
     assert!(number(&fitted["largest_px"]) < 0.02, "{fitted}");
-    let yaml = std::fs::read_to_string(folder.path("set/calibration/opencv/camera.yaml")).expect("a file");
+    let yaml = folder.text("set/calibration/opencv/camera.yaml");
     let fx = number(&fitted["camera_matrix"][0][0]);
     assert!(yaml.contains(&format!("{fx}")) && yaml.contains("distortion_model: calib3d"), "{yaml}");
     folder.succeed("layout set --format colmap -o colmap");
@@ -293,8 +293,7 @@ fn objects_that_reach_into_the_dark_corners_of_a_lens_are_cut_off() {
     );
     let folder = Folder::new([("quad.obj", quad.into()), ("capture.toml", capture.into())]);
     folder.succeed("render capture.toml -o out --quiet");
-    let bytes = std::fs::read(folder.path("out/objects.json")).expect("a file");
-    let objects: Value = serde_json::from_slice(&bytes).expect("JSON");
+    let objects = folder.json("out/objects.json");
     let light = image::open(folder.path("out/image.png")).expect("an image").into_luma8();
     let (mut cut, mut whole) = (0, 0);
     for object in objects["objects"].as_array().expect("objects") {

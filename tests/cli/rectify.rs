@@ -29,8 +29,7 @@ fn made(dataset: &str, arguments: &str) -> Folder {
 fn images_truth_and_lines_are_made_and_the_data_set_left_as_it_is() {
     let folder = made(SET, "--set output.truth=['depth','normal']");
     let before = folder.results("out/left/000000");
-    let json = folder.succeed("rectify out -o rectified --lines 3 --frames 1 --json").stdout;
-    let report: Value = serde_json::from_str(&json).expect("JSON");
+    let report = folder.succeed("rectify out -o rectified --lines 3 --frames 1 --json").json();
     assert_eq!(report["frames"], serde_json::json!([1]));
     assert_eq!(report["truth"], true);
     for file in [
@@ -71,8 +70,7 @@ fn a_pair_of_three_is_chosen() {
     folder.fail("rectify out -o rectified --pair left,other", 2, &["has no camera other"]);
     folder.fail("rectify out -o rectified --pair left,left", 2, &["names left twice"]);
     folder.fail("rectify out -o rectified --pair left,right --frames 7", 2, &["names none of the frames 0..2"]);
-    let json = folder.succeed("rectify out -o rectified --pair left,below --json").stdout;
-    let report: Value = serde_json::from_str(&json).expect("JSON");
+    let report = folder.succeed("rectify out -o rectified --pair left,below --json").json();
     assert_eq!((&report["is_vertical"], &report["truth"]), (&Value::Bool(true), &Value::Bool(false)));
 }
 

@@ -110,7 +110,7 @@ fn the_report_is_a_capture_file_again() {
 #[test]
 fn autofocus_on_nothing_is_told() {
     let folder = room("[render]\nsamples_per_pixel = 1");
-    let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    let capture = folder.text("capture.toml");
     // Above the room there is only sky.
     let upwards = capture.replace("look_at_m = [0, 0.7, 0]", "look_at_m = [0.2, 9, 3.1]");
     folder.add("capture.toml", upwards.replace("blades = 6", "blades = 6\nautofocus_px = [8, 9]"));

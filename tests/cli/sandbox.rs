@@ -1,7 +1,5 @@
 //! Scenes from strangers: with `--sandbox` they name no file outside of a folder, whatever way leads there.
 
-use std::fs;
-
 use rstest::rstest;
 
 use crate::folder::Folder;
@@ -143,7 +141,7 @@ fn what_lies_inside_is_read_wherever_the_capture_is() {
     folder.succeed(&format!("render in/capture.toml {small} -o r"));
     folder.succeed(&format!("info in/tri.obj {small}").replace("--set sensor.resolution_px=[8,6] ", ""));
     // Given by the user himself.
-    let text = fs::read_to_string(folder.path("in/capture.toml")).expect("a capture");
+    let text = folder.text("in/capture.toml");
     folder.add("capture.toml", text.replace("tri.obj", "in/tri.obj").replace("own.csv", "in/own.csv"));
     folder.succeed(&format!("render capture.toml {small} -o r2"));
     folder.succeed("info out.obj --sandbox in");

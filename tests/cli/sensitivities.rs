@@ -2,7 +2,6 @@
 
 use photosite::spectrum::{Outside, SpectralTable, library};
 use rstest::rstest;
-use serde_json::Value;
 
 use crate::folder::Folder;
 
@@ -23,14 +22,14 @@ fn curves_of_a_known_sensor_come_back() {
     let command =
         format!("measure sensitivities chart/raw.dng --light D50 --corners {CORNERS} --peak 0.6 -o camera.csv");
     // A camera profile is colour tags of a DNG file behind another magic number.
-    let mut profile = std::fs::read(folder.path("chart/raw.dng")).expect("a raw file");
+    let mut profile = folder.bytes("chart/raw.dng");
     profile[2..4].copy_from_slice(b"RC");
     folder.add("camera.dcp", profile);
     let outcome = folder.succeed(&format!("{command} --profile camera.dcp --json"));
-    let report: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+    let report = outcome.json();
     // Shot noise of some 200 pixels of up to 30 000 e-, and PRNU.
     assert!(report["patch_error"].as_f64().is_some_and(|error| error < 0.02), "{report}");
-    let text = std::fs::read_to_string(folder.path("camera.csv")).expect("a table");
+    let text = folder.text("camera.csv");
     let table = SpectralTable::parse(&text, Outside::Hold).expect("a table");
     assert_eq!(table.outside(), Outside::Zero);
     let filter = library::spectrum("filters/ir-cut-650").expect("listed");

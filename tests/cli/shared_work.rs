@@ -15,13 +15,9 @@ const SIX: &str = "frames = 6\n[poses.random]\ntarget = 'board'\ndistance_m = [0
 /// A sensor whose amplifier gives at most 24 dB: the last two of four frames ask for more.
 const HALF_BAD: &str = "frames = 4\n[[vary]]\nkey = 'exposure.gain_db'\nsweep = [0, 60]\n";
 
-fn json(text: &str) -> Value {
-    serde_json::from_str(text).expect("JSON")
-}
-
 /// The last line of what `dataset --json` prints, which sums up.
 pub(crate) fn last_line(text: &str) -> Value {
-    json(text.lines().last().expect("a line"))
+    serde_json::from_str(text.lines().last().expect("a line")).expect("JSON")
 }
 
 #[test]
@@ -193,7 +189,7 @@ fn frames_without_a_pose_are_gone_past() {
 #[test]
 fn a_dry_run_tells_what_the_rest_takes_and_makes_nothing() {
     let folder = folder(SIX);
-    let tell = |folder: &Folder| json(&folder.succeed("dataset set.toml -o out --dry-run --json").stdout);
+    let tell = |folder: &Folder| folder.succeed("dataset set.toml -o out --dry-run --json").json();
     let before = tell(&folder);
     assert!(!folder.path("out").exists());
     folder.succeed("dataset set.toml -o out --frames 0..2");

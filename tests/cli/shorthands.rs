@@ -146,7 +146,7 @@ fn a_prescription_takes_the_place_of_a_lens_and_gives_it_up() {
         let (capture, lens, _) = lens_of(&order.map(|i| sets[i]).join(" "));
         assert_eq!((number(&lens["focal_length_mm"]), number(&capture["focal_length_mm"])), (50.0, 50.0));
     }
-    let glass = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    let glass = folder.text("capture.toml");
     let start = glass.find("focal_length_mm").expect("a key");
     let end = glass.find("[sensor]").expect("a table");
     folder.add("capture.toml", [&glass[..start], "prescription = 'double-gauss'\n", &glass[end..]].concat());
@@ -189,4 +189,18 @@ fn the_summary_tells_noise_in_words() {
     let said = folder.succeed("render capture.toml -o target --set render.noise_target=0.5 --spp 64").text();
     assert!(said.contains("Monte Carlo noise is ") && !said.contains("would halve it"), "{said}");
     assert!(!folder.succeed("render capture.toml -o quiet --quiet").text().contains("Monte Carlo"));
+}
+
+#[test]
+fn the_summary_tells_of_how_many_pixels_the_noise_is() {
+    let folder = room("[render]\nsamples_per_pixel = 4");
+    folder.succeed("render capture.toml -o out");
+    let suits = number(&folder.report("out")["exposure"]["time_s"]);
+    for (times, least) in [(3.0, 0.2), (1e4, 0.99)] {
+        let longer = format!("render capture.toml -o longer --force --set exposure.time_s={}", times * suits);
+        let said = folder.succeed(&longer).text();
+        let saturated = number(&folder.report("longer")["render"]["saturated_part"]);
+        assert!((least..1.0).contains(&saturated), "{saturated}");
+        assert!(said.contains(" % of pixels that are not saturated: "), "{said}");
+    }
 }

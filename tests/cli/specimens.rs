@@ -13,7 +13,7 @@ const MAPS: &str = "--quiet --set output.noise=['prnu_e','dsnu_e','read_noise_e'
 const RIG: &str = "frames = 2\n[[cameras]]\nname = 'left'\n[[cameras]]\nname = 'right'\n";
 
 fn noise(folder: &Folder, image: &str) -> Planes {
-    let bytes = std::fs::read(folder.path(image)).expect("a map of noise");
+    let bytes = folder.bytes(image);
     photosite::io::exr::read_exr(std::io::Cursor::new(bytes)).expect("EXR").planes
 }
 

@@ -60,11 +60,10 @@ fn it_tells_what_is_done_and_what_is_missing() {
 fn how_many_frames_there_are_is_no_part_of_what_they_are() {
     let folder = board(SIX);
     folder.succeed("dataset set.toml -o out --frames 0..2");
-    let path = folder.path("out/dataset.json");
-    let mut identity: Value = serde_json::from_slice(&fs::read(&path).expect("read")).expect("JSON");
+    let mut identity = folder.json("out/dataset.json");
     let keys = identity.as_object_mut().expect("an object");
     assert_eq!((keys.remove("frames"), keys.remove("cameras")), (Some(6.into()), Some(vec!["camera"].into())));
-    fs::write(&path, identity.to_string()).expect("written");
+    folder.add("out/dataset.json", identity.to_string());
     // The manifest has it, too.
     assert_eq!(states(&told(&folder.run("status out --json")).0).len(), 6);
     fs::remove_file(folder.path("out/manifest.jsonl")).expect("removed");
@@ -72,11 +71,7 @@ fn how_many_frames_there_are_is_no_part_of_what_they_are() {
     folder.add("set.toml", format!("capture = 'board.toml'\n{}", SIX.replacen('6', "8", 1)));
     folder.run("dataset set.toml -o out --index-only");
     assert_eq!(states(&told(&folder.run("status out --json")).0).len(), 8);
-    assert_eq!(identity["fingerprint"], told_identity(&folder)["fingerprint"]);
-}
-
-fn told_identity(folder: &Folder) -> Value {
-    serde_json::from_slice(&fs::read(folder.path("out/dataset.json")).expect("read")).expect("JSON")
+    assert_eq!(identity["fingerprint"], folder.json("out/dataset.json")["fingerprint"]);
 }
 
 #[test]
@@ -227,7 +222,7 @@ fn clocks_of_machines_may_differ() {
         sleep(Duration::from_millis(1));
     }
     // Its clock is one that is slow, and that of the lock is not.
-    let said = fs::read_to_string(folder.path("log")).expect("read");
+    let said = folder.text("log");
     let first: Value = serde_json::from_str(said.lines().next().expect("a line")).expect("JSON");
     let since: Value = serde_json::from_slice(&fs::read(&lock).expect("read")).expect("JSON");
     let apart_s = since["since_s"].as_f64().expect("a time") - first["time_s"].as_f64().expect("a time");

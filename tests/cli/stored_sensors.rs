@@ -298,7 +298,7 @@ fn other_bits_hold_the_same_charge() {
     assert_eq!((&given["black_level_dn"], number(&given["system_gain_dn_per_e"])), (&json!(20.0), 0.03));
     // So it is for the commands that take a sensor by its name.
     let set = "emva1288 sony-imx249-mono --set adc.bits=10 --size 8x8 -o set --json";
-    let expected: Value = serde_json::from_str(&folder.succeed(set).stdout).expect("JSON");
+    let expected = folder.succeed(set).json();
     let gain = number(&expected["channels"][0]["expected"]["system_gain_dn_per_e"]);
     assert!((gain - 0.1245 / 4.0).abs() < 1e-9, "{expected}");
 }

@@ -84,10 +84,7 @@ fn a_lamp_is_where_the_camera_of_the_image_shows_it(
     assert!(off < 0.15, "at {found:?}, not {seen}");
     // Its model is in the raw file.
     folder.succeed("develop out/raw.dng -o again.png --capture capture.toml");
-    assert!(
-        std::fs::read(folder.path("again.png")).expect("a file")
-            == std::fs::read(folder.path("out/image.png")).expect("a file")
-    );
+    assert!(folder.bytes("again.png") == folder.bytes("out/image.png"));
     // As it was taken, it is where the sensor saw it.
     folder.succeed("develop out/raw.dng -o taken.png --capture capture.toml --set develop.distortion=false --set develop.square_pixels=false");
     assert_eq!(image_size(&folder, "taken.png"), [64, 48]);
@@ -210,7 +207,7 @@ fn truth_has_the_pixels_of_the_image(#[case] options: &str, #[case] size: [u32; 
     assert_eq!([columns, rows], size.map(f64::from));
     // COLMAP counts from the corner. The camera stands 3 m away and looks along −z.
     is_near("camera", [fx * place[0] / 3.0 + cx - 0.5, cy - 0.5 - fy * place[1] / 3.0]);
-    let bytes = std::fs::read(folder.path("out/truth.exr")).expect("truth.exr");
+    let bytes = folder.bytes("out/truth.exr");
     let planes = photosite::io::exr::read_exr(std::io::Cursor::new(bytes)).expect("EXR").planes;
     assert_eq!([planes.width(), planes.height()], size.map(|n| n as usize));
     let depth = planes.plane("depth").expect("a layer");
@@ -220,8 +217,7 @@ fn truth_has_the_pixels_of_the_image(#[case] options: &str, #[case] size: [u32; 
     // Half the pitch of the coarser grid is as far as the mean of few pixels may lie beside.
     let at = [mean(&|i| i % columns), mean(&|i| i / columns)];
     assert!((at[0] - seen[0]).abs() < 0.6 && (at[1] - seen[1]).abs() < 0.6, "depth at {at:?}, image.png at {seen:?}");
-    let objects: Value =
-        serde_json::from_slice(&std::fs::read(folder.path("out/objects.json")).expect("a file")).expect("JSON");
+    let objects = folder.json("out/objects.json");
     assert_eq!(objects["resolution_px"], serde_json::json!([width, rows]));
     let corners = objects["objects"][0]["box_corners_px"].as_array().expect("eight corners").clone();
     is_near("box", [0, 1].map(|axis| corners.iter().map(|c| c[axis].as_f64().expect("seen")).sum::<f64>() / 8.0));

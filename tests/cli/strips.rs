@@ -30,8 +30,7 @@ fn strips_give_the_bytes_of_an_image_in_one_go(#[case] exposure: &str, #[case] w
          [output]\nraw = ['dng', 'npy']\nirradiance = true\nideal = true\ntruth = ['depth', 'normal']\nnoise = true\n"
     ));
     if exposure.starts_with("auto") {
-        let capture = fs::read_to_string(folder.path("capture.toml")).expect("a capture");
-        folder.add("capture.toml", capture.replace("time_s = 0.0002\n", ""));
+        folder.change("capture.toml", "time_s = 0.0002\n", "");
     }
     folder.succeed("render capture.toml -o whole --threads 1");
     for rows in [1, 5, 23] {
@@ -87,7 +86,7 @@ fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] ot
     kill_when(&folder, &format!("{go_on} --quiet"), |[first, end]| first >= 5 && end > first);
     let [done, _] = rows_of(&folder, "out/checkpoint.film").expect("a checkpoint");
     kill_when(&folder, &format!("{go_on} --quiet"), |[first, _]| first > done);
-    let checkpoint = fs::read(folder.path("out/checkpoint.film")).expect("a checkpoint");
+    let checkpoint = folder.bytes("out/checkpoint.film");
     assert!(!folder.path("out/electrons.exr").exists() && !folder.path("out/film.npy.gz").exists());
 
     // Less memory than the strip under way takes, other samples, and rows that are not all there.
@@ -100,7 +99,7 @@ fn a_killed_render_keeps_the_strips_that_are_done(#[case] part: &str, #[case] ot
     );
     let other = format!("render capture.toml -o out {other_part} {}", strips_of(5, 33.0));
     folder.fail(&other, 1, &["out/checkpoint.film", "another render", message]);
-    let rows = fs::read(folder.path("out/checkpoint.rows")).expect("rows");
+    let rows = folder.bytes("out/checkpoint.rows");
     folder.add("out/checkpoint.rows", &rows[..1000]);
     folder.fail(&go_on, 1, &["out/checkpoint.film", "damaged", "holds 1000 bytes of", "starts again"]);
     let mut damaged = rows.clone();

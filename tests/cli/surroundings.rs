@@ -155,8 +155,7 @@ fn they_take_materials_by_name_and_the_reflectance_of_the_sky() {
     );
     // The same paths, scaled.
     assert!((ground("") / stated / 1.5 - 1.0).abs() < 1e-5);
-    let dark = std::fs::read_to_string(folder.path("capture.toml")).expect("the capture")
-        + "[materials.dark]\ntype = 'diffuse'\nreflectance = 0.1\n";
+    let dark = folder.text("capture.toml") + "[materials.dark]\ntype = 'diffuse'\nreflectance = 0.1\n";
     folder.add("capture.toml", dark);
     assert!((ground("--set scene.ground.material=dark") / stated / 0.25 - 1.0).abs() < 1e-5);
 }

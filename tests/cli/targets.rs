@@ -13,10 +13,8 @@ fn a_target_is_printed_photographed_and_handed_on() {
         let outcome = folder.succeed(&format!("target chessboard {set} -o {file}"));
         assert_eq!(outcome.stdout, format!("{file}: chessboard, 160 × 120 mm, points: 15\n"));
     }
-    assert!(
-        std::fs::read_to_string(folder.path("board.svg")).expect("text").contains("width=\"160mm\" height=\"120mm\"")
-    );
-    assert!(std::fs::read(folder.path("board.pdf")).expect("bytes").starts_with(b"%PDF-1."));
+    assert!(folder.text("board.svg").contains("width=\"160mm\" height=\"120mm\""));
+    assert!(folder.bytes("board.pdf").starts_with(b"%PDF-1."));
     folder.fail("target chessboard -o board.svg", 2, &["board.svg already exists", "--force"]);
     folder.fail("target chessboard -o board.obj", 2, &["board.mtl already exists"]);
 
@@ -97,7 +95,7 @@ fn a_report_of_a_hundred_thousand_points_is_read_again() {
              position_m = [0, 0, 0.{i}]\n"
         )
     };
-    let capture = std::fs::read_to_string(folder.path("capture.toml")).expect("a capture");
+    let capture = folder.text("capture.toml");
     folder.add("capture.toml", capture + &[1, 2, 3].map(target).concat());
     folder.succeed("render capture.toml -o out");
     assert!(std::fs::metadata(folder.path("out/capture.json")).expect("a report").len() > 16 << 20);

@@ -140,10 +140,7 @@ fn rows_see_an_object_where_its_trajectory_has_it(
             assert!(error < 3e-5, "frame {frame}, pixel {i}: {error} m");
             told += 1;
         }
-        let objects: Value = serde_json::from_str(
-            &std::fs::read_to_string(folder.path(&format!("out/objects-000{frame}.json"))).expect("objects"),
-        )
-        .expect("JSON");
+        let objects = folder.json(&format!("out/objects-000{frame}.json"));
         let middle = start_s + 0.5 * (ROW_TIME_S * (SIZE[1] - 1) as f64 + EXPOSURE_S);
         let translation = &objects["objects"][0]["position_m"];
         let found: Vec<f64> =

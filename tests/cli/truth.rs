@@ -301,7 +301,7 @@ fn flow_follows_an_animation() {
     ]);
     folder.succeed("render capture.toml -o out --quiet --set output.truth=['flow','instance']");
     for number in 0..2 {
-        let bytes = std::fs::read(folder.path(&format!("out/truth-000{number}.exr"))).expect("truth");
+        let bytes = folder.bytes(&format!("out/truth-000{number}.exr"));
         let planes = photosite::io::exr::read_exr(std::io::Cursor::new(bytes)).expect("EXR").planes;
         let plane = |name: &str| planes.plane(name).expect("a plane");
         let seen: Vec<usize> = (0..32 * 24).filter(|&i| plane("instance")[i] == 1.0).collect();

@@ -183,8 +183,7 @@ fn files_of_a_folder_are_drawn_by_name_and_are_part_of_the_set() {
     let drawn: BTreeSet<String> =
         manifest(&folder, "out").iter().map(|l| l["varied"]["scene.environment.image"].to_string()).collect();
     assert_eq!(drawn, BTreeSet::from(["\"skies/day.hdr\"".to_owned(), "\"skies/night.hdr\"".to_owned()]));
-    let identity: Value =
-        serde_json::from_slice(&std::fs::read(folder.path("out/dataset.json")).expect("read")).expect("JSON");
+    let identity = folder.json("out/dataset.json");
     assert!(
         identity["files_sha256"]["skies/day.hdr"].is_string()
             && identity["files_sha256"]["skies/night.hdr"].is_string()

@@ -15,10 +15,10 @@ use photosite_core::sandbox::trust;
 use photosite_core::{Error, Invalid, Result};
 use photosite_develop::EncodedImage;
 use photosite_files::developed::write_png;
-use photosite_files::image_file::read_image_file;
+use photosite_files::image_file::{ImageFile, read_image_file};
 use photosite_files::raw_file::read_raw;
 use photosite_measure::validation::{
-    ComparedImage, ComparisonSettings, FalseColour, FixedPattern, Limits, compare, false_colour,
+    ComparedImage, ComparisonSettings, FalseColour, Limits, NonUniformity, compare, false_colour,
 };
 use photosite_raw::Pixels;
 
@@ -189,17 +189,17 @@ fn unfit(Invalid { message, help, .. }: Invalid) -> Error {
 /// Image with the variances that its file or the command line states.
 fn read(args: &CompareArgs, path: &Path, variance: Option<&str>, samples: Option<u64>) -> Result<ComparedImage> {
     let pixels = if args.masked { Pixels::All } else { Pixels::Active };
+    if args.noise_profile && variance.is_none() && samples.is_none() {
+        let raw = read_raw(path)?;
+        let image = ImageFile::of_raw(path.display().to_string(), raw.linear().into_owned(), pixels).as_it_lies();
+        let pattern = NonUniformity { prnu: args.prnu / 100.0, dsnu_dn: args.dsnu };
+        return image.with_noise_profile(&raw, pattern).map_err(unfit);
+    }
     let image = read_image_file(path, pixels)?;
     if let Some(samples) = samples {
         return image.with_second_moments(samples).map_err(unfit);
     }
-    let Some(text) = variance else {
-        let pattern = FixedPattern { prnu: args.prnu / 100.0, dsnu_dn: args.dsnu };
-        return match args.noise_profile {
-            true => image.with_noise_profile(&read_raw(path)?, pattern).map_err(unfit),
-            false => Ok(image),
-        };
-    };
+    let Some(text) = variance else { return Ok(image) };
     trust(text.as_ref());
     match text.parse::<f64>() {
         Ok(variance) if variance.is_finite() && variance >= 0.0 => Ok(image.with_constant_variance(variance)),

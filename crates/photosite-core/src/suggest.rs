@@ -4,6 +4,9 @@
 /// 0.1 of `f_number`.
 const LEAST_SIMILARITY: f64 = 0.5;
 
+/// Similarity of a suggestion whose beginning alone is alike: one slip in five letters.
+const LEAST_SIMILARITY_TO_BEGINNING: f64 = 0.8;
+
 /// Similarity of two words, 0–1, regardless of case: the fraction of letters in place. For a word that is contained
 /// whole in the other, as `samples` in `samples_per_pixel`, the rest counts by half.
 fn similarity(word: &str, candidate: &str) -> f64 {
@@ -15,19 +18,45 @@ fn similarity(word: &str, candidate: &str) -> f64 {
     if short.len() >= SHORTEST_PART && long.contains(&short) { (1.0 + in_place) / 2.0 } else { in_place }
 }
 
-/// The candidate that a misspelt word was most likely meant to be, if any is close.
-pub fn closest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    candidates
-        .into_iter()
-        .map(|candidate| (similarity(word, candidate), candidate))
-        .filter(|(similarity, _)| *similarity >= LEAST_SIMILARITY)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| candidate)
+/// Similarity of a word to the beginning of a longer key, as many words joined by `_` as it has: of `sampels` to the
+/// `samples` of `samples_per_pixel`. 0 where the key goes on with nothing.
+fn similarity_to_beginning(word: &str, key: &str) -> f64 {
+    let words = word.split('_').count();
+    match key.match_indices('_').nth(words - 1) {
+        Some((end, _)) => strsim::normalized_damerau_levenshtein(&word.to_lowercase(), &key[..end].to_lowercase()),
+        None => 0.0,
+    }
 }
 
-/// Suggestion for a message, "; did you mean `x`?", or an empty text.
+/// The candidate of the greatest similarity, if that is at least `least`.
+fn most_similar<'a>(
+    candidates: impl IntoIterator<Item = &'a str>,
+    similarity: impl Fn(&str) -> f64,
+    least: f64,
+) -> Option<(f64, &'a str)> {
+    let rated = candidates.into_iter().map(|candidate| (similarity(candidate), candidate));
+    rated.filter(|(similarity, _)| *similarity >= least).max_by(|a, b| a.0.total_cmp(&b.0))
+}
+
+/// The candidate that a misspelt word was most likely meant to be, if any is close.
+pub fn closest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    most_similar(candidates, |candidate| similarity(word, candidate), LEAST_SIMILARITY).map(|(_, candidate)| candidate)
+}
+
+/// Suggestion for a message, "; did you mean `x`?", or an empty text. A key whose beginning is more like the word than
+/// any whole candidate is named before that one.
 pub fn did_you_mean<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
-    closest(word, candidates).map_or_else(String::new, |candidate| format!("; did you mean `{candidate}`?"))
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    let whole = most_similar(candidates.iter().copied(), |candidate| similarity(word, candidate), LEAST_SIMILARITY);
+    let least = whole.map_or(LEAST_SIMILARITY_TO_BEGINNING, |(similarity, _)| similarity);
+    let begun = most_similar(candidates, |key| similarity_to_beginning(word, key), least);
+    match (begun, whole) {
+        (Some((similarity, begun)), Some((_, whole))) if similarity > similarity_to_beginning(word, whole) => {
+            format!("; did you mean `{begun}` or `{whole}`?")
+        }
+        (_, Some((_, found))) | (Some((_, found)), None) => format!("; did you mean `{found}`?"),
+        (None, None) => String::new(),
+    }
 }
 
 /// Names for a help text: those similar to `word` first, the most similar at the head, then all others in their order.
@@ -58,6 +87,19 @@ mod tests {
         assert_eq!(closest("focus", keys), Some("focus_distance_m"));
         assert_eq!(closest("shutter", keys), None);
         assert_eq!(did_you_mean("fnumber", keys), "; did you mean `f_number`?");
+    }
+
+    #[test]
+    fn keys_that_begin_with_the_word_are_named_too() {
+        let keys = ["sampler", "seed", "samples_per_pixel"];
+        for word in ["sampels", "samples", "Samples"] {
+            assert_eq!(did_you_mean(word, keys), "; did you mean `samples_per_pixel` or `sampler`?");
+        }
+        assert_eq!(did_you_mean("sampels", keys[1..].iter().copied()), "; did you mean `samples_per_pixel`?");
+        assert_eq!(did_you_mean("samplr", keys), "; did you mean `sampler`?");
+        assert_eq!(did_you_mean("size", ["size_m", "size_scale"]), "; did you mean `size_m`?");
+        assert_eq!(did_you_mean("samples_per_pxel", keys), "; did you mean `samples_per_pixel`?");
+        assert_eq!(did_you_mean("focl", ["focal_length_mm", "focus_distance_m"]), "; did you mean `focal_length_mm`?");
     }
 
     #[test]

@@ -18,7 +18,8 @@ pub struct SetNoise {
     pub worst: Option<f64>,
     /// Name of the noisiest image.
     pub worst_picture: Option<String>,
-    /// Number of images without a ratio: those of a single sample per pixel, and those without light.
+    /// Number of images without a ratio: those of a single sample per pixel, those without light, and those that are all
+    /// saturated.
     pub unknown: usize,
     /// Samples per pixel with which the median would equal the sensor's noise, and a fifth of it; `None` where images
     /// have a noise target.
@@ -63,7 +64,7 @@ impl SetNoise {
     /// Summary for the user; `None` for a set without images.
     pub fn in_words(&self) -> Option<String> {
         let Self { median, worst, worst_picture, unknown, .. } = self;
-        let untold = "a single sample of each pixel, or the dark, does not tell it";
+        let untold = "a single sample of each pixel, the dark, or saturation of all pixels does not tell it";
         let (Some(median), Some(worst), Some(image)) = (median, worst, worst_picture) else {
             return (*unknown > 0).then(|| {
                 format!("Monte Carlo noise is not known: {untold}; --set render.samples_per_pixel=2 or more does")

@@ -73,12 +73,6 @@ impl Shape {
         })
     }
 
-    /// Shape of a mesh in single precision, as in files.
-    pub fn from_f32(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<Self, Invalid> {
-        let positions: Vec<DVec3> = positions.iter().map(|p| glam::Vec3::from_array(*p).as_dvec3()).collect();
-        Self::new(&positions, triangles)
-    }
-
     /// Resting poses on a plane, the most probable first.
     pub fn resting_poses(&self) -> &[RestingPose] {
         self.resting.get_or_init(|| resting_poses(&self.hull, self.centre_of_mass()))

@@ -42,7 +42,7 @@ pub use model::{
     SignalInterpolation, Spad, SpadDescription, SpectrumSource, TelegraphDescription, TelegraphSignal, UncommonFacts,
     Use, Video, VideoCurve, VideoDescription, keys,
 };
-pub use prediction::{GainLine, Neighbours, NoiseAtGain, noise_ratio, samples_needed, sensor_noise, smoothed_mean};
+pub use prediction::{GainLine, LightNoise, Neighbours, NoiseAtGain, samples_needed, sensor_noise, smoothed_mean};
 pub use signal::effects::{MapUnit, NoiseMap, Stage, Stages};
 pub use signal::noise_key::NoiseKey;
 pub use stages::image_lag::LeftCharge;

@@ -65,10 +65,14 @@ pub struct RenderReport {
     pub triangles: usize,
     /// Number of lights of the scene.
     pub lights: usize,
-    /// Root-mean-square Monte Carlo noise over root-mean-square sensor noise; `null` in the dark and after a
-    /// single sample. The noise is that of independent samples: with Sobol points, its variance is 1.2 to 1.9
-    /// times what it is.
+    /// Root-mean-square Monte Carlo noise over root-mean-square sensor noise; `null` in the dark, after a single sample
+    /// and where all pixels are saturated. The noise is that of independent samples: with Sobol points, its variance
+    /// is 1.2 to 1.9 times what it is.
     pub noise_ratio: Option<f64>,
+    /// Part of the pixels, 0–1, that are saturated, where no noise shows: the noise ratio is that of the others. Left
+    /// out where none is, and where the ratio is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub saturated_part: Option<f64>,
     /// Result of the noise target; `null` without one.
     pub noise: Option<NoiseReport>,
 }
@@ -94,19 +98,24 @@ impl PlanReport {
     pub fn words(&self) -> String {
         let Self { splitting, light_paths, light_path_kind, gain, cost } = *self;
         let found = format!("found by samples of {} % of the cost", rounded(100.0 * cost, 2));
-        if gain <= 1.0 {
-            return format!("strategy: neither more branches nor light paths would pay, {found}");
-        }
         let branches = if splitting == 1 { "1 branch".to_owned() } else { format!("{splitting} branches") };
         let for_light = match light_path_kind {
             None => "",
             Some(LightPathKind::Caustics) => " for caustics",
             Some(LightPathKind::Indirect) => " for indirect light",
         };
-        format!(
-            "strategy: {branches} a path, light paths {light_paths}{for_light}: expected {} times as efficient as plain paths, {found}",
-            rounded(gain, 2)
-        )
+        let paths = format!("{branches} a path, light paths {light_paths}{for_light}");
+        match gain {
+            ..=1.0 if splitting == 1 && light_paths == 0.0 => {
+                format!("strategy: neither more branches nor light paths would pay, {found}")
+            }
+            // Paths that split or set out from lights without a gain are those that the capture sets.
+            ..=1.0 => format!("strategy: {paths}: no other numbers would pay, {found}"),
+            _ => {
+                let times = rounded(gain, 2);
+                format!("strategy: {paths}: expected {times} times as efficient as plain paths, {found}")
+            }
+        }
     }
 }
 
@@ -135,4 +144,29 @@ pub struct NoiseReport {
     pub pixels_at_target: f64,
     /// Noise ratio that 99 % of the pixels stay below; `null` where there is not enough light for an exposure.
     pub ratio_of_99_percent: Option<f64>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_on_a_plan_are_of_the_numbers_that_are_used() {
+        let words = |splitting, light_paths, gain| {
+            let light_path_kind = (light_paths > 0.0).then_some(LightPathKind::Caustics);
+            PlanReport { splitting, light_paths, light_path_kind, gain, cost: 0.03 }.words()
+        };
+        let found = "found by samples of 3 % of the cost";
+        assert_eq!(words(1, 0.0, 1.0), format!("strategy: neither more branches nor light paths would pay, {found}"));
+        for (splitting, light_paths, paths) in [
+            (1, 0.5, "1 branch a path, light paths 0.5 for caustics"),
+            (4, 0.0, "4 branches a path, light paths 0"),
+            (4, 1.0, "4 branches a path, light paths 1 for caustics"),
+        ] {
+            let set = words(splitting, light_paths, 1.0);
+            assert_eq!(set, format!("strategy: {paths}: no other numbers would pay, {found}"));
+            let chosen = words(splitting, light_paths, 2.0);
+            assert_eq!(chosen, format!("strategy: {paths}: expected 2 times as efficient as plain paths, {found}"));
+        }
+    }
 }

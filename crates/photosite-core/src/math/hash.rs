@@ -33,16 +33,6 @@ pub const fn second_half(b: u64) -> u64 {
     mix64(b.wrapping_add(0x9e37_79b9_7f4a_7c15))
 }
 
-/// Mixes 32 bits ("lowbias32", C. Wellons, bias 0.17).
-#[inline]
-pub const fn mix32(mut x: u32) -> u32 {
-    x ^= x >> 16;
-    x = x.wrapping_mul(0x7feb_352d);
-    x ^= x >> 15;
-    x = x.wrapping_mul(0x846c_a68b);
-    x ^ (x >> 16)
-}
-
 /// The top 24 bits of `x` as a number in [0, 1).
 #[inline]
 pub fn unit_f32(x: u32) -> f32 {

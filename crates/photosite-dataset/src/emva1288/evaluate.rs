@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use photosite_core::input;
+use photosite_core::math::float::rounded;
 use photosite_core::{Invalid, Result};
 use photosite_files::image_sets::{CONTENTS, ChannelSets, ImageSets, MeasuredSet, read_set};
 use photosite_measure::characterisation::report::{ChannelReport, Report, SpectralPoint, ThermalPoint};
@@ -80,8 +81,8 @@ fn of_channel(folder: &Path, sets: &ChannelSets, monitor: &dyn Monitor) -> Resul
     let title = format!(
         "Channel {} at {} nm and {} °C",
         sets.channel,
-        six_digits(sets.wavelength_nm),
-        six_digits(sets.temperature_c)
+        rounded(sets.wavelength_nm, 6),
+        rounded(sets.temperature_c, 6)
     );
     let set = read(&sets.descriptor)?;
     let bits = set.descriptor.bits;
@@ -136,9 +137,4 @@ fn channel_report(title: String, set: MeasuredSet, expected: Option<Figures>) ->
         thermal: Vec::new(),
         doubling_temperature_k: None,
     })
-}
-
-/// Rounds a figure for people to six significant digits.
-fn six_digits(x: f64) -> f64 {
-    format!("{x:.5e}").parse().unwrap_or(x)
 }

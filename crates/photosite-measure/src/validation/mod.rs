@@ -20,5 +20,5 @@ pub use compared_image::{ComparedImage, MOSAIC};
 pub use false_colour::{FalseColour, Shown, false_colour};
 pub use limits::{Limits, failures};
 pub use pair::VarianceOf;
-pub use variance::FixedPattern;
+pub use variance::NonUniformity;
 pub use z_scores::{Tail, ZScores};

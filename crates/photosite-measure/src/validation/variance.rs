@@ -14,7 +14,7 @@ const BEYOND_HALF: u32 = 0x1fff;
 
 /// Fixed pattern of a camera, of which the other camera of a comparison has another.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct FixedPattern {
+pub struct NonUniformity {
     /// Photo response non-uniformity: standard deviation of the pixels' responses over their mean.
     pub prnu: f64,
     /// Dark signal non-uniformity: standard deviation of the pixels' offsets, DN.
@@ -61,7 +61,7 @@ impl ComparedImage {
     ///
     /// The first term is that of temporal noise (DNG 1.6 specification, NoiseProfile). The others are those of a fixed
     /// pattern that the other image does not have, with the PRNU p (a ratio) and the DSNU d in DN.
-    pub fn with_noise_profile(mut self, raw: &RawImage, pattern: FixedPattern) -> Result<Self, Invalid> {
+    pub fn with_noise_profile(mut self, raw: &RawImage, pattern: NonUniformity) -> Result<Self, Invalid> {
         let profile = &raw.metadata.noise_profile;
         let refused = |message: String| Err(Invalid::new("", message).help("state its variances in another way"));
         if profile.is_empty() {
@@ -176,7 +176,7 @@ mod tests {
         let data = vec![100, 600, 1100, 50];
         let bare = RawImage { metadata, black_level_dn: 100.into(), ..RawImage::bare(2, 2, data, cfa, 1100) };
         let image = |raw: &RawImage, pixels| ComparedImage::from_raw("a".to_owned(), raw.clone(), pixels);
-        let found = image(&bare, Pixels::All).with_noise_profile(&bare, FixedPattern::default()).expect("variances");
+        let found = image(&bare, Pixels::All).with_noise_profile(&bare, NonUniformity::default()).expect("variances");
         // 10⁶ · (S·x + O): channels in the order G, R, B, the last with the profile of the first; below black O alone.
         let order: Vec<usize> = (0..4).map(|i| bare.cfa.channel_at(i % 2, i / 2)).collect();
         let wanted: Vec<f32> = order
@@ -189,7 +189,7 @@ mod tests {
             .collect();
         assert_eq!(found.variance.plane(MOSAIC), Some(&wanted[..]));
         // 1 % of 0, 500, 1000 and nothing below black, and 2 DN.
-        let pattern = FixedPattern { prnu: 0.01, dsnu_dn: 2.0 };
+        let pattern = NonUniformity { prnu: 0.01, dsnu_dn: 2.0 };
         let found = image(&bare, Pixels::All).with_noise_profile(&bare, pattern).expect("variances");
         let with_pattern: Vec<f32> =
             wanted.iter().zip([0.0, 5.0, 10.0, 0.0f32]).map(|(wanted, p)| wanted + p * p + 4.0).collect();
@@ -197,14 +197,14 @@ mod tests {
         // Of the active area alone, the channels are those of its places.
         let masked = RawImage { active_area: Some(PixelArea { x: 1, y: 1, width: 1, height: 1 }), ..bare.clone() };
         let found =
-            image(&masked, Pixels::Active).with_noise_profile(&masked, FixedPattern::default()).expect("variances");
+            image(&masked, Pixels::Active).with_noise_profile(&masked, NonUniformity::default()).expect("variances");
         assert_eq!(found.variance.plane(MOSAIC), Some(&wanted[3..]));
         for (raw, complaint) in [
             (RawImage { metadata: RawMetadata::default(), ..bare.clone() }, "states no noise profile"),
             (RawImage { linearisation: Some(vec![0, 9]), ..bare }, "linear values"),
         ] {
             let error =
-                image(&raw, Pixels::All).with_noise_profile(&raw, FixedPattern::default()).expect_err("refused");
+                image(&raw, Pixels::All).with_noise_profile(&raw, NonUniformity::default()).expect_err("refused");
             assert!(error.message.contains(complaint), "{error}");
         }
     }

@@ -15,8 +15,8 @@ use photosite_develop::{DevelopSettings, EncodedImage, Resampling, SensorCalibra
 use photosite_files::formats::PNG;
 use photosite_raw::RawImage;
 use photosite_sensor::{
-    Exposure, LeftCharge, Metering, Neighbours, NoiseKey, NoiseMap, NoiseMaps, RegionOfInterest, SensorModel,
-    auto_exposure, expose_after, noise_ratio, samples_needed, sensor_noise, smoothed_mean,
+    Exposure, LeftCharge, LightNoise, Metering, Neighbours, NoiseKey, NoiseMap, NoiseMaps, RegionOfInterest,
+    SensorModel, auto_exposure, expose_after, samples_needed, sensor_noise, smoothed_mean,
 };
 use photosite_transport::integrator::WavelengthChoice;
 use photosite_transport::scene::Scene;
@@ -355,14 +355,14 @@ impl<'a> Chain<'a> {
         }
     }
 
-    /// Ratio of Monte Carlo noise to that of the sensor over an image of at least `samples` samples a pixel. `None`
-    /// where there is not enough light for an exposure, and after a single sample, which gives no variance.
-    pub(crate) fn noise_ratio(&self, rates: &Estimate, samples: u32) -> Option<f64> {
+    /// Monte Carlo noise beside that of the sensor over an image of at least `samples` samples a pixel. `None` where
+    /// there is not enough light for an exposure, and after a single sample, which gives no variance.
+    pub(crate) fn light_noise(&self, rates: &Estimate, samples: u32) -> Option<LightNoise> {
         if samples < 2 {
             return None;
         }
         let (exposure, _) = self.exposure(&rates.mean, Seconds(1.0)).ok()?;
-        noise_ratio(rates, self.settings.sensor, &exposure)
+        Some(LightNoise::new(rates, self.settings.sensor, &exposure))
     }
 
     /// Number of samples of each pixel that bring that noise ratio down to `target`, estimated from rates of `counts`

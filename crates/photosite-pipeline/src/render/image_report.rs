@@ -123,7 +123,7 @@ impl Prepared {
 
 fn render_report(capture: &Capture, scene: &Scene, reached: Reached) -> RenderReport {
     let settings = capture.render();
-    let Reached { samples_per_pixel, noise_ratio, noise, plan } = reached;
+    let Reached { samples_per_pixel, light_noise, noise, plan } = reached;
     RenderReport {
         seed: settings.seed,
         samples_per_pixel,
@@ -137,7 +137,8 @@ fn render_report(capture: &Capture, scene: &Scene, reached: Reached) -> RenderRe
         device: capture.device().map(|device| device.name()),
         triangles: scene.geometry().triangles.len(),
         lights: scene.lights().len(),
-        noise_ratio,
+        noise_ratio: light_noise.and_then(|noise| noise.ratio),
+        saturated_part: light_noise.map(|noise| noise.saturated_part).filter(|&part| part > 0.0),
         noise,
     }
 }

@@ -28,7 +28,7 @@ use photosite_core::units::{Decibels, Seconds};
 use photosite_core::{Error, Invalid, Result};
 use photosite_files::truth::{TruthFormat, fits_png, lost_in_png};
 use photosite_raw::RawImage;
-use photosite_sensor::Exposure;
+use photosite_sensor::{Exposure, LightNoise};
 use photosite_transport::optics::Camera;
 use photosite_transport::scene::{self, Scene};
 
@@ -67,7 +67,7 @@ pub(crate) struct ExposedSeries {
 /// Samples and paths that tracing has reached.
 pub(crate) struct Reached {
     pub(crate) samples_per_pixel: u32,
-    pub(crate) noise_ratio: Option<f64>,
+    pub(crate) light_noise: Option<LightNoise>,
     pub(crate) noise: Option<NoiseReport>,
     pub(crate) plan: Option<PlanReport>,
 }
@@ -84,7 +84,7 @@ impl Reached {
     ) -> Self {
         Self {
             samples_per_pixel: counts.iter().copied().max().unwrap_or(0),
-            noise_ratio: chain.noise_ratio(rates, counts.iter().copied().min().unwrap_or(0)),
+            light_noise: chain.light_noise(rates, counts.iter().copied().min().unwrap_or(0)),
             noise: noise_target.map(|target| chain.noise_report(rates, counts, target, pilot_paths)),
             plan,
         }

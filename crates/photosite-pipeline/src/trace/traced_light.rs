@@ -153,7 +153,7 @@ impl Prepared {
     /// Ratio of the noise of that light to that of the sensor, over the image. `None` where there is not enough light
     /// for an exposure, and after a single sample.
     pub(crate) fn noise_ratio(&self, light: &TracedLight) -> Option<f64> {
-        self.chain().noise_ratio(&light.rates, light.samples.iter().copied().min().unwrap_or(0))
+        self.chain().light_noise(&light.rates, light.samples.iter().copied().min().unwrap_or(0))?.ratio
     }
 
     fn light(&self, rows: Arc<LightRows>, [paths, pilot_paths]: [u64; 2], trace_s: f64) -> Result<TracedLight> {

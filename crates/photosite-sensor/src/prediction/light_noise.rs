@@ -36,27 +36,48 @@ fn sees(sensor: &SensorModel, channel: usize, i: usize, width: usize) -> bool {
     (0..samples).any(|sample| sensor.cfa.channel_at(i % width * samples + sample, i / width) == channel)
 }
 
-/// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
-/// saturate or see no light do not count: no noise shows there. `None` where nothing counts. The bandwidth of a video
-/// line and the samples of a frame grabber leave as much of both kinds.
-pub fn noise_ratio(rates: &Estimate, sensor: &SensorModel, exposure: &Exposure) -> Option<f64> {
-    let (width, time) = (rates.mean.width(), exposure.time.0);
-    let samples = sensor.cfa.samples_per_pixel();
-    let row_length = width * samples;
-    let saturation = sensor.pixel_saturation(exposure).0;
-    let pixels = exposure.region.binning.pixels() as f64;
-    let model = NoiseModel::new(sensor, exposure, Stages::ALL);
-    let (mut of_light, mut of_sensor) = (0.0, 0.0);
-    for i in 0..row_length * rates.mean.height() {
-        let channel = sensor.cfa.channel_at(i % row_length, i / row_length);
-        let at = |planes: &Planes| f64::from(planes.channels()[channel].data[i / samples]);
-        let mean = at(&rates.mean) * time;
-        if mean < saturation && sensor.sees_light([i % row_length / samples, i / row_length]) {
-            of_light += at(&rates.variance) * time * time * pixels;
-            of_sensor += model.variance(Electrons(mean * pixels));
+/// Monte Carlo noise of an image beside the noise of the sensor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightNoise {
+    /// Ratio of the root-mean-square Monte Carlo noise to that of the sensor, over each pixel's own channel. Pixels that
+    /// saturate or see no light do not count: no noise shows there. `None` where nothing counts.
+    pub ratio: Option<f64>,
+    /// Part of the pixels that see light, 0–1, that saturate.
+    pub saturated_part: f64,
+}
+
+impl LightNoise {
+    /// Noise of light at an exposure. The bandwidth of a video line and the samples of a frame grabber leave as much of
+    /// both kinds.
+    pub fn new(rates: &Estimate, sensor: &SensorModel, exposure: &Exposure) -> Self {
+        let (width, time) = (rates.mean.width(), exposure.time.0);
+        let samples = sensor.cfa.samples_per_pixel();
+        let row_length = width * samples;
+        let saturation = sensor.pixel_saturation(exposure).0;
+        let pixels = exposure.region.binning.pixels() as f64;
+        let model = NoiseModel::new(sensor, exposure, Stages::ALL);
+        let (mut of_light, mut of_sensor) = (0.0, 0.0);
+        let (mut lit, mut saturated) = (0usize, 0usize);
+        for i in 0..row_length * rates.mean.height() {
+            if !sensor.sees_light([i % row_length / samples, i / row_length]) {
+                continue;
+            }
+            let channel = sensor.cfa.channel_at(i % row_length, i / row_length);
+            let at = |planes: &Planes| f64::from(planes.channels()[channel].data[i / samples]);
+            let mean = at(&rates.mean) * time;
+            lit += 1;
+            if mean < saturation {
+                of_light += at(&rates.variance) * time * time * pixels;
+                of_sensor += model.variance(Electrons(mean * pixels));
+            } else {
+                saturated += 1;
+            }
+        }
+        Self {
+            ratio: (of_sensor > 0.0).then(|| (of_light / of_sensor).sqrt()),
+            saturated_part: saturated as f64 / lit.max(1) as f64,
         }
     }
-    (of_sensor > 0.0).then(|| (of_light / of_sensor).sqrt())
 }
 
 /// Variance of the sensor's noise in each channel at those electron rates, as a variance of rates; ∞ where a pixel
@@ -232,7 +253,26 @@ mod tests {
             let factor = f64::from(COUNT) / expected(f64::from(channel.data[0]));
             channel.data.iter_mut().for_each(|v| *v = (f64::from(*v) * factor) as f32);
         }
-        assert_near(noise_ratio(&light, &sensor(), &EXPOSURE).expect("a ratio"), TARGET);
+        assert_near(LightNoise::new(&light, &sensor(), &EXPOSURE).ratio.expect("a ratio"), TARGET);
+    }
+
+    #[test]
+    fn the_noise_ratio_is_that_of_pixels_that_do_not_saturate() {
+        let noise = |light: &Estimate| LightNoise::new(light, &sensor(), &EXPOSURE);
+        let mut light = light();
+        let calm = noise(&light);
+        assert_eq!(calm.saturated_part, 0.0);
+        // Rows of either kind are left in equal number, as they are in the whole image.
+        let mut saturate = |rows: usize| {
+            for channel in light.mean.channels_mut() {
+                channel.data[..rows * SIZE[0]].fill(1e9);
+            }
+            noise(&light)
+        };
+        let some = saturate(6);
+        assert_eq!(some.saturated_part, 0.6);
+        assert_near(some.ratio.expect("a ratio"), calm.ratio.expect("a ratio"));
+        assert_eq!(saturate(SIZE[1]), LightNoise { ratio: None, saturated_part: 1.0 });
     }
 
     #[test]

@@ -6,7 +6,7 @@ mod noise_model;
 mod shares;
 mod warnings;
 
-pub use light_noise::{Neighbours, noise_ratio, samples_needed, sensor_noise, smoothed_mean};
+pub use light_noise::{LightNoise, Neighbours, samples_needed, sensor_noise, smoothed_mean};
 pub use noise_by_gain::{GainLine, NoiseAtGain};
 #[cfg(test)]
 mod tests;
