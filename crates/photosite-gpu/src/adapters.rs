@@ -2,9 +2,9 @@
 
 use std::collections::HashMap;
 use std::fmt;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::kernels::Kernels;
+use crate::kernels::Compiled;
 
 /// Card, or software that stands for one, as its driver describes it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -100,7 +100,7 @@ pub struct Card {
     /// Error of the driver that no call returned.
     fault: Arc<Mutex<Option<String>>>,
     /// Kernels that are compiled, by the features of scenes.
-    compiled: Mutex<HashMap<u32, Arc<Kernels>>>,
+    compiled: Mutex<HashMap<u32, Compiled>>,
 }
 
 /// Opens the card of that number, or the first that is no software. `None` where there is none.
@@ -160,8 +160,10 @@ impl Card {
         &self.queue
     }
 
-    pub(crate) fn compiled(&self) -> MutexGuard<'_, HashMap<u32, Arc<Kernels>>> {
-        self.compiled.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Place of the kernels for scenes of some features.
+    pub(crate) fn compiled(&self, features: u32) -> Compiled {
+        let mut all = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(all.entry(features).or_default())
     }
 
     /// The last error of the driver that no call returned.

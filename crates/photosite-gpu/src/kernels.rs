@@ -1,12 +1,15 @@
 //! Kernels of the wavefront, compiled for what the materials of a scene have.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use photosite_core::Invalid;
 
 use crate::adapters::Card;
 use crate::buffers::Layouts;
 use crate::shaders::wavefront;
+
+/// Kernels for scenes of some features, once they are compiled.
+pub(crate) type Compiled = Arc<OnceLock<Result<Arc<Kernels>, Invalid>>>;
 
 /// Kernels of the wavefront, and the layouts of what they read and write.
 pub(crate) struct Kernels {
@@ -26,18 +29,15 @@ impl Card {
     ///
     /// Kernels that the driver refuses.
     pub(crate) fn kernels(&self, features: u32) -> Result<Arc<Kernels>, Invalid> {
-        let mut compiled = self.compiled();
-        if let Some(kernels) = compiled.get(&features) {
-            return Ok(Arc::clone(kernels));
-        }
-        let scope = self.device().push_error_scope(wgpu::ErrorFilter::Validation);
-        let kernels = Arc::new(Kernels::new(self.device(), features));
-        if let Some(error) = pollster::block_on(scope.pop()) {
+        let compile = || {
+            let scope = self.device().push_error_scope(wgpu::ErrorFilter::Validation);
+            let kernels = Arc::new(Kernels::new(self.device(), features));
+            let Some(error) = pollster::block_on(scope.pop()) else { return Ok(kernels) };
             let message = format!("{} does not take the kernels: {error}", self.adapter());
-            return Err(Invalid::new("scene", message).help("render with --device cpu"));
-        }
-        compiled.insert(features, Arc::clone(&kernels));
-        Ok(kernels)
+            Err(Invalid::new("scene", message).help("render with --device cpu"))
+        };
+        // Others may compile for other features meanwhile.
+        self.compiled(features).get_or_init(compile).clone()
     }
 }
 
