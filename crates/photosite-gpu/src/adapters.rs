@@ -1,10 +1,11 @@
 //! Cards of this machine, and the one that is opened.
 
-use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::kernels::Compiled;
+use photosite_core::Invalid;
+
+use crate::kernels::{KernelCache, Kernels};
 
 /// Card, or software that stands for one, as its driver describes it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -99,8 +100,7 @@ pub struct Card {
     queue: wgpu::Queue,
     /// Error of the driver that no call returned.
     fault: Arc<Mutex<Option<String>>>,
-    /// Kernels that are compiled, by the features of scenes.
-    compiled: Mutex<HashMap<u32, Compiled>>,
+    kernels: KernelCache,
 }
 
 /// Opens the card of that number, or the first that is no software. `None` where there is none.
@@ -137,7 +137,7 @@ pub fn open(number: Option<usize>) -> Result<Option<Card>, String> {
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| on_error(error.to_string())));
     let on_loss = said(&fault);
     device.set_device_lost_callback(move |reason, words| on_loss(format!("the device is lost ({reason:?}): {words}")));
-    Ok(Some(Card { adapter: description, device, queue, fault, compiled: Mutex::default() }))
+    Ok(Some(Card { adapter: description, device, queue, fault, kernels: KernelCache::default() }))
 }
 
 impl fmt::Debug for Card {
@@ -160,10 +160,16 @@ impl Card {
         &self.queue
     }
 
-    /// Place of the kernels for scenes of some features.
-    pub(crate) fn compiled(&self, features: u32) -> Compiled {
-        let mut all = self.compiled.lock().unwrap_or_else(PoisonError::into_inner);
-        Arc::clone(all.entry(features).or_default())
+    /// Kernels for scenes of these features.
+    ///
+    /// # Errors
+    ///
+    /// Kernels that the driver refuses.
+    pub(crate) fn kernels(&self, features: u32) -> Result<Arc<Kernels>, Invalid> {
+        self.kernels.get(&self.device, features).map_err(|words| {
+            let message = format!("{} does not take the kernels: {words}", self.adapter);
+            Invalid::new("scene", message).help("render with --device cpu")
+        })
     }
 
     /// The last error of the driver that no call returned.

@@ -1,15 +1,38 @@
 //! Kernels of the wavefront, compiled for what the materials of a scene have.
 
-use std::sync::{Arc, OnceLock};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use photosite_core::Invalid;
-
-use crate::adapters::Card;
 use crate::buffers::Layouts;
 use crate::shaders::wavefront;
 
 /// Kernels for scenes of some features, once they are compiled.
-pub(crate) type Compiled = Arc<OnceLock<Result<Arc<Kernels>, Invalid>>>;
+type Compiled = Arc<OnceLock<Result<Arc<Kernels>, String>>>;
+
+/// Kernels of a device by the features of scenes ([`flag`](photosite_transport::scene::packed::layers::flag)).
+#[derive(Default)]
+pub(crate) struct KernelCache(Mutex<HashMap<u32, Compiled>>);
+
+impl KernelCache {
+    /// Kernels for scenes of these features; they are compiled once, which takes a driver seconds.
+    ///
+    /// # Errors
+    ///
+    /// Words of the driver on kernels that it refuses.
+    pub(crate) fn get(&self, device: &wgpu::Device, features: u32) -> Result<Arc<Kernels>, String> {
+        let compiled = {
+            let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+            Arc::clone(all.entry(features).or_default())
+        };
+        let compile = || {
+            let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
+            let kernels = Arc::new(Kernels::new(device, features));
+            pollster::block_on(scope.pop()).map_or(Ok(kernels), |error| Err(error.to_string()))
+        };
+        // Others may compile for other features meanwhile.
+        compiled.get_or_init(compile).clone()
+    }
+}
 
 /// Kernels of the wavefront, and the layouts of what they read and write.
 pub(crate) struct Kernels {
@@ -20,25 +43,6 @@ pub(crate) struct Kernels {
     pub(crate) shadow: wgpu::ComputePipeline,
     pub(crate) count: wgpu::ComputePipeline,
     pub(crate) arrive: wgpu::ComputePipeline,
-}
-
-impl Card {
-    /// Kernels for scenes of these features; they are compiled once, which takes a driver seconds.
-    ///
-    /// # Errors
-    ///
-    /// Kernels that the driver refuses.
-    pub(crate) fn kernels(&self, features: u32) -> Result<Arc<Kernels>, Invalid> {
-        let compile = || {
-            let scope = self.device().push_error_scope(wgpu::ErrorFilter::Validation);
-            let kernels = Arc::new(Kernels::new(self.device(), features));
-            let Some(error) = pollster::block_on(scope.pop()) else { return Ok(kernels) };
-            let message = format!("{} does not take the kernels: {error}", self.adapter());
-            Err(Invalid::new("scene", message).help("render with --device cpu"))
-        };
-        // Others may compile for other features meanwhile.
-        self.compiled(features).get_or_init(compile).clone()
-    }
 }
 
 impl Kernels {

@@ -6,7 +6,7 @@
 //!
 //! | file | holds |
 //! |---|---|
-//! | `support` | what a card can do, and what of a scene it cannot, by name |
+//! | `support` | settings that a card does not have, by key |
 //! | `adapters` | the cards of this machine |
 //! | `buffers`, `params` | its tables and numbers on a card |
 //! | `kernels` | the kernels, compiled once for the features that a scene has |

@@ -19,7 +19,7 @@ pub const STATE_WORDS: u32 = 13;
 pub const START_WORDS: u32 = 4;
 
 /// Files in the order of what they need.
-const FILES: [&str; 34] = [
+const FILES: [&str; 36] = [
     include_str!("wgsl/hash.wgsl"),
     include_str!("wgsl/sampler.wgsl"),
     include_str!("wgsl/math.wgsl"),
@@ -35,14 +35,16 @@ const FILES: [&str; 34] = [
     include_str!("wgsl/bsdf/model.wgsl"),
     include_str!("wgsl/bsdf/fresnel.wgsl"),
     include_str!("wgsl/bsdf/microfacet.wgsl"),
+    include_str!("wgsl/bsdf/albedo.wgsl"),
+    include_str!("wgsl/bsdf/compensation.wgsl"),
     include_str!("wgsl/bsdf/diffuse.wgsl"),
     include_str!("wgsl/bsdf/conductor.wgsl"),
     include_str!("wgsl/bsdf/dielectric.wgsl"),
     include_str!("wgsl/bsdf/oren_nayar.wgsl"),
     include_str!("wgsl/bsdf/phong.wgsl"),
+    include_str!("wgsl/bsdf/retroreflective.wgsl"),
     include_str!("wgsl/bsdf/translucent.wgsl"),
     include_str!("wgsl/bsdf/thin_dielectric.wgsl"),
-    include_str!("wgsl/bsdf/albedo.wgsl"),
     include_str!("wgsl/bsdf/sheen.wgsl"),
     include_str!("wgsl/bsdf/layered/layers.wgsl"),
     include_str!("wgsl/bsdf/layered/thin_film.wgsl"),
@@ -108,6 +110,7 @@ const NUMBERS: &[(&str, u32)] = &[
     ("MODEL_THIN_DIELECTRIC", model::THIN_DIELECTRIC),
     ("MODEL_MIX", model::MIX),
     ("MODEL_LAYERED", model::LAYERED),
+    ("MODEL_RETROREFLECTIVE", model::RETROREFLECTIVE),
     ("ALPHA_OPAQUE", alpha::OPAQUE),
     ("ALPHA_MASK", alpha::MASK),
     ("LAYER_WORDS", layers::LAYER_WORDS as u32),
@@ -121,6 +124,8 @@ const NUMBERS: &[(&str, u32)] = &[
     ("LAYERS_SHEEN", flag::SHEEN),
     ("LAYERS_COAT", flag::COAT),
     ("PANES", flag::PANES),
+    ("METAL_BOUNCES", flag::METAL_BOUNCES),
+    ("GLASS_BOUNCES", flag::GLASS_BOUNCES),
     ("COLOUR_SPECTRUM", colour::SPECTRUM),
     ("COLOUR_TEXTURE", colour::TEXTURE),
     ("COLOUR_SPECTRUM_TEXTURE", colour::SPECTRUM_TEXTURE),

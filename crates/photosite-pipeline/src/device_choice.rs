@@ -153,7 +153,7 @@ impl DeviceChoice {
             Ok(None)
         };
         for capture in captures {
-            match unsupported(capture.scene(), capture.render()) {
+            match unsupported(capture.render()) {
                 Some(refused) if is_open => return keep(refused.to_string()),
                 Some(refused) => return Err(capture.source().error(refused)),
                 None => {}

@@ -98,7 +98,7 @@ fn shading_at(point: SurfacePoint, wo: vec3<f32>, lambda_nm: vec4<f32>) -> Shadi
     let factor = bitcast<vec3<f32>>(tables[at + 2u].xyz);
     let second_source = tables[at + 3u];
     let second_factor = bitcast<vec3<f32>>(tables[at + 4u].xyz);
-    var bsdf = Bsdf(head.x, bitcast<vec2<f32>>(head.yz), vec4<f32>(0.0), vec4<f32>(0.0), false);
+    var bsdf = Bsdf(head.x, bitcast<vec2<f32>>(head.yz), vec4<f32>(0.0), vec4<f32>(0.0), false, head.w != 0u, vec2<f32>(0.0));
     switch head.x {
         case MODEL_CONDUCTOR: {
             bsdf.first = spectrum(source.y, lambda_nm);
@@ -115,6 +115,11 @@ fn shading_at(point: SurfacePoint, wo: vec3<f32>, lambda_nm: vec4<f32>) -> Shadi
         case MODEL_OREN_NAYAR: {
             bsdf.first = colour_at(source, factor, point, lambda_nm);
             bsdf.roughness.x = bitcast<f32>(second_source.x);
+        }
+        case MODEL_RETROREFLECTIVE: {
+            bsdf.first = colour_at(source, factor, point, lambda_nm);
+            bsdf.second = colour_at(second_source, second_factor, point, lambda_nm);
+            bsdf.corners = bitcast<vec2<f32>>(tables[at + 5u].xy);
         }
         case MODEL_PHONG, MODEL_TRANSLUCENT: {
             bsdf.first = colour_at(source, factor, point, lambda_nm);

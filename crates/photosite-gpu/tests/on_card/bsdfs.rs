@@ -1,17 +1,17 @@
 //! Values, densities and samples of each scattering model against those of the Rust of the same name.
 
-use glam::Vec3;
-use photosite_core::spectrum::SampledSpectrum;
+use glam::{DAffine3, Vec3};
+use photosite_core::spectrum::{Dispersion, SampledSpectrum};
 use photosite_gpu::probe;
 use photosite_transport::bsdf::{
-    Bsdf, Coat, Conductor, Dielectric, Diffuse, Ggx, Layered, OrenNayar, Phong, RelativeIndex, Sheen, ThinDielectric,
-    ThinFilm, Translucent, Volume,
+    Bsdf, Coat, Conductor, CubeCorners, Dielectric, Diffuse, Ggx, Layered, OrenNayar, Phong, RelativeIndex,
+    Retroreflective, Sheen, ThinDielectric, ThinFilm, Translucent, Volume,
 };
 use photosite_transport::sampler::SamplerKind;
 use photosite_transport::scene::packed::materials::model;
 
 use crate::Numbers;
-use crate::stage::layers;
+use crate::stage::{ball, glass, layers, metal, with_all_bounces};
 
 const TEXT: &str = "
 fn answer(words: array<vec4<u32>, 13>) -> array<vec4<u32>, 5> {
@@ -21,7 +21,7 @@ fn answer(words: array<vec4<u32>, 13>) -> array<vec4<u32>, 5> {
         f[7].x, f[7].y, f[7].z, (words[7].w & 1u) != 0u, f[8], f[6].z, f[9], f[6].w, f[5].z, f[10], (words[7].w & 2u) != 0u,
         f[11], f[5].w, (words[7].w & 4u) != 0u, f[6].x, f[6].y, f[12].xyz,
     );
-    let bsdf = Bsdf(words[0].x, f[0].yz, f[1], f[2], words[0].w == 1u);
+    let bsdf = Bsdf(words[0].x, f[0].yz, f[1], f[2], (words[0].w & 1u) != 0u, (words[0].w & 2u) != 0u, vec2<f32>(f[4].w, f[12].w));
     view_bsdf(bsdf, f[3].xyz);
     let scattering = eval_bsdf(bsdf, f[3].xyz, f[4].xyz);
     let sample = sample_bsdf(bsdf, f[3].xyz, f[3].w, f[5].xy);
@@ -45,7 +45,25 @@ struct Case {
     roughness: [f32; 2],
     parameters: [SampledSpectrum; 2],
     is_dispersive: bool,
+    is_compensated: bool,
+    /// Index of cube corners, and their mean active part.
+    corners: [f32; 2],
     layers: Layered,
+}
+
+/// A model without layers.
+fn case(name: &'static str, bsdf: Bsdf, model: u32, roughness: [f32; 2], parameters: [SampledSpectrum; 2]) -> Case {
+    Case {
+        name,
+        bsdf,
+        model,
+        roughness,
+        parameters,
+        is_dispersive: false,
+        is_compensated: false,
+        corners: [0.0; 2],
+        layers: Layered::default(),
+    }
 }
 
 fn cases() -> Vec<Case> {
@@ -53,15 +71,6 @@ fn cases() -> Vec<Case> {
     let (eta, k) = (SampledSpectrum::from([0.2, 0.9, 1.4, 0.05]), SampledSpectrum::from([3.1, 2.4, 1.9, 4.2]));
     let index = SampledSpectrum::from([1.52, 1.53, 1.55, 1.5]);
     let zero = SampledSpectrum::ZERO;
-    let case = |name, bsdf, model, roughness, parameters| Case {
-        name,
-        bsdf,
-        model,
-        roughness,
-        parameters,
-        is_dispersive: false,
-        layers: Layered::default(),
-    };
     let mut all = vec![
         case("diffuse", Bsdf::Diffuse(Diffuse { reflectance: a }), model::DIFFUSE, [0.0; 2], [a, zero]),
         case(
@@ -98,7 +107,18 @@ fn cases() -> Vec<Case> {
     ];
     for [x, y] in [[0.0f32; 2], [0.05, 0.05], [0.3, 0.6], [0.9, 0.2], [0.5, 0.5]] {
         let distribution = Ggx::new(x, y);
+        let is_rough = x > 0.0;
         let metal = Conductor { eta, k, distribution, energy_compensation: false };
+        let full = Conductor { energy_compensation: true, ..metal };
+        let case_of_full = case("metal with all bounces", Bsdf::Conductor(full), model::CONDUCTOR, [x, y], [eta, k]);
+        all.push(Case { is_compensated: is_rough, ..case_of_full });
+        for (white, index) in [(b, 1.5), (SampledSpectrum::ZERO, 1.0)] {
+            let corners = CubeCorners::new(index);
+            let sheeting = Retroreflective { retroreflectance: a, reflectance: white, corners, distribution };
+            let sheeting = Bsdf::Retroreflective(sheeting);
+            let case = case("sheeting", sheeting, model::RETROREFLECTIVE, [x, y], [a, white]);
+            all.push(Case { corners: corners.numbers(), ..case });
+        }
         for (name, layers) in all_layers(a, b) {
             let layers = Layered { base_colour: a, f0: b, distribution, ..layers };
             let case = case(name, Bsdf::Layered(layers), model::LAYERED, [x, y], [a, b]);
@@ -113,6 +133,9 @@ fn cases() -> Vec<Case> {
             let glass = Dielectric { index, distribution, energy_compensation: false };
             let case = case("glass", Bsdf::Dielectric(glass), model::DIELECTRIC, [x, y], [eta, zero]);
             all.push(Case { is_dispersive: dispersive, ..case });
+            let full = Bsdf::Dielectric(Dielectric { energy_compensation: true, ..glass });
+            let case_of_full = self::case("glass with all bounces", full, model::DIELECTRIC, [x, y], [eta, zero]);
+            all.push(Case { is_dispersive: dispersive, is_compensated: is_rough, ..case_of_full });
         }
     }
     all
@@ -124,15 +147,15 @@ struct Draw([Vec3; 2], [f32; 3]);
 impl Case {
     /// Words of a draw as the kernel takes them.
     fn words(&self, Draw([wo, wi], [u_lobe, u @ ..]): &Draw) -> [[u32; 4]; 13] {
-        let ([index, sheen], more, [a, b, c, d, e, f]) = layer_words(&self.layers);
+        let ([index, sheen], more, [a, b, c, d, e, [x_coat, y_coat, z_coat, _]]) = layer_words(&self.layers);
         let [first, second] = self.parameters.map(|s| s.to_array().map(f32::to_bits));
         let [x, y] = self.roughness.map(f32::to_bits);
         [
-            [self.model, x, y, u32::from(self.is_dispersive)],
+            [self.model, x, y, u32::from(self.is_dispersive) | u32::from(self.is_compensated) << 1],
             first,
             second,
             [wo.x, wo.y, wo.z, *u_lobe].map(f32::to_bits),
-            [wi.x, wi.y, wi.z, 0.0].map(f32::to_bits),
+            [wi.x, wi.y, wi.z, self.corners[0]].map(f32::to_bits),
             [u[0], u[1], index, sheen].map(f32::to_bits),
             more.map(f32::to_bits),
             a,
@@ -140,7 +163,7 @@ impl Case {
             c,
             d,
             e,
-            f,
+            [x_coat, y_coat, z_coat, self.corners[1].to_bits()],
         ]
     }
 }
@@ -212,8 +235,11 @@ fn near(found: f32, expected: f32, part: f32, floor: f32) -> bool {
 #[test]
 fn models_scatter_as_on_the_processor() {
     let Some(card) = crate::card() else { return };
-    // Its tables hold the albedos of facets.
-    let scene = layers().build().packed().expect("a scene that cards render");
+    // Its tables hold all albedos.
+    let [metal, glass] = [metal("Cu", 0.5), glass(Dispersion::constant(1.5), 0.5)].map(with_all_bounces);
+    let (ball, still) = (|| ball(4, 0.0, true), [DAffine3::IDENTITY]);
+    let scene = layers().add("metal", metal, ball(), &still).add("glass", glass, ball(), &still);
+    let scene = scene.build().packed().expect("a scene that cards render");
     let mut numbers = Numbers(11);
     let mut draw = || {
         let draws =
@@ -232,7 +258,11 @@ fn models_scatter_as_on_the_processor() {
         let part = if x > 0.0 { 3e-6 / (narrowest * narrowest) } else { 2e-5 };
         // The facet of a refraction is as uncertain as one over |η − 1|, and more where both directions graze it; films
         // amplify the rounding of cosines by the waves that they hold back.
-        let part = if name == "glass" || layers.volume.is_some() || layers.film.is_some() { 5.0 * part } else { part };
+        let part = if name.starts_with("glass") || layers.volume.is_some() || layers.film.is_some() {
+            5.0 * part
+        } else {
+            part
+        };
         let mut flipped = 0;
         for (Draw([wo, wi], [u_lobe, u @ ..]), words) in draws.iter().zip(found.by_ref()) {
             let [f, pdfs, sample_f, sample_wi, [flags, ..]] = words;
@@ -259,8 +289,10 @@ fn models_scatter_as_on_the_processor() {
             assert!(apart < 2e-4, "{at}: {sample_wi:?} for {:?}", sample.wi);
             assert!(near(pdfs[1], sample.pdf.0, 10.0 * part, 1e-2), "{at}: density {} for {}", pdfs[1], sample.pdf.0);
             assert!(near(pdfs[2], sample.eta, 1e-6, 1.0), "{at}: index {} for {}", pdfs[2], sample.eta);
+            // With the cosine: a tilted coat's value grows without end towards the horizon.
             for (found, expected) in sample_f.iter().zip(sample.f.to_array()) {
-                assert!(near(*found, expected, 10.0 * part, 1e-2), "{at}: {found} for {expected}");
+                let [found, expected] = [found * sample_wi[2].abs(), expected * sample.wi.z.abs()];
+                assert!(near(found, expected, 10.0 * part, 1e-2), "{at}: {found} for {expected}");
             }
         }
         assert!(flipped <= 2, "{name} {x} {y}: {flipped} of {} draws go another way", draws.len());

@@ -5,14 +5,15 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec2, Vec3, Vec4};
 use photosite_core::spectrum::{Dispersion, Spectrum, library};
+use photosite_transport::bsdf::CubeCorners;
 use photosite_transport::geometry::QuadricKind;
 use photosite_transport::light::{DirectionalLight, GaussianBeam, PointLight, Profile, Projector, SpotLight};
 use photosite_transport::scene::description::{
     AlphaMode, AnisotropyDescription, Channel, CoatDescription, Colour, Conductor, Dielectric, Diffuse,
     EmissionDescription, EnvironmentDescription, FilmDescription, ImageLevel, InstanceDescription, LayeredDescription,
-    LightDescription, LightKind, MaterialDescription, MaterialModel, MeshDescription, Mix, OrenNayar, Phong, Roughness,
-    SceneDescription, ShapeDescription, TextureDescription, TexturedColour, TexturedFactor, ThinDielectric,
-    Translucent,
+    LightDescription, LightKind, MaterialDescription, MaterialModel, MeshDescription, Mix, OrenNayar, Phong,
+    Retroreflective, Roughness, SceneDescription, ShapeDescription, TextureDescription, TexturedColour, TexturedFactor,
+    ThinDielectric, Translucent,
 };
 use photosite_transport::scene::{Scene, build};
 use photosite_transport::texture::{Bitmap, Filter, SamplerSettings, Texels, UvTransform, Wrap};
@@ -44,6 +45,27 @@ pub(crate) fn glass(index: Dispersion, roughness: f32) -> MaterialModel {
 
 pub(crate) fn light(level: f64) -> EmissionDescription {
     EmissionDescription { colour: Colour::Rgb([1.0, 0.8, 0.6]), level: Some(level), texture: None }
+}
+
+/// The same material with the light that bounces more than once between facets.
+pub(crate) fn with_all_bounces(mut model: MaterialModel) -> MaterialModel {
+    if let MaterialModel::Conductor(metal) = &mut model {
+        metal.energy_compensation = true;
+    }
+    if let MaterialModel::Dielectric(glass) = &mut model {
+        glass.energy_compensation = true;
+    }
+    model
+}
+
+/// Sheeting of a road sign.
+pub(crate) fn sheeting() -> MaterialModel {
+    MaterialModel::Retroreflective(Retroreflective {
+        retroreflectance: grey(0.6),
+        reflectance: grey(0.3),
+        corners: CubeCorners::new(1.5),
+        distribution: Roughness::isotropic(0.2),
+    })
 }
 
 /// A square about a centre, its front towards x × y.
@@ -321,12 +343,19 @@ pub(crate) fn everything() -> Stage {
     stage
 }
 
-/// Matt and shiny things in the sun, which is low.
+/// Matt and shiny things and a road sign in the sun, which is low.
 pub(crate) fn outdoors() -> Stage {
     let still = DAffine3::IDENTITY;
     Stage::default()
         .add("ground", diffuse([0.5, 0.4, 0.3]), square(Vec3::ZERO, 3.0 * Vec3::Z, 3.0 * Vec3::X), &[still])
-        .add("ball", metal("Cu", 0.5), ball(12, 0.05, true), &[placed([-0.8, 0.5, 0.2], 0.5)])
+        .add("ball", with_all_bounces(metal("Cu", 0.7)), ball(12, 0.05, true), &[placed([-0.8, 0.5, 0.2], 0.5)])
+        .add("sign", sheeting(), square(Vec3::new(1.2, 0.9, 0.6), 0.3 * Vec3::X, 0.3 * Vec3::Y), &[still])
+        .add(
+            "frost",
+            with_all_bounces(glass(Dispersion::constant(1.6), 0.7)),
+            ball(8, 0.1, true),
+            &[placed([0.5, 0.3, 1.4], 0.25)],
+        )
         .add("stone", diffuse([0.7; 3]), ball(10, 0.1, false), &[placed([0.9, 0.4, -0.5], 0.45)])
         .add(
             "leaf",

@@ -85,6 +85,11 @@ impl CubeCorners {
         Self { mean: (sum / STEPS as f64) as f32, ..corners }
     }
 
+    /// Index, and mean active part.
+    pub fn numbers(&self) -> [f32; 2] {
+        [self.index, self.mean]
+    }
+
     /// Active part a, the part of the light at the cosine `cos` to the normal that enters a corner and leaves it, 0–1.
     #[inline]
     pub fn active_part(&self, cos: f32) -> f32 {

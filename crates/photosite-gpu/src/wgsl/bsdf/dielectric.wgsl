@@ -1,7 +1,58 @@
-// Clear media; photosite-transport's bsdf/dielectric.rs, without energy compensation.
+// Clear media; photosite-transport's bsdf/dielectric.rs.
+
+const HAS_GLASS_BOUNCES = (SCENE_FEATURES & GLASS_BOUNCES) != 0u;
 
 fn is_delta_dielectric(bsdf: Bsdf) -> bool {
     return is_delta_interface(bsdf.first.x, bsdf.roughness);
+}
+
+/// Light that bounces more than once between facets: what one bounce leaves of wo, the factors of reflection and
+/// transmission, and the part that crosses.
+struct GlassBounces {
+    left: f32,
+    scales: vec2<f32>,
+    crossing: f32,
+}
+
+/// Bounces between facets that `wo` sees from above; nothing is left where the model leaves them out.
+fn glass_bounces(bsdf: Bsdf, eta: f32, wo: vec3<f32>) -> GlassBounces {
+    if (!HAS_GLASS_BOUNCES || !bsdf.is_compensated) {
+        return GlassBounces(0.0, vec2<f32>(0.0), 0.0);
+    }
+    let mean = 1.0 - glass_albedo(eta, bsdf.roughness, Sight(vec3<f32>(0.0, 0.0, 1.0), true));
+    let most = max(mean.x, mean.y);
+    if (most <= NOTHING_LEFT) {
+        return GlassBounces(0.0, vec2<f32>(0.0), 0.0);
+    }
+    let shares = shared_out(1.0, eta, vec4<f32>(mean.x), vec4<f32>(mean.y));
+    let crossing = (1.0 - mean_dielectric(eta)) * mean.y / most;
+    let left = max(1.0 - glass_albedo(eta, bsdf.roughness, Sight(wo, false)).x, 0.0);
+    return GlassBounces(left, vec2<f32>(shares[0].x, shares[1].x), crossing);
+}
+
+/// Value and density of one bounce at facets, wo above them; `eval_rough`.
+fn eval_glass_facets(bsdf: Bsdf, eta: f32, wo: vec3<f32>, wi: vec3<f32>) -> vec2<f32> {
+    if (wi.z > 0.0) {
+        let kernel = reflection(bsdf.roughness, wo, wi);
+        return vec2<f32>(kernel.value, kernel.pdf) * interface_of(kernel.cos_facet, eta).reflectance;
+    }
+    var facet = refracting_facet(wo, wi, eta);
+    if (!(facet.cos_o > 0.0 && facet.cos_i > 0.0)) {
+        return vec2<f32>(0.0);
+    }
+    facet.transmittance = interface_between(min(facet.cos_o, 1.0), min(facet.cos_i, 1.0), eta).transmittance;
+    return refraction(bsdf.roughness, wo, wi, facet);
+}
+
+/// Value and density of both lobes together, of which the facets' own are given.
+fn with_glass_bounces(bsdf: Bsdf, bounces: GlassBounces, eta: f32, wi: vec3<f32>, facets: vec2<f32>) -> vec2<f32> {
+    let cosine = abs(wi.z);
+    let is_behind = wi.z < 0.0;
+    let bounced = glass_albedo(eta, bsdf.roughness, Sight(vec3<f32>(wi.xy, cosine), false));
+    let other = max(1.0 - select(bounced.x, bounced.y, is_behind), 0.0);
+    let share = select(1.0 - bounces.crossing, bounces.crossing, is_behind);
+    let value = select(bounces.scales.x, bounces.scales.y, is_behind) * bounces.left * other;
+    return vec2<f32>(facets.x + value, (1.0 - bounces.left) * facets.y + bounces.left * share * cosine * FRAC_1_PI);
 }
 
 fn eval_dielectric(bsdf: Bsdf, wo_seen: vec3<f32>, wi_seen: vec3<f32>) -> BsdfEval {
@@ -12,18 +63,37 @@ fn eval_dielectric(bsdf: Bsdf, wo_seen: vec3<f32>, wi_seen: vec3<f32>) -> BsdfEv
     let eta = select(bsdf.first.x, 1.0 / bsdf.first.x, is_below);
     let wo = select(wo_seen, mirrored(wo_seen), is_below);
     let wi = select(wi_seen, mirrored(wi_seen), is_below);
-    if (wi.z > 0.0) {
-        let kernel = reflection(bsdf.roughness, wo, wi);
-        let reflectance = interface_of(kernel.cos_facet, eta).reflectance;
-        return BsdfEval(lanes_of(kernel.value * reflectance, bsdf.is_dispersive), kernel.pdf * reflectance);
+    var both = eval_glass_facets(bsdf, eta, wo, wi);
+    if (HAS_GLASS_BOUNCES) {
+        let bounces = glass_bounces(bsdf, eta, wo);
+        if (bounces.left > 0.0) {
+            both = with_glass_bounces(bsdf, bounces, eta, wi, both);
+        }
     }
-    var facet = refracting_facet(wo, wi, eta);
-    if (!(facet.cos_o > 0.0 && facet.cos_i > 0.0)) {
-        return no_scattering();
-    }
-    facet.transmittance = interface_between(min(facet.cos_o, 1.0), min(facet.cos_i, 1.0), eta).transmittance;
-    let both = refraction(bsdf.roughness, wo, wi, facet);
     return BsdfEval(lanes_of(both.x, bsdf.is_dispersive), both.y);
+}
+
+/// Either lobe in proportion to the light that it gives back, wo above the facets; `Bounces::sample`.
+fn sample_bounced_dielectric(bsdf: Bsdf, bounces: GlassBounces, eta: f32, wo: vec3<f32>, u_lobe: f32, u: vec2<f32>) -> BsdfSample {
+    let facets = 1.0 - bounces.left;
+    var wi: vec3<f32>;
+    if (u_lobe < facets) {
+        let facet = sample_rough_dielectric(bsdf, eta, wo, u_lobe / facets, u);
+        if (!(facet.pdf > 0.0)) {
+            return no_sample();
+        }
+        wi = facet.wi;
+    } else {
+        let spread = cosine_hemisphere(u);
+        wi = select(spread, mirrored(spread), u_lobe - facets < bounces.left * bounces.crossing);
+    }
+    if (is_grazing(wi)) {
+        return no_sample();
+    }
+    let both = with_glass_bounces(bsdf, bounces, eta, wi, eval_glass_facets(bsdf, eta, wo, wi));
+    let is_transmission = wi.z < 0.0;
+    let f = lanes_of(both.x, bsdf.is_dispersive);
+    return BsdfSample(f, both.y, wi, select(1.0, eta, is_transmission), false, is_transmission, bsdf.is_dispersive);
 }
 
 /// A smooth interface, with wo above it.
@@ -83,7 +153,12 @@ fn sample_dielectric(bsdf: Bsdf, wo_seen: vec3<f32>, u_lobe: f32, u: vec2<f32>) 
     if (is_delta_dielectric(bsdf)) {
         sample = sample_smooth_dielectric(eta, bsdf.is_dispersive, wo, u_lobe);
     } else {
-        sample = sample_rough_dielectric(bsdf, eta.x, wo, u_lobe, u);
+        let bounces = glass_bounces(bsdf, eta.x, wo);
+        if (HAS_GLASS_BOUNCES && bounces.left > 0.0) {
+            sample = sample_bounced_dielectric(bsdf, bounces, eta.x, wo, u_lobe, u);
+        } else {
+            sample = sample_rough_dielectric(bsdf, eta.x, wo, u_lobe, u);
+        }
     }
     sample.wi = select(sample.wi, mirrored(sample.wi), is_below);
     return sample;

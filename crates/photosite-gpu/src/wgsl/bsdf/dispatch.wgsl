@@ -14,6 +14,7 @@ fn eval_bsdf(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
         case MODEL_DIELECTRIC: { return eval_dielectric(bsdf, wo, wi); }
         case MODEL_OREN_NAYAR: { return eval_oren_nayar(bsdf, wo, wi); }
         case MODEL_PHONG: { return eval_phong(bsdf, wo, wi); }
+        case MODEL_RETROREFLECTIVE: { return eval_retroreflective(bsdf, wo, wi); }
         case MODEL_TRANSLUCENT: { return eval_translucent(bsdf, wo, wi); }
         case MODEL_LAYERED: { if (HAS_LAYERED) { return eval_layered(bsdf, wi); } }
         // A pane scatters into single directions.
@@ -25,10 +26,11 @@ fn eval_bsdf(bsdf: Bsdf, wo: vec3<f32>, wi: vec3<f32>) -> BsdfEval {
 fn sample_bsdf(bsdf: Bsdf, wo: vec3<f32>, u_lobe: f32, u: vec2<f32>) -> BsdfSample {
     switch bsdf.model {
         case MODEL_DIFFUSE: { return sample_diffuse(bsdf, wo, u); }
-        case MODEL_CONDUCTOR: { return sample_conductor(bsdf, wo, u); }
+        case MODEL_CONDUCTOR: { return sample_conductor(bsdf, wo, u_lobe, u); }
         case MODEL_DIELECTRIC: { return sample_dielectric(bsdf, wo, u_lobe, u); }
         case MODEL_OREN_NAYAR: { return sample_oren_nayar(bsdf, wo, u_lobe, u); }
         case MODEL_PHONG: { return sample_phong(bsdf, wo, u_lobe, u); }
+        case MODEL_RETROREFLECTIVE: { return sample_retroreflective(bsdf, wo, u_lobe, u); }
         case MODEL_TRANSLUCENT: { return sample_translucent(bsdf, wo, u_lobe, u); }
         case MODEL_LAYERED: { if (HAS_LAYERED) { return sample_layered(bsdf, u_lobe, u); } }
         default: { return sample_thin_dielectric(bsdf, wo, u_lobe); }
@@ -53,7 +55,7 @@ fn straight(bsdf: Bsdf, wo: vec3<f32>) -> vec4<f32> {
 
 /// Whether sampling chooses among lobes, so that its first random number matters.
 fn has_lobes(bsdf: Bsdf) -> bool {
-    return bsdf.model != MODEL_DIFFUSE && bsdf.model != MODEL_CONDUCTOR;
+    return bsdf.model != MODEL_DIFFUSE && (bsdf.model != MODEL_CONDUCTOR || bsdf.is_compensated);
 }
 
 fn transmits(bsdf: Bsdf) -> bool {
@@ -80,6 +82,7 @@ fn is_delta(bsdf: Bsdf) -> bool {
         case MODEL_DIELECTRIC: { return is_delta_dielectric(bsdf); }
         case MODEL_LAYERED: { return is_delta_layered(bsdf); }
         case MODEL_THIN_DIELECTRIC: { return true; }
+        case MODEL_RETROREFLECTIVE: { return is_smooth(bsdf.roughness) && all(bsdf.second == vec4<f32>(0.0)); }
         default: { return false; }
     }
 }

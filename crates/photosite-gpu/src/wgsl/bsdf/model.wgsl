@@ -11,6 +11,10 @@ struct Bsdf {
     /// Extinction coefficient k; transmittance; specular reflectance.
     second: vec4<f32>,
     is_dispersive: bool,
+    /// Whether light counts that bounces more than once between facets.
+    is_compensated: bool,
+    /// Index of cube corners, and their mean active part.
+    corners: vec2<f32>,
 }
 
 struct BsdfEval {

@@ -51,28 +51,29 @@ pub struct AlbedoSections {
 }
 
 impl AlbedoSections {
-    /// Lays out the tables that materials of these layers need ([`flag`]); `section` adds numbers and returns their place.
-    pub(crate) fn of(layers: u32, mut section: impl FnMut(Vec<f32>) -> u32) -> Self {
-        let mut table = |needed: u32, numbers: fn() -> Vec<f32>| {
-            section(if layers & needed == needed { numbers() } else { Vec::new() })
-        };
-        let glass = flag::TRANSMISSION | flag::VOLUME;
+    /// Lays out the tables that scenes of these features need ([`flag`]); `section` adds numbers and returns their place.
+    pub(crate) fn of(features: u32, mut section: impl FnMut(Vec<f32>) -> u32) -> Self {
+        let has = |all: u32| features & all == all;
+        let mut table =
+            |is_needed: bool, numbers: fn() -> Vec<f32>| section(if is_needed { numbers() } else { Vec::new() });
+        let has_grooves = has(flag::GROOVES);
+        let has_glass = has(flag::TRANSMISSION | flag::VOLUME) || has(flag::GLASS_BOUNCES);
         Self {
             facets: [
-                table(flag::ANY, || of_grids([reflection::isotropic()])),
-                table(flag::GROOVES, || of_azimuthal(reflection::anisotropic())),
+                table(has(flag::ANY) || has(flag::METAL_BOUNCES), || of_grids([reflection::isotropic()])),
+                table(has_grooves, || of_azimuthal(reflection::anisotropic())),
             ],
-            film: table(flag::FILM, || of_grids([film::table()])),
+            film: table(has(flag::FILM), || of_grids([film::table()])),
             hidden: [
-                table(flag::COAT, || of_grids(Hidden::of_coats())),
-                table(flag::SHEEN, || of_grids(Hidden::of_sheens())),
+                table(has(flag::COAT), || of_grids(Hidden::of_coats())),
+                table(has(flag::SHEEN), || of_grids(Hidden::of_sheens())),
             ],
-            sheen: table(flag::SHEEN, || of_grids([sheen_grid()])),
+            sheen: table(has(flag::SHEEN), || of_grids([sheen_grid()])),
             glass: [
-                table(glass, || of_grids(glass::isotropic())),
-                table(glass | flag::GROOVES, || of_azimuthal(glass::anisotropic())),
+                table(has_glass, || of_grids(glass::isotropic())),
+                table(has_glass && has_grooves, || of_azimuthal(glass::anisotropic())),
             ],
-            film_glass: table(glass | flag::FILM, || of_grids(thin_film_glass::table().iter().flatten())),
+            film_glass: table(has_glass && has(flag::FILM), || of_grids(thin_film_glass::table().iter().flatten())),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! glTF's material as plain data, and what its extensions add to it.
 
-use super::materials::{MODEL_WORDS, colour_words, model, normal_map_word};
+use super::words::{MODEL_WORDS, colour_words, model, normal_map_word};
+use crate::bsdf::Ggx;
 use crate::geometry::{NONE, Word};
 use crate::light::packed::colour;
 use crate::scene::{FactorSource, LayeredMaterial};
@@ -10,7 +11,7 @@ use crate::scene::{FactorSource, LayeredMaterial};
 /// its roughness and its normal map.
 pub const LAYER_WORDS: usize = 14;
 
-/// Features of scenes: the layers that any of their materials has, and panes.
+/// Features of scenes: the layers that any of their materials has, panes, and light that bounces between facets.
 pub mod flag {
     /// Any material of glTF.
     pub const ANY: u32 = 1;
@@ -32,6 +33,10 @@ pub mod flag {
     pub const COAT: u32 = 256;
     /// Surfaces that light from sources without a surface passes straight on.
     pub const PANES: u32 = 512;
+    /// Light that bounces more than once between facets of metal.
+    pub const METAL_BOUNCES: u32 = 1024;
+    /// Light that bounces more than once between facets of glass.
+    pub const GLASS_BOUNCES: u32 = 2048;
 }
 
 /// Words of what extensions add to the materials of a scene, and the layers that any of these has.
@@ -42,6 +47,16 @@ pub(super) struct PackedLayers {
 }
 
 impl PackedLayers {
+    /// Adds a feature of facets on which light bounces more than once, and returns whether they are such.
+    pub(super) fn add_bounces(&mut self, is_compensated: bool, distribution: &Ggx, feature: u32) -> u32 {
+        let [x, y] = distribution.alpha();
+        let counts = is_compensated && !distribution.is_smooth();
+        if counts {
+            self.flags |= feature | if x == y { 0 } else { flag::GROOVES };
+        }
+        u32::from(counts)
+    }
+
     /// Adds a material, and returns its model with the number of what its extensions add, [`NONE`] without any.
     pub(super) fn add(&mut self, m: &LayeredMaterial) -> [Word; MODEL_WORDS] {
         let own = flags(m);

@@ -1,42 +1,20 @@
-//! Materials as plain data, with the table of the models that have a packed form.
+//! Materials as plain data.
 
-use super::layers::PackedLayers;
+use super::layers::{PackedLayers, flag};
+pub use super::words::model;
+use super::words::{MODEL_WORDS, colour_words, normal_map_word, spectrum};
 use crate::bsdf::{
-    Conductor, Dielectric, Diffuse, Ggx, Mix, Model, OrenNayar, Phong, RelativeIndex, ThinDielectric, Translucent,
+    Conductor, Dielectric, Diffuse, Ggx, Mix, Model, OrenNayar, Phong, RelativeIndex, Retroreflective, ThinDielectric,
+    Translucent,
 };
 use crate::geometry::{NONE, Word};
-use crate::light::packed::{colour, emission_words};
-use crate::scene::{Alpha, ColourSource, Material, NormalMap, ScatteringModel, Scene, Tabled};
-use photosite_core::Invalid;
+use crate::light::packed::emission_words;
+use crate::scene::{Alpha, Material, ScatteringModel, Scene, Tabled};
 use photosite_core::spectrum::SpectrumId;
 
 /// Words of a material: model and roughness; two parameters with the factor of each; two factors that textures scale; its
 /// alpha; what it emits; its normal map, and the spectrum of what absorbs behind it.
 pub const MATERIAL_WORDS: usize = MODEL_WORDS + 4;
-/// Words of a model.
-pub(super) const MODEL_WORDS: usize = 7;
-
-/// Numbers of the models in packed materials.
-pub mod model {
-    /// Lambert's law.
-    pub const DIFFUSE: u32 = 0;
-    /// A metal.
-    pub const CONDUCTOR: u32 = 1;
-    /// A clear medium.
-    pub const DIELECTRIC: u32 = 2;
-    /// A diffuse surface with relief.
-    pub const OREN_NAYAR: u32 = 3;
-    /// Phong's model.
-    pub const PHONG: u32 = 4;
-    /// A thin diffuse sheet.
-    pub const TRANSLUCENT: u32 = 5;
-    /// A polished pane.
-    pub const THIN_DIELECTRIC: u32 = 6;
-    /// Mix of two materials.
-    pub const MIX: u32 = 7;
-    /// glTF's material.
-    pub const LAYERED: u32 = 8;
-}
 
 /// Numbers of the modes of alpha.
 pub mod alpha {
@@ -50,7 +28,7 @@ pub mod alpha {
 
 impl Scene {
     /// The materials, and behind them those that mixes are made of; and what glTF's extensions add to theirs.
-    pub(super) fn packed_materials(&self) -> Result<(Vec<Word>, PackedLayers), Invalid> {
+    pub(super) fn packed_materials(&self) -> (Vec<Word>, PackedLayers) {
         let mut layers = PackedLayers::default();
         let mut words: Vec<Word> = Vec::new();
         // Models of mixes come behind all materials, whose numbers stay what they are.
@@ -58,7 +36,7 @@ impl Scene {
         let first = self.materials.len();
         for material in &self.materials {
             let Material { model, normal_map, emission, alpha, absorption } = material;
-            words.extend(self.model_words(model, first, &mut more, &mut layers)?);
+            words.extend(self.model_words(model, first, &mut more, &mut layers));
             words.push(alpha_word(alpha));
             words.extend(emission_words(emission.as_ref()));
             let [map, scale, ..] = normal_map_word(*normal_map);
@@ -66,14 +44,14 @@ impl Scene {
         }
         let mut next = 0;
         while let Some(&model) = more.get(next) {
-            let own = self.model_words(model, first, &mut more, &mut layers)?;
+            let own = self.model_words(model, first, &mut more, &mut layers);
             words.extend(own);
             words.push(alpha_word(&Alpha::Opaque));
             words.extend(emission_words(None));
             words.push([NONE, 0, NONE, 0]);
             next += 1;
         }
-        Ok((words, layers))
+        (words, layers)
     }
 
     /// A model with its parameters. Those that a mix is made of are numbered from `first` on.
@@ -83,62 +61,72 @@ impl Scene {
         first: usize,
         more: &mut Vec<&'a ScatteringModel>,
         layers: &mut PackedLayers,
-    ) -> Result<[Word; MODEL_WORDS], Invalid> {
-        let unknown = |what: &str| Err(Invalid::new("materials", format!("{what} not known to devices yet")));
+    ) -> [Word; MODEL_WORDS] {
         let none = [0; 4];
         let number = |x: f32| [x.to_bits(), 0, 0, 0];
         let [head, first_source, first_factor, second_source, second_factor] = match model {
             Model::Diffuse(Diffuse { reflectance }) => {
                 let [source, factor] = colour_words(reflectance);
-                [head(model::DIFFUSE, None), source, factor, none, none]
+                [head(model::DIFFUSE), source, factor, none, none]
             }
             Model::Conductor(Conductor { eta, k, distribution, energy_compensation }) => {
-                if *energy_compensation && !distribution.is_smooth() {
-                    return unknown("energy_compensation of rough metals is");
-                }
-                [head(model::CONDUCTOR, Some(distribution)), spectrum(*eta), none, spectrum(*k), none]
+                let bounces = layers.add_bounces(*energy_compensation, distribution, flag::METAL_BOUNCES);
+                [rough_head(model::CONDUCTOR, distribution, bounces), spectrum(*eta), none, spectrum(*k), none]
             }
             Model::Dielectric(Dielectric { index, distribution, energy_compensation }) => {
-                if *energy_compensation && !distribution.is_smooth() {
-                    return unknown("energy_compensation of rough glass is");
-                }
-                [head(model::DIELECTRIC, Some(distribution)), index_word(index), none, none, none]
+                let bounces = layers.add_bounces(*energy_compensation, distribution, flag::GLASS_BOUNCES);
+                [rough_head(model::DIELECTRIC, distribution, bounces), index_word(index), none, none, none]
             }
             Model::OrenNayar(OrenNayar { reflectance, roughness }) => {
                 let [source, factor] = colour_words(reflectance);
-                [head(model::OREN_NAYAR, None), source, factor, number(*roughness), none]
+                [head(model::OREN_NAYAR), source, factor, number(*roughness), none]
             }
             Model::Phong(Phong::<Tabled> { diffuse, specular, exponent }) => {
                 let ([a, b], [c, d]) = (colour_words(diffuse), colour_words(specular));
-                let [number, ..] = head(model::PHONG, None);
+                let [number, ..] = head(model::PHONG);
                 [[number, exponent.to_bits(), 0, 0], a, b, c, d]
             }
             Model::Translucent(Translucent { reflectance, transmittance }) => {
                 let ([a, b], [c, d]) = (colour_words(reflectance), colour_words(transmittance));
-                [head(model::TRANSLUCENT, None), a, b, c, d]
+                [head(model::TRANSLUCENT), a, b, c, d]
             }
             Model::ThinDielectric(ThinDielectric { index, transmittance }) => {
-                [head(model::THIN_DIELECTRIC, None), index_word(index), none, spectrum(*transmittance), none]
+                [head(model::THIN_DIELECTRIC), index_word(index), none, spectrum(*transmittance), none]
             }
-            Model::Retroreflective(_) => return unknown("retroreflective materials are"),
-            Model::Layered(layered) => return Ok(layers.add(&self.layered[*layered as usize])),
+            Model::Retroreflective(Retroreflective::<Tabled> {
+                retroreflectance,
+                reflectance,
+                corners,
+                distribution,
+            }) => {
+                let ([a, b], [c, d]) = (colour_words(retroreflectance), colour_words(reflectance));
+                let corners = corners.numbers().map(f32::to_bits);
+                let head = rough_head(model::RETROREFLECTIVE, distribution, 0);
+                return [head, a, b, c, d, [corners[0], corners[1], 0, 0], none];
+            }
+            Model::Layered(layered) => return layers.add(&self.layered[*layered as usize]),
             Model::Mix(mix) => {
                 let Mix { models, weight } = &self.mixes[*mix as usize];
                 let [a, b] = models.each_ref().map(|model| {
                     more.push(model);
                     (first + more.len() - 1) as u32
                 });
-                [head(model::MIX, None), [a, b, weight.to_bits(), 0], none, none, none]
+                [head(model::MIX), [a, b, weight.to_bits(), 0], none, none, none]
             }
         };
-        Ok([head, first_source, first_factor, second_source, second_factor, none, none])
+        [head, first_source, first_factor, second_source, second_factor, none, none]
     }
 }
 
-/// Number of a model, with the roughness of its microfacets.
-fn head(model: u32, distribution: Option<&Ggx>) -> Word {
-    let [x, y] = distribution.map_or([0.0; 2], Ggx::alpha);
-    [model, x.to_bits(), y.to_bits(), 0]
+/// Number of a model without microfacets.
+fn head(model: u32) -> Word {
+    [model, 0, 0, 0]
+}
+
+/// Number of a model, with the roughness of its microfacets and whether light bounces between them more than once.
+fn rough_head(model: u32, distribution: &Ggx, bounces: u32) -> Word {
+    let [x, y] = distribution.alpha().map(f32::to_bits);
+    [model, x, y, bounces]
 }
 
 /// Mode, factor, texture and threshold.
@@ -153,28 +141,6 @@ fn alpha_word(alpha: &Alpha) -> Word {
     }
 }
 
-/// Texture of a normal map and its scale.
-pub(super) fn normal_map_word(map: Option<NormalMap>) -> Word {
-    map.map_or([NONE, 0, 0, 0], |map| [map.texture, map.scale.to_bits(), 0, 0])
-}
-
-fn spectrum(id: SpectrumId) -> Word {
-    [colour::SPECTRUM, id.number(), NONE, 0]
-}
-
 fn index_word(index: &RelativeIndex<SpectrumId>) -> Word {
     [index.eta.number(), u32::from(index.dispersive), u32::from(index.is_one), 0]
-}
-
-/// Kind of a colour with its spectrum and texture, and its factor.
-pub(super) fn colour_words(source: &ColourSource) -> [Word; 2] {
-    match *source {
-        ColourSource::Spectrum(id) => [spectrum(id), [0; 4]],
-        ColourSource::Texture { factor: [r, g, b], texture } => {
-            [[colour::TEXTURE, NONE, texture, 0], [r.to_bits(), g.to_bits(), b.to_bits(), 0]]
-        }
-        ColourSource::SpectrumTexture { spectrum, texture } => {
-            [[colour::SPECTRUM_TEXTURE, spectrum.number(), texture, 0], [0; 4]]
-        }
-    }
 }

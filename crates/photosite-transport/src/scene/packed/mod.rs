@@ -13,6 +13,7 @@
 
 pub mod layers;
 pub mod materials;
+mod words;
 
 pub use crate::bsdf::albedo_tables as albedos;
 pub use crate::geometry::packed::{self as hierarchy, NONE, Word};
@@ -127,7 +128,7 @@ impl Scene {
             textures.add(texture);
         }
         let (lights, light_tables) = self.lights.packed(&self.geometry, &mut textures, &mut motions);
-        let (materials, of_gltf) = self.packed_materials()?;
+        let (materials, of_gltf) = self.packed_materials();
         let mut tables = Vec::new();
         let mut section = |words: Vec<Word>| {
             let first = tables.len() as u32;

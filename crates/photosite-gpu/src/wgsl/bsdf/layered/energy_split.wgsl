@@ -55,7 +55,6 @@ struct LayeredView {
 
 const SEEN = 0u;
 const MEAN = 1u;
-const NOTHING_LEFT = 1e-5f;
 
 fn at_least_zero(s: vec4<f32>) -> vec4<f32> {
     return max(s, vec4<f32>(0.0));
@@ -135,24 +134,6 @@ fn energy_split(bsdf: Bsdf, sight: Sight) -> EnergySplit {
     );
 }
 
-/// Mean of the reflectance of an interface of two clear media over the hemisphere; `mean_dielectric`.
-fn mean_dielectric(eta: f32) -> f32 {
-    let denser = select(eta, 1.0 / eta, eta < 1.0);
-    let mean = (denser - 1.0) / (4.08567 + 1.00071 * denser);
-    return select(mean, 1.0 - eta * eta * (1.0 - mean), eta < 1.0);
-}
-
-/// Shares of what one bounce at an interface leaves, on that side and on the other; `shared_out`.
-fn shared_out(part: f32, eta: f32, here: vec4<f32>, there: vec4<f32>) -> array<vec4<f32>, 2> {
-    let let_in = 1.0 - mean_dielectric(eta);
-    let most = max(here, there);
-    let is_something = most > vec4<f32>(NOTHING_LEFT);
-    let crossing = let_in * there / most;
-    let own = part * FRAC_1_PI * (1.0 - crossing) / max(here, vec4<f32>(NOTHING_LEFT));
-    let other = part * FRAC_1_PI * let_in / (most * eta * eta);
-    return array<vec4<f32>, 2>(select(vec4<f32>(0.0), own, is_something), select(vec4<f32>(0.0), other, is_something));
-}
-
 fn per_mean(mean: vec4<f32>) -> vec4<f32> {
     return select(vec4<f32>(0.0), FRAC_1_PI / mean, mean > vec4<f32>(NOTHING_LEFT));
 }
@@ -168,7 +149,7 @@ fn spread_layers(bsdf: Bsdf) {
         let f = mean_facet_reflectance(base_colour);
         let albedo = facet_albedo(bsdf.roughness, Sight(vec3<f32>(0.0, 0.0, 1.0), true));
         let e = albedo.x + albedo.y;
-        bounced += f * f * (parts.x * e) / (1.0 - f * (1.0 - e));
+        bounced += further_bounces(parts.x, f, e);
     }
     var passed = vec4<f32>(0.0);
     var glass = array<vec4<f32>, 2>(vec4<f32>(0.0), vec4<f32>(0.0));
