@@ -48,6 +48,17 @@ fn data_sets_take_devices_as_renders_do() {
     assert_eq!(identity("one"), identity("auto"));
 }
 
+/// The live view takes the device as a render does, and refuses it where no light is traced.
+#[test]
+fn the_view_takes_a_device_for_what_it_traces() {
+    let folder = room("[render]\nsamples_per_pixel = 2\n");
+    folder.succeed("render capture.toml -o one");
+    folder.fail("view one/raw.dng --device auto", 2, &["--device", "capture file or a scene"]);
+    folder.fail("view capture.toml --device cuda", 2, &["photosite devices"]);
+    #[cfg(not(feature = "gpu"))]
+    folder.fail("view capture.toml --device gpu", 2, &["built without graphics cards", "--features gpu"]);
+}
+
 /// Parts of a device and of the processor are not of one render, by the device that stands in their provenance.
 #[test]
 fn parts_of_two_devices_are_not_merged() {

@@ -12,8 +12,8 @@ use super::print::println_out;
 use super::scene_args::SceneArgs;
 use super::shorthands::Shorthands;
 use photosite_capture::FileKind;
-use photosite_core::{Result, Sandbox};
-use photosite_pipeline::FilmMemory;
+use photosite_core::{Error, Result, Sandbox};
+use photosite_pipeline::{DeviceChoice, FilmMemory};
 use photosite_view::{Input, Outside, View, serve};
 
 /// Environment variable that holds the token of the address. Command lines are visible to all users of a machine; this
@@ -60,6 +60,10 @@ pub(super) struct ViewArgs {
     /// Maximum memory for the film, GiB.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
+    /// Device that traces the light: cpu; gpu, the first graphics card; gpu:1 or gpu:NAME, one of `photosite devices`;
+    /// auto, a graphics card where there is one.
+    #[arg(long, value_name = "DEVICE", default_value = "cpu")]
+    device: DeviceChoice,
     #[command(flatten)]
     scene: SceneArgs,
     #[command(flatten)]
@@ -67,6 +71,7 @@ pub(super) struct ViewArgs {
 }
 
 pub(super) fn run(args: &ViewArgs, sandbox: &Sandbox) -> Result<()> {
+    let monitor: Outside = Arc::new(TerminalMonitor::new(false, true));
     let open = |(number, path): (usize, &PathBuf)| {
         // Changes are those of the first.
         let is_scene = FileKind::of_name(path).is_none_or(|kind| kind == FileKind::Model) && !path.is_dir();
@@ -75,17 +80,26 @@ pub(super) fn run(args: &ViewArgs, sandbox: &Sandbox) -> Result<()> {
             (0, false) => args.overrides.clone(),
             (_, _) => Vec::new(),
         };
-        Ok((path.display().to_string(), Input::open(sandbox, path, &overrides)?))
+        let mut input = Input::open(sandbox, path, &overrides)?;
+        if let Input::Scene(capture) = input {
+            input = Input::Scene(Box::new(args.device.settle(*capture, &*monitor)?));
+        }
+        Ok((path.display().to_string(), input))
     };
+    let inputs: Vec<(String, Input)> = args.inputs.iter().enumerate().map(open).collect::<Result<_>>()?;
+    let is_traced = inputs.iter().any(|(_, input)| matches!(input, Input::Scene(_)));
+    if args.device != DeviceChoice::Cpu && !is_traced {
+        let help = Some("leave --device out, or give a capture file or a scene".into());
+        return Err(Error::Usage { message: "--device: no light of these inputs is traced".into(), help });
+    }
     let view = View {
-        inputs: args.inputs.iter().enumerate().map(open).collect::<Result<_>>()?,
+        inputs,
         host: args.host,
         port: args.port,
         film_memory: args.film_memory,
         checkpoint: args.output.clone(),
         token: std::env::var(TOKEN).ok(),
     };
-    let monitor: Outside = Arc::new(TerminalMonitor::new(false, true));
     serve(view, &monitor, |address| {
         // Who has started it reads it there, through a pipe, too.
         let _ = println_out(address);
