@@ -188,10 +188,13 @@ class Dataset(Sequence[Frame]):
             is rendered and stays. Without, a temporary folder that is there as long as the data set and its frames are.
         set: keys of the capture to change in all frames: ``{"render.samples_per_pixel": 16}``.
         threads: threads to render with; without, all cores.
+        device: what traces the light, as for :func:`trace`; images of different devices make different data sets. Workers of
+            :meth:`run` trace on the processor.
 
     Raises:
         InputError: a file, a key or a value that cannot be used.
         FileError: the file cannot be read.
+        ResourceError: a device that is not there.
     """
 
     def __init__(
@@ -202,6 +205,7 @@ class Dataset(Sequence[Frame]):
         output: Optional[Path] = None,
         set: Optional[Mapping[str, Any]] = None,
         threads: Optional[int] = None,
+        device: str = "cpu",
     ) -> None:
         if threads is not None and threads < 1:
             raise invalid("threads", f"expected at least 1, got {threads}")
@@ -210,7 +214,8 @@ class Dataset(Sequence[Frame]):
         self._path: str = os.path.abspath(typed)
         self._overrides = assignments({} if set is None else set)
         self._threads = threads
-        self._read: "Optional[_photosite.Dataset]" = _photosite.Dataset.read(typed, self._overrides)
+        self._device = device
+        self._read: "Optional[_photosite.Dataset]" = _photosite.Dataset.read(typed, self._overrides, device)
         self._cameras = tuple(self._compiled.cameras())
         self._fingerprint: str = self._compiled.fingerprint()
         self._owner: "Optional[_TemporaryFolder]" = None
@@ -227,7 +232,7 @@ class Dataset(Sequence[Frame]):
     def _compiled(self) -> "_photosite.Dataset":
         # Another process reads the files only where it has to make an image.
         if self._read is None:
-            self._read = _photosite.Dataset.read(self._path, self._overrides)
+            self._read = _photosite.Dataset.read(self._path, self._overrides, self._device)
         return self._read
 
     @property
@@ -334,6 +339,8 @@ class Dataset(Sequence[Frame]):
         """
         if output is None and not self._keeps:
             raise invalid("output", "a data set in a temporary folder needs a permanent place", 'run("out")')
+        if self._device != "cpu":
+            raise invalid("device", "workers trace on the processor", "leave device out, or ask for its frames one by one")
         numbers = list(self._numbers)
         if frames is not None:
             wanted = set(frames)
@@ -379,6 +386,7 @@ class Dataset(Sequence[Frame]):
         return _unpickle, (
             self._path,
             self._overrides,
+            self._device,
             self._threads,
             os.fspath(self._folder),
             self._keeps,
@@ -394,6 +402,7 @@ class Dataset(Sequence[Frame]):
 def _unpickle(
     path: str,
     overrides: "list[str]",
+    device: str,
     threads: Optional[int],
     folder: str,
     keeps: bool,
@@ -406,6 +415,7 @@ def _unpickle(
     parts = {
         "_path": path,
         "_overrides": overrides,
+        "_device": device,
         "_threads": threads,
         "_read": None,
         "_cameras": cameras,

@@ -38,6 +38,25 @@ def test_frames_are_the_commands(command: Command, file: Path, tmp_path: Path) -
     assert contents(tmp_path / "ours") == contents(tmp_path / "theirs")
 
 
+def test_a_data_set_is_made_on_the_device_that_is_asked_for(file: Path, tmp_path: Path) -> None:
+    with pytest.raises(ps.InputError, match="write cpu, gpu, auto") as error:
+        ps.Dataset(file, device="cuda")
+    assert error.value.key == "device"
+    cards = [row["device"] for row in ps.devices() if row["device"] != "cpu" and row["refusal"] is None]
+    if not cards:
+        pytest.skip("no graphics card, and no software that stands for one")
+    dataset = ps.Dataset(file, output=tmp_path / "card", device=cards[0])
+    name = dataset[0]["left"].report["render"]["device"]
+    elsewhere = pickle.loads(pickle.dumps(dataset))
+    assert name and elsewhere[1]["left"].report["render"]["device"] == name
+    # Its images are those of a device, and so is the data set.
+    with pytest.raises(ps.InputError):
+        ps.Dataset(file, output=tmp_path / "card").render()
+    with pytest.raises(ps.InputError, match="workers trace on the processor") as error:
+        dataset.run()
+    assert error.value.key == "device"
+
+
 def test_what_the_command_has_made_is_read(command: Command, file: Path, tmp_path: Path) -> None:
     command("dataset", file, "-o", tmp_path / "out", "-q", "--frames", "0..3")
     times = {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("capture.json")}

@@ -15,6 +15,7 @@ use photosite::raw::Pixels;
 use pyo3::prelude::*;
 
 use crate::array::{of_pixels, of_planes};
+use crate::traced_light::device_choice;
 use crate::work::{How, work};
 
 /// A data set file with all that it needs.
@@ -23,12 +24,14 @@ pub(crate) struct Dataset(DataSet);
 
 #[pymethods]
 impl Dataset {
-    /// Reads a data set file, with changes to the keys of its capture, `key=value`.
+    /// Reads a data set file, with changes to the keys of its capture, `key=value`, whose light a device traces.
     #[staticmethod]
-    fn read(py: Python<'_>, path: PathBuf, overrides: Vec<String>) -> PyResult<Self> {
+    fn read(py: Python<'_>, path: PathBuf, overrides: Vec<String>, device: &str) -> PyResult<Self> {
         let everywhere = Sandbox::default();
-        work(py, How::default(), |_| {
-            DataSet::new(&everywhere, DatasetFile::read(&path)?, &overrides, FilmMemory::default())
+        work(py, How::default(), |monitor| {
+            let choice = device_choice(device)?;
+            DataSet::new(&everywhere, DatasetFile::read(&path)?, &overrides, FilmMemory::default())?
+                .on_chosen_device(&choice, monitor)
         })
         .map(Self)
     }

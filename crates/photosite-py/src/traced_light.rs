@@ -30,11 +30,15 @@ fn film_memory(gib: Option<f64>) -> photosite::Result<FilmMemory> {
     gib.map_or_else(|| Ok(FilmMemory::default()), FilmMemory::gib)
 }
 
-/// The capture on a device, which is written as for the command's `--device`.
-fn on_device(capture: &LoadedCapture, device: &str, monitor: &dyn Monitor) -> photosite::Result<LoadedCapture> {
+/// Choice of a device, which is written as for the command's `--device`.
+pub(crate) fn device_choice(device: &str) -> photosite::Result<DeviceChoice> {
     let refuse = |words: String| Invalid::new("device", format!("{device:?}: {words}")).in_file(Path::new(PYTHON));
-    let choice: DeviceChoice = device.parse().map_err(refuse)?;
-    choice.settle(LoadedCapture::clone(capture), monitor)
+    device.parse().map_err(refuse)
+}
+
+/// The capture on a device.
+fn on_device(capture: &LoadedCapture, device: &str, monitor: &dyn Monitor) -> photosite::Result<LoadedCapture> {
+    device_choice(device)?.settle(LoadedCapture::clone(capture), monitor)
 }
 
 /// Devices of this machine, as JSON.

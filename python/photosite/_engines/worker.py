@@ -31,7 +31,7 @@ class _Worker:
         """Makes the frames of a task that are not there, and tells what became of it."""
         try:
             if self._dataset is None:
-                self._dataset = _photosite.Dataset.read(self._job.path, self._job.overrides)
+                self._dataset = _photosite.Dataset.read(self._job.path, self._job.overrides, "cpu")
             begun = time.monotonic()
             failures, warnings = self._make(self._dataset, task)
             return Outcome(time.monotonic() - begun, [Failure(*failure) for failure in failures], warnings)
