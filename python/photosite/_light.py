@@ -264,7 +264,7 @@ def trace(
         checkpoint: a folder in which work that is interrupted (Ctrl-C) is kept, and from which the same call goes on,
             as the command ``photosite render`` does. It is gone when the work is done.
         device: what traces the light: "cpu"; "gpu", the first graphics card; "gpu:1" or "gpu:NAME", one of
-            :func:`devices`; "auto", a graphics card where there is one that can render all of the scene, and the
+            :func:`devices`; "auto", a graphics card where there is one that has what the settings ask for, and the
             processor with a warning elsewhere.
 
     Raises:

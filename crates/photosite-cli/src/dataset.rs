@@ -80,7 +80,7 @@ pub(super) struct DatasetArgs {
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
     /// Device that traces the light: cpu; gpu, the first graphics card; gpu:1 or gpu:NAME, one of `photosite devices`;
-    /// auto, a graphics card where there is one that can render all of the scene. One data set is of one device.
+    /// auto, a graphics card where there is one that has what the settings ask for. One data set is of one device.
     #[arg(long, value_name = "DEVICE", default_value = "cpu")]
     device: DeviceChoice,
     /// Print nothing but errors.

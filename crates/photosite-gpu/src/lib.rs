@@ -17,7 +17,7 @@
 //! The processor is the reference: random numbers are the same bit for bit, and images differ by rounding and its
 //! consequences alone. On one card and driver the same paths bring the same bytes, since each is summed by itself.
 //!
-//! Without the feature `gpu`, which needs wgpu, this crate only tells what cards can do.
+//! Without the feature `gpu`, which needs wgpu, this crate only tells which settings cards lack.
 
 #![forbid(unsafe_code)]
 

@@ -258,7 +258,8 @@ impl Device for Card {
     }
 
     fn load(&self, scene: &Scene, limits: PathLimits, sampler: SamplerKind) -> Result<Box<dyn PathTracer>, Invalid> {
-        Ok(Box::new(Tracer::new(self, &scene.packed()?, limits, sampler)?))
+        let packed = scene.packed().map_err(|error| error.help("render with --device cpu"))?;
+        Ok(Box::new(Tracer::new(self, &packed, limits, sampler)?))
     }
 }
 

@@ -20,7 +20,7 @@ pub enum DeviceChoice {
     Cpu,
     /// A graphics card: the first, or the one of a number or a part of its name.
     Gpu(Option<String>),
-    /// The first graphics card, if it can render all of the scene.
+    /// The first graphics card, if it has what the settings ask for.
     Auto,
 }
 

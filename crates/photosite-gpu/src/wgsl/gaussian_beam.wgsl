@@ -2,7 +2,6 @@
 
 /// Radii beyond this multiple of the beam's radius get no light.
 const BEAM_CUT = 3.0f;
-const FRAC_2_PI = 0.636619772367581f;
 
 fn sample_gaussian_beam(at: u32, level: u32, ctx: LightContext, lambda_nm: vec4<f32>) -> LightSample {
     let pose = light_pose(at);

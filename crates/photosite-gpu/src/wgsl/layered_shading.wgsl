@@ -54,7 +54,7 @@ fn layered_shading(at: u32, point: SurfacePoint, wo: vec3<f32>, lambda_nm: vec4<
     let specular_source = tables[at + 3u];
     let metallic = tables[at + 5u];
     let roughness = tables[at + 6u];
-    var bsdf = Bsdf(head.x, vec2<f32>(0.0), vec4<f32>(0.0), vec4<f32>(0.0), false, false, vec2<f32>(0.0));
+    var bsdf = Bsdf(head.x, vec2<f32>(0.0), vec4<f32>(0.0), vec4<f32>(0.0), false, false, false, vec2<f32>(0.0));
     layers = plain_layers();
     bsdf.first = base_colour_at(tables[at + 1u], bitcast<vec3<f32>>(tables[at + 2u].xyz), point, lambda_nm);
     var specular_colour = vec4<f32>(1.0);

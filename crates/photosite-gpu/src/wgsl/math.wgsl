@@ -4,6 +4,7 @@
 const PI = 3.14159265358979f;
 const TAU = 6.28318530717959f;
 const FRAC_1_PI = 0.318309886183791f;
+const FRAC_2_PI = 0.636619772367581f;
 const MIN_POSITIVE = 1.17549435e-38f;
 /// Largest number below 1.
 const BELOW_ONE = 0.99999994f;

@@ -91,12 +91,12 @@ fn inverse_row(row: vec3<f32>, x: vec3<f32>, y: vec3<f32>, z: vec3<f32>, transla
     return vec4<f32>(turned, -dot(turned, translation));
 }
 
-/// A point in the world, of which the fourth number is 1, or a direction, of which it is 0, in the space of the object.
+/// Takes a point of the world, whose fourth number is 1, or a direction, whose is 0, into the space of the object.
 fn into_object(transform: Transform, p: vec4<f32>) -> vec3<f32> {
     return vec3<f32>(dot(transform.x_object, p), dot(transform.y_object, p), dot(transform.z_object, p));
 }
 
-/// A point in the space of the object, or a direction, in the world.
+/// Takes a point of the space of the object, or a direction, into the world.
 fn into_world(transform: Transform, p: vec4<f32>) -> vec3<f32> {
     return vec3<f32>(dot(transform.x, p), dot(transform.y, p), dot(transform.z, p));
 }

@@ -35,7 +35,9 @@ fn through_panes(shadow_ray: Ray, first_medium: u32, lambda_nm: vec4<f32>) -> ve
             medium = medium_across(point, towards, medium);
         }
         ray = spawn_ray(point, towards);
-        if (!is_distant) {
+        if (is_distant) {
+            ray.direction = shadow_ray.direction;
+        } else {
             ray.direction = end - ray.origin;
             ray.t_max = 1.0;
         }

@@ -324,13 +324,17 @@ fn shadow(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let i = lists[shadow_list() + id.x];
     let ray = shadow_ray(i);
+    let is_free = trace(ray, true).slot == NONE;
+    var passed = vec4<f32>(select(0.0, 1.0, is_free));
     if (HAS_PANES && ray.target_primitive == NO_SURFACE) {
-        let passed = through_panes(ray, state[place_of(REST, i)].z, load_f32(LAMBDA, i));
-        store_f32(LIGHT, i, load_f32(LIGHT, i) + load_f32(SHADOW_LIGHT, i) * passed);
-        return;
+        // Rays that set out in a medium absorb even where nothing is in the way.
+        let medium = state[place_of(REST, i)].z;
+        if (!is_free || medium != NONE) {
+            passed = through_panes(ray, medium, load_f32(LAMBDA, i));
+        }
     }
-    if (trace(ray, true).slot == NONE) {
-        store_f32(LIGHT, i, load_f32(LIGHT, i) + load_f32(SHADOW_LIGHT, i));
+    if (!is_black(passed)) {
+        store_f32(LIGHT, i, load_f32(LIGHT, i) + load_f32(SHADOW_LIGHT, i) * passed);
     }
 }
 

@@ -98,7 +98,7 @@ fn shading_at(point: SurfacePoint, wo: vec3<f32>, lambda_nm: vec4<f32>) -> Shadi
     let factor = bitcast<vec3<f32>>(tables[at + 2u].xyz);
     let second_source = tables[at + 3u];
     let second_factor = bitcast<vec3<f32>>(tables[at + 4u].xyz);
-    var bsdf = Bsdf(head.x, bitcast<vec2<f32>>(head.yz), vec4<f32>(0.0), vec4<f32>(0.0), false, head.w != 0u, vec2<f32>(0.0));
+    var bsdf = Bsdf(head.x, bitcast<vec2<f32>>(head.yz), vec4<f32>(0.0), vec4<f32>(0.0), false, head.w != 0u, false, vec2<f32>(0.0));
     switch head.x {
         case MODEL_CONDUCTOR: {
             bsdf.first = spectrum(source.y, lambda_nm);
@@ -107,6 +107,7 @@ fn shading_at(point: SurfacePoint, wo: vec3<f32>, lambda_nm: vec4<f32>) -> Shadi
         case MODEL_DIELECTRIC: {
             bsdf.first = spectrum(source.x, lambda_nm);
             bsdf.is_dispersive = source.y != 0u;
+            bsdf.has_index_one = source.z != 0u;
         }
         case MODEL_THIN_DIELECTRIC: {
             bsdf.first = spectrum(source.x, lambda_nm);

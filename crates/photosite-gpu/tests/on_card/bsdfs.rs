@@ -21,7 +21,7 @@ fn answer(words: array<vec4<u32>, 13>) -> array<vec4<u32>, 5> {
         f[7].x, f[7].y, f[7].z, (words[7].w & 1u) != 0u, f[8], f[6].z, f[9], f[6].w, f[5].z, f[10], (words[7].w & 2u) != 0u,
         f[11], f[5].w, (words[7].w & 4u) != 0u, f[6].x, f[6].y, f[12].xyz,
     );
-    let bsdf = Bsdf(words[0].x, f[0].yz, f[1], f[2], (words[0].w & 1u) != 0u, (words[0].w & 2u) != 0u, vec2<f32>(f[4].w, f[12].w));
+    let bsdf = Bsdf(words[0].x, f[0].yz, f[1], f[2], (words[0].w & 1u) != 0u, (words[0].w & 2u) != 0u, false, vec2<f32>(f[4].w, f[12].w));
     view_bsdf(bsdf, f[3].xyz);
     let scattering = eval_bsdf(bsdf, f[3].xyz, f[4].xyz);
     let sample = sample_bsdf(bsdf, f[3].xyz, f[3].w, f[5].xy);

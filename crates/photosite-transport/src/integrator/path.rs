@@ -286,13 +286,14 @@ impl Path {
             return None;
         }
 
-        // Update the throughput, and the wavelengths after dispersion
+        // Update the throughput, and the wavelengths after dispersion. What glass does not pass at the hero's wavelength ends
+        // the path only then: otherwise the light so far would keep the others by what the hero meets.
         self.throughput *= sample.throughput();
-        if self.throughput.is_black() {
-            return None;
-        }
         if sample.terminates_secondary {
             terminate_secondary(&mut self.wavelengths, &mut self.throughput);
+        }
+        if self.throughput.is_black() {
+            return None;
         }
 
         // Update what weights and roulette need to know of the vertex

@@ -1,4 +1,4 @@
-//! Lights as plain data, with the table of the kinds that have a packed form.
+//! Lights as plain data.
 
 use super::area_light::AreaLight;
 use super::delta_light::DeltaLight;

@@ -141,7 +141,8 @@ fn glass_albedo(eta: f32, alpha: vec2<f32>, sight: Sight) -> vec2<f32> {
     return select(pair, pair.yx, eta < 1.0);
 }
 
-/// The same of anisotropic facets, between eight entries, of which those with the larger roughness first are turned.
+/// Albedos of one bounce at an interface with anisotropic facets, between eight entries, of which those with the larger
+/// roughness first are turned.
 fn grooved_glass_albedo(eta: f32, alpha: vec2<f32>, sight: Sight) -> vec2<f32> {
     let index = locate(index_position(eta), GROOVED_GLASS_INDICES);
     let x = locate(sqrt(alpha.x), GROOVED_GLASS_ALPHAS);

@@ -73,7 +73,7 @@ fn eval_dielectric(bsdf: Bsdf, wo_seen: vec3<f32>, wi_seen: vec3<f32>) -> BsdfEv
     return BsdfEval(lanes_of(both.x, bsdf.is_dispersive), both.y);
 }
 
-/// Either lobe in proportion to the light that it gives back, wo above the facets; `Bounces::sample`.
+/// Samples either lobe in proportion to the light that it gives back, wo above the facets; `Bounces::sample`.
 fn sample_bounced_dielectric(bsdf: Bsdf, bounces: GlassBounces, eta: f32, wo: vec3<f32>, u_lobe: f32, u: vec2<f32>) -> BsdfSample {
     let facets = 1.0 - bounces.left;
     var wi: vec3<f32>;
@@ -96,7 +96,7 @@ fn sample_bounced_dielectric(bsdf: Bsdf, bounces: GlassBounces, eta: f32, wo: ve
     return BsdfSample(f, both.y, wi, select(1.0, eta, is_transmission), false, is_transmission, bsdf.is_dispersive);
 }
 
-/// A smooth interface, with wo above it.
+/// Samples a smooth interface, with wo above it.
 fn sample_smooth_dielectric(eta: vec4<f32>, is_dispersive: bool, wo: vec3<f32>, u_lobe: f32) -> BsdfSample {
     let cos_o = min(wo.z, 1.0);
     let at_hero = interface_of(cos_o, eta.x);
@@ -117,7 +117,7 @@ fn sample_smooth_dielectric(eta: vec4<f32>, is_dispersive: bool, wo: vec3<f32>, 
     return BsdfSample(lanes_of(f, is_dispersive), at_hero.transmittance, wi, eta.x, true, true, is_dispersive);
 }
 
-/// Facets, wo above them.
+/// Samples facets, wo above them.
 fn sample_rough_dielectric(bsdf: Bsdf, eta: f32, wo: vec3<f32>, u_lobe: f32, u: vec2<f32>) -> BsdfSample {
     let m = sample_visible(bsdf.roughness, wo, u);
     let cos_o = clamp(dot(wo, m), 0.0, 1.0);
@@ -166,5 +166,5 @@ fn sample_dielectric(bsdf: Bsdf, wo_seen: vec3<f32>, u_lobe: f32, u: vec2<f32>) 
 
 /// The boundary of a medium of index 1 lets all light straight on.
 fn straight_dielectric(bsdf: Bsdf, wo: vec3<f32>) -> vec4<f32> {
-    return select(vec4<f32>(0.0), vec4<f32>(1.0), all(bsdf.first == vec4<f32>(1.0)) && !is_grazing(wo));
+    return select(vec4<f32>(0.0), vec4<f32>(1.0), bsdf.has_index_one && !is_grazing(wo));
 }

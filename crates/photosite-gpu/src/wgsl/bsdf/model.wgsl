@@ -13,6 +13,8 @@ struct Bsdf {
     is_dispersive: bool,
     /// Whether light counts that bounces more than once between facets.
     is_compensated: bool,
+    /// Whether a clear medium has the index 1 at all wavelengths.
+    has_index_one: bool,
     /// Index of cube corners, and their mean active part.
     corners: vec2<f32>,
 }

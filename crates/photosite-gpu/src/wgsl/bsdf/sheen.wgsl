@@ -5,7 +5,7 @@ const SHEEN_SMALLEST_COSINE = 1e-4f;
 fn sheen_density(cos_half: f32, alpha: f32) -> f32 {
     let sin_squared = max(1.0 - cos_half * cos_half, 0.0);
     let inverse = 1.0 / alpha;
-    return (2.0 + inverse) * pow(sin_squared, 0.5 * inverse) / TAU;
+    return (2.0 + inverse) * pow(max(sin_squared, MIN_POSITIVE), 0.5 * inverse) / TAU;
 }
 
 /// Fit of the logarithm of the area hidden over the area seen, for cosines up to a half.
@@ -15,7 +15,7 @@ fn sheen_fit(x: f32, t: f32) -> f32 {
     let c = mix(0.19823, 0.16801, t);
     let d = mix(-1.97760, -1.27393, t);
     let e = mix(-4.32054, -4.85967, t);
-    return a / (1.0 + b * pow(x, c)) + d * x + e;
+    return a / (1.0 + b * pow(max(x, MIN_POSITIVE), c)) + d * x + e;
 }
 
 fn sheen_lambda(cosine: f32, alpha: f32) -> f32 {

@@ -78,7 +78,7 @@ impl Accel {
     ///
     /// # Errors
     ///
-    /// Something that no packed form has yet, or more than its numbers can tell apart.
+    /// Hierarchies that are deeper, or hold more, than the numbers of the packed form can tell.
     pub(crate) fn packed(&self, geometry: &Geometry) -> Result<PackedAccel, Invalid> {
         let mut packed = PackedAccel::default();
         for placed in &geometry.quadrics {
@@ -277,7 +277,10 @@ impl PackedAccel {
 /// Number of a leaf.
 fn leaf_of(kind: u32, count: u32, first: u32) -> Result<u32, Invalid> {
     if first >> FIRST_BITS != 0 {
-        let message = format!("it has more than {} primitives, the most on a device", 1u32 << FIRST_BITS);
+        let message = format!(
+            "its hierarchies have more than {} places for primitives, the most on a device",
+            1u32 << FIRST_BITS
+        );
         return Err(Invalid::new("scene", message));
     }
     Ok(LEAF | kind << 29 | (count - 1) << FIRST_BITS | first)

@@ -39,7 +39,7 @@ pub mod flag {
     pub const GLASS_BOUNCES: u32 = 2048;
 }
 
-/// Words of what extensions add to the materials of a scene, and the layers that any of these has.
+/// Words of what extensions add to the materials of a scene, and the features of its materials.
 #[derive(Default)]
 pub(super) struct PackedLayers {
     pub(super) words: Vec<Word>,
@@ -48,13 +48,13 @@ pub(super) struct PackedLayers {
 
 impl PackedLayers {
     /// Adds a feature of facets on which light bounces more than once, and returns whether they are such.
-    pub(super) fn add_bounces(&mut self, is_compensated: bool, distribution: &Ggx, feature: u32) -> u32 {
+    pub(super) fn add_bounces(&mut self, is_compensated: bool, distribution: &Ggx, feature: u32) -> bool {
         let [x, y] = distribution.alpha();
         let counts = is_compensated && !distribution.is_smooth();
         if counts {
             self.flags |= feature | if x == y { 0 } else { flag::GROOVES };
         }
-        u32::from(counts)
+        counts
     }
 
     /// Adds a material, and returns its model with the number of what its extensions add, [`NONE`] without any.
@@ -128,7 +128,7 @@ fn extension_words(m: &LayeredMaterial, flags: u32) -> [Word; LAYER_WORDS] {
     words
 }
 
-/// A number, its texture and channel, and a word beside them.
+/// Words of a number with its texture and channel, and of what stands beside.
 fn factor(source: FactorSource, beside: u32) -> Word {
     let [texture, channel] = source.texture.map_or([NONE, 0], |(texture, channel)| [texture, channel as u32]);
     [source.value.to_bits(), texture, channel, beside]

@@ -101,7 +101,7 @@ impl Scene {
             }) => {
                 let ([a, b], [c, d]) = (colour_words(retroreflectance), colour_words(reflectance));
                 let corners = corners.numbers().map(f32::to_bits);
-                let head = rough_head(model::RETROREFLECTIVE, distribution, 0);
+                let head = rough_head(model::RETROREFLECTIVE, distribution, false);
                 return [head, a, b, c, d, [corners[0], corners[1], 0, 0], none];
             }
             Model::Layered(layered) => return layers.add(&self.layered[*layered as usize]),
@@ -124,9 +124,9 @@ fn head(model: u32) -> Word {
 }
 
 /// Number of a model, with the roughness of its microfacets and whether light bounces between them more than once.
-fn rough_head(model: u32, distribution: &Ggx, bounces: u32) -> Word {
+fn rough_head(model: u32, distribution: &Ggx, bounces: bool) -> Word {
     let [x, y] = distribution.alpha().map(f32::to_bits);
-    [model, x, y, bounces]
+    [model, x, y, u32::from(bounces)]
 }
 
 /// Mode, factor, texture and threshold.

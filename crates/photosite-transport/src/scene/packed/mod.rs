@@ -8,8 +8,7 @@
 //! | [`spectra`](PackedScene::spectra) | spectra, value and rise at each nanometre |
 //! | [`texels`](PackedScene::texels) | images as they are stored |
 //!
-//! Parts of a scene that have no packed form yet are an error that says so; [`materials`] and
-//! [`lights`](crate::light::packed) have the tables of what has one.
+//! [`materials`], [`layers`] and [`lights`](crate::light::packed) have the words of the records.
 
 pub mod layers;
 pub mod materials;
@@ -119,7 +118,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Something that no packed form has yet.
+    /// Hierarchies that are deeper, or hold more, than the numbers of the packed form can tell.
     pub fn packed(&self) -> Result<PackedScene, Invalid> {
         let PackedAccel { nodes, triangles, quadrics, instances, mut motions, root } =
             self.accel.packed(&self.geometry)?;
@@ -128,7 +127,7 @@ impl Scene {
             textures.add(texture);
         }
         let (lights, light_tables) = self.lights.packed(&self.geometry, &mut textures, &mut motions);
-        let (materials, of_gltf) = self.packed_materials();
+        let (materials, packed_layers) = self.packed_materials();
         let mut tables = Vec::new();
         let mut section = |words: Vec<Word>| {
             let first = tables.len() as u32;
@@ -148,11 +147,11 @@ impl Scene {
             distant: section(light_tables.distant),
             sky: section(light_tables.sky),
             colours: section(colours),
-            layers: section(of_gltf.words),
+            layers: section(packed_layers.words),
             motions: if motions.is_empty() { NONE } else { section(motions) },
         };
         let (attributes, attribute_sections) =
-            attributes(&self.geometry, [light_tables.environment, light_tables.profiles], of_gltf.flags);
+            attributes(&self.geometry, [light_tables.environment, light_tables.profiles], packed_layers.flags);
         Ok(PackedScene {
             nodes,
             triangles,
@@ -165,7 +164,9 @@ impl Scene {
             texels: textures.texels,
             lights,
             has_holes: self.has_alpha,
-            features: of_gltf.flags | if self.has_panes && self.lights.has_deltas() { layers::flag::PANES } else { 0 },
+            // Each material has it with its own words.
+            features: packed_layers.flags & !layers::flag::DISPERSIVE
+                | if self.has_panes && self.lights.has_deltas() { layers::flag::PANES } else { 0 },
         })
     }
 }
@@ -196,7 +197,7 @@ fn mesh_words(geometry: &Geometry) -> Vec<Word> {
 }
 
 /// Numbers of vertices, of lights and of lobes, and the places of each kind.
-fn attributes(geometry: &Geometry, lights: [Vec<f32>; 2], layers: u32) -> (Vec<u32>, AttributeSections) {
+fn attributes(geometry: &Geometry, lights: [Vec<f32>; 2], features: u32) -> (Vec<u32>, AttributeSections) {
     let [environment, profiles] = lights;
     let Geometry { normals, tangents, uvs, colours, triangles, .. } = geometry;
     let has_none = normals.is_empty() && tangents.is_empty() && colours.is_empty() && uvs.iter().all(Vec::is_empty);
@@ -217,7 +218,7 @@ fn attributes(geometry: &Geometry, lights: [Vec<f32>; 2], layers: u32) -> (Vec<u
         uvs: [0, 1].map(|set| section(&mut uvs[set].iter().flat_map(|v| v.to_array()).map(f32::to_bits))),
         environment: section(&mut environment.into_iter().map(f32::to_bits)),
         profiles: section(&mut profiles.into_iter().map(f32::to_bits)),
-        albedos: AlbedoSections::of(layers, |numbers| section(&mut numbers.into_iter().map(f32::to_bits))),
+        albedos: AlbedoSections::of(features, |numbers| section(&mut numbers.into_iter().map(f32::to_bits))),
     };
     (all, sections)
 }

@@ -4,8 +4,9 @@
 
 const HAS_LAYERED = (SCENE_FEATURES & LAYERS_ANY) != 0u;
 const HAS_TRANSMISSION = (SCENE_FEATURES & LAYERS_TRANSMISSION) != 0u;
-/// Whether any surface bounds a medium, and whether light gets into one by refraction.
+/// Whether any surface bounds a medium.
 const HAS_MEDIA = (SCENE_FEATURES & LAYERS_VOLUME) != 0u;
+/// Whether light gets into a medium by refraction.
 const HAS_VOLUMES = HAS_MEDIA && HAS_TRANSMISSION;
 const HAS_DIFFUSE_TRANSMISSION = (SCENE_FEATURES & LAYERS_DIFFUSE_TRANSMISSION) != 0u;
 const HAS_GROOVES = (SCENE_FEATURES & LAYERS_GROOVES) != 0u;
