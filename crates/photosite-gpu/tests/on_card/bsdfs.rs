@@ -11,7 +11,8 @@ use photosite_transport::sampler::SamplerKind;
 use photosite_transport::scene::packed::materials::model;
 
 use crate::Numbers;
-use crate::stage::{ball, glass, layers, metal, with_all_bounces};
+use crate::scenes::layers;
+use crate::stage::{ball, glass, metal, with_all_bounces};
 
 const TEXT: &str = "
 fn answer(words: array<vec4<u32>, 13>) -> array<vec4<u32>, 5> {

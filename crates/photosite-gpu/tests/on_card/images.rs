@@ -11,7 +11,7 @@ use photosite_transport::optics::{Camera, Focus, LensDescription, PixelGrid, Rec
 use photosite_transport::scene::Scene;
 use photosite_transport::scene::description::look_at;
 
-use crate::stage::{everything, lamps_behind_panes, layers, moving, outdoors, panes, under_lamps};
+use crate::scenes::{everything, lamps_behind_panes, layers, moving, outdoors, panes, under_lamps};
 
 const SIDE: u32 = 40;
 

@@ -8,7 +8,8 @@ use photosite_transport::sampler::SamplerKind;
 use photosite_transport::scene::description::LightKind;
 
 use crate::Numbers;
-use crate::stage::{Stage, lamps, placed};
+use crate::scenes::lamps;
+use crate::stage::{Stage, placed};
 
 const TEXT: &str = "
 fn answer(words: array<vec4<u32>, 3>) -> array<vec4<u32>, 3> {

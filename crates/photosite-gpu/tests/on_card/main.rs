@@ -9,6 +9,7 @@ mod motions;
 mod paths;
 mod rays;
 mod samplers;
+mod scenes;
 mod skies;
 mod stage;
 

@@ -6,7 +6,8 @@ use photosite_transport::geometry::Motion;
 use photosite_transport::sampler::SamplerKind;
 use photosite_transport::scene::packed::hierarchy::INSTANCE_WORDS;
 
-use crate::stage::{Stage, ball, diffuse, ways};
+use crate::scenes::ways;
+use crate::stage::{Stage, ball, diffuse};
 
 const TEXT: &str = "
 fn answer(words: array<vec4<u32>, 1>) -> array<vec4<u32>, 6> {

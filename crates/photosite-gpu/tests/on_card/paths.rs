@@ -7,7 +7,7 @@ use photosite_transport::integrator::{Device, PathLimits, PathStart, radiance};
 use photosite_transport::sampler::{Sampler, SamplerKind};
 use photosite_transport::scene::Scene;
 
-use crate::stage::{everything, lamps_behind_panes, moving, outdoors, panes, under_lamps};
+use crate::scenes::{everything, lamps_behind_panes, moving, outdoors, panes, under_lamps};
 
 /// Starts that look into a scene from all around.
 fn starts(count: u32, kind: SamplerKind) -> Vec<PathStart> {

@@ -8,7 +8,8 @@ use photosite_transport::scene::Scene;
 use photosite_transport::scene::packed::{NONE, hierarchy};
 
 use crate::Numbers;
-use crate::stage::{Stage, ball, diffuse, everything, moving, placed};
+use crate::scenes::{everything, moving};
+use crate::stage::{Stage, ball, diffuse, placed};
 
 const TEXT: &str = "
 fn answer(words: array<vec4<u32>, 2>) -> array<vec4<u32>, 2> {
