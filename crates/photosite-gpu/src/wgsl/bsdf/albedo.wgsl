@@ -102,6 +102,11 @@ fn hidden_at(part: HiddenPart, f0: f32) -> f32 {
     return (f0 * part.hidden.x + part.hidden.y) / max(f0 * part.whole.x + part.whole.y, MIN_POSITIVE);
 }
 
+/// Parts hidden of facets that reflect `f0` at normal incidence, and of white ones.
+fn hidden_of(part: HiddenPart, f0: f32) -> vec2<f32> {
+    return vec2<f32>(hidden_at(part, f0), hidden_at(part, 1.0));
+}
+
 /// Part hidden by a layer at a place in one of two tables; `Hidden`.
 fn hidden_part(first: u32, layer: f32, alpha: vec2<f32>, sight: Sight) -> HiddenPart {
     let base = mean_alpha(alpha);

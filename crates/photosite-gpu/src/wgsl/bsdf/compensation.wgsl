@@ -15,13 +15,22 @@ fn mean_dielectric(eta: f32) -> f32 {
     return select(mean, 1.0 - eta * eta * (1.0 - mean), eta < 1.0);
 }
 
-/// Shares of what one bounce at an interface leaves, on that side and on the other; `shared_out`.
-fn shared_out(part: f32, eta: f32, here: vec4<f32>, there: vec4<f32>) -> array<vec4<f32>, 2> {
+/// Shares of reflection and transmission in the light that one bounce at an interface leaves: factors of radiance on that side
+/// and on the other, and the part that crosses.
+struct Shared {
+    here: vec4<f32>,
+    behind: vec4<f32>,
+    crossing: vec4<f32>,
+}
+
+/// Shares of what is left on that side and on the other, all zero where nothing is; `shared_out`.
+fn shared_out(part: f32, eta: f32, here: vec4<f32>, there: vec4<f32>) -> Shared {
     let let_in = 1.0 - mean_dielectric(eta);
     let most = max(here, there);
     let is_something = most > vec4<f32>(NOTHING_LEFT);
     let crossing = let_in * there / most;
     let own = part * FRAC_1_PI * (1.0 - crossing) / max(here, vec4<f32>(NOTHING_LEFT));
     let other = part * FRAC_1_PI * let_in / (most * eta * eta);
-    return array<vec4<f32>, 2>(select(vec4<f32>(0.0), own, is_something), select(vec4<f32>(0.0), other, is_something));
+    let zero = vec4<f32>(0.0);
+    return Shared(select(zero, own, is_something), select(zero, other, is_something), select(zero, crossing, is_something));
 }

@@ -20,14 +20,12 @@ fn glass_bounces(bsdf: Bsdf, eta: f32, wo: vec3<f32>) -> GlassBounces {
         return GlassBounces(0.0, vec2<f32>(0.0), 0.0);
     }
     let mean = 1.0 - glass_albedo(eta, bsdf.roughness, Sight(vec3<f32>(0.0, 0.0, 1.0), true));
-    let most = max(mean.x, mean.y);
-    if (most <= NOTHING_LEFT) {
+    if (max(mean.x, mean.y) <= NOTHING_LEFT) {
         return GlassBounces(0.0, vec2<f32>(0.0), 0.0);
     }
-    let shares = shared_out(1.0, eta, vec4<f32>(mean.x), vec4<f32>(mean.y));
-    let crossing = (1.0 - mean_dielectric(eta)) * mean.y / most;
+    let shared_parts = shared_out(1.0, eta, vec4<f32>(mean.x), vec4<f32>(mean.y));
     let left = max(1.0 - glass_albedo(eta, bsdf.roughness, Sight(wo, false)).x, 0.0);
-    return GlassBounces(left, vec2<f32>(shares[0].x, shares[1].x), crossing);
+    return GlassBounces(left, vec2<f32>(shared_parts.here.x, shared_parts.behind.x), shared_parts.crossing.x);
 }
 
 /// Value and density of one bounce at facets, wo above them; `eval_rough`.

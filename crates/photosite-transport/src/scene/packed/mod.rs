@@ -56,7 +56,7 @@ pub struct Sections {
     pub sky: u32,
     /// Nodes of the table of upsampled colours, a word each.
     pub colours: u32,
-    /// What extensions of glTF add to materials, [`LAYER_WORDS`](layers::LAYER_WORDS) each.
+    /// Layers that extensions of glTF add to materials, [`LAYER_WORDS`](layers::LAYER_WORDS) each.
     pub layers: u32,
     /// Keys of motions, [`KEY_WORDS`](hierarchy::KEY_WORDS) each, with roots and corners of what changes its shape;
     /// [`NONE`] where nothing moves or changes its shape.

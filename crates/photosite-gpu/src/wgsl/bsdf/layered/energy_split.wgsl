@@ -112,7 +112,7 @@ fn energy_split(bsdf: Bsdf, sight: Sight) -> EnergySplit {
         let albedo = even_facet_albedo(layers.coat_alpha, in_coat);
         coat = layers.coat_weight * (COAT_F0 * albedo.x + albedo.y);
         let hidden = hidden_part(params.albedo_under_coat, layers.coat_alpha, bsdf.roughness, sight);
-        coat_hides = layers.coat_weight * vec2<f32>(hidden_at(hidden, mean_of(bsdf.second)), hidden_at(hidden, 1.0));
+        coat_hides = layers.coat_weight * hidden_of(hidden, mean_of(bsdf.second));
     }
     var sheen = vec4<f32>(0.0);
     var sheen_excess = 1.0;
@@ -122,7 +122,7 @@ fn energy_split(bsdf: Bsdf, sight: Sight) -> EnergySplit {
         sheen = layers.sheen_colour * albedo.y;
         sheen_excess = max(albedo.x, 1.0);
         let hidden = hidden_part(params.albedo_under_sheen, sheen_position(layers.sheen_alpha), bsdf.roughness, sight);
-        sheen_hides = vec2<f32>(hidden_at(hidden, mean_of(bsdf.second)), hidden_at(hidden, 1.0));
+        sheen_hides = hidden_of(hidden, mean_of(bsdf.second));
     }
     // The part of the facets' light that the layers let through.
     let dielectric = bare * (1.0 - layers.sheen_colour * sheen_hides.x) * (1.0 - coat_hides.x);
@@ -152,7 +152,7 @@ fn spread_layers(bsdf: Bsdf) {
         bounced += further_bounces(parts.x, f, e);
     }
     var passed = vec4<f32>(0.0);
-    var glass = array<vec4<f32>, 2>(vec4<f32>(0.0), vec4<f32>(0.0));
+    var glass: Shared;
     if (HAS_VOLUMES && view.refracts) {
         glass = shared_out(parts.z, view.eta.x, view.splits[MEAN].left_here, view.splits[MEAN].left_behind);
     } else if (HAS_TRANSMISSION && parts.z > 0.0) {
@@ -161,8 +161,8 @@ fn spread_layers(bsdf: Bsdf) {
         passed = (1.0 - f) * base_colour * parts.z;
     }
     let dt = layers.diffuse_transmission;
-    view.here = Spread(base_colour * by_coloured * (1.0 - dt), bounced * by_white, glass[0]);
-    view.behind = Spread(layers.diffuse_transmission_colour * by_coloured * dt, passed * by_white, base_colour * glass[1]);
+    view.here = Spread(base_colour * by_coloured * (1.0 - dt), bounced * by_white, glass.here);
+    view.behind = Spread(layers.diffuse_transmission_colour * by_coloured * dt, passed * by_white, base_colour * glass.behind);
 }
 
 /// Value of the base lobe between `wo` and a direction that sees `other`, on the same side or behind.
