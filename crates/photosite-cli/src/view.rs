@@ -11,7 +11,7 @@ use super::monitor::TerminalMonitor;
 use super::print::println_out;
 use super::scene_args::SceneArgs;
 use super::shorthands::Shorthands;
-use photosite_capture::FileKind;
+use photosite_capture::{Capture, FileKind};
 use photosite_core::{Error, Result, Sandbox};
 use photosite_pipeline::{DeviceChoice, FilmMemory};
 use photosite_view::{Input, Outside, View, serve};
@@ -80,20 +80,18 @@ pub(super) fn run(args: &ViewArgs, sandbox: &Sandbox) -> Result<()> {
             (0, false) => args.overrides.clone(),
             (_, _) => Vec::new(),
         };
-        let mut input = Input::open(sandbox, path, &overrides)?;
-        if let Input::Scene(capture) = input {
-            input = Input::Scene(Box::new(args.device.settle(*capture, &*monitor)?));
-        }
-        Ok((path.display().to_string(), input))
+        Ok((path.display().to_string(), Input::open(sandbox, path, &overrides)?))
     };
     let inputs: Vec<(String, Input)> = args.inputs.iter().enumerate().map(open).collect::<Result<_>>()?;
-    let is_traced = inputs.iter().any(|(_, input)| matches!(input, Input::Scene(_)));
-    if args.device != DeviceChoice::Cpu && !is_traced {
+    let traced: Vec<&Capture> = inputs.iter().filter_map(|(_, input)| input.traced()).collect();
+    if args.device != DeviceChoice::Cpu && traced.is_empty() {
         let help = Some("leave --device out, or give a capture file or a scene".into());
         return Err(Error::Usage { message: "--device: no light of these inputs is traced".into(), help });
     }
+    // One device for both, which is opened once.
+    let device = args.device.device_for(traced, &*monitor)?;
     let view = View {
-        inputs,
+        inputs: inputs.into_iter().map(|(name, input)| (name, input.on_device(device.clone()))).collect(),
         host: args.host,
         port: args.port,
         film_memory: args.film_memory,

@@ -12,6 +12,7 @@ use photosite_files::developable::{Developable, read_developable};
 use photosite_files::formats::{EXR, FORMATS, Format, PNG};
 use photosite_pipeline::DevelopedImage;
 use photosite_pipeline::{Light, StoredPlanes};
+use photosite_transport::integrator::Device;
 
 /// Input of the view.
 pub enum Input {
@@ -35,6 +36,20 @@ pub struct OpenFile {
 }
 
 impl Input {
+    /// The capture whose light is traced, if the input is one.
+    pub fn traced(&self) -> Option<&Capture> {
+        if let Self::Scene(capture) = self { Some(capture) } else { None }
+    }
+
+    /// The input, whose light a device traces in place of the processor where it is traced at all.
+    #[must_use]
+    pub fn on_device(self, device: Option<Arc<dyn Device>>) -> Self {
+        match (self, device) {
+            (Self::Scene(capture), Some(device)) => Self::Scene(Box::new(capture.on_device(device))),
+            (input, _) => input,
+        }
+    }
+
     /// Opens a capture file, a scene, a folder that a render or a data set has filled, a file of stored light, a raw
     /// file or an image of light; `overrides` change keys of its capture.
     ///
