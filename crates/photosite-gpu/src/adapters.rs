@@ -172,6 +172,11 @@ impl Card {
         })
     }
 
+    /// Whether the driver has found no fault so far.
+    pub(crate) fn works(&self) -> bool {
+        self.fault.lock().unwrap_or_else(PoisonError::into_inner).is_none()
+    }
+
     /// The last error of the driver that no call returned.
     pub(crate) fn fault(&self) -> Arc<Mutex<Option<String>>> {
         Arc::clone(&self.fault)

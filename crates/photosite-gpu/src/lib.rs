@@ -8,6 +8,7 @@
 //! |---|---|
 //! | `support` | settings that a card does not have, by key |
 //! | `adapters` | the cards of this machine |
+//! | `shared_cards` | the cards that this process has open |
 //! | `buffers`, `params` | its tables and numbers on a card |
 //! | `kernels` | the kernels, compiled once for the features that a scene has |
 //! | `tracer` | a scene on a card, and batches of paths: generate, extend, shade, shadow, arrive |
@@ -37,7 +38,11 @@ pub mod probe;
 #[cfg(feature = "gpu")]
 pub mod shaders;
 #[cfg(feature = "gpu")]
+mod shared_cards;
+#[cfg(feature = "gpu")]
 mod tracer;
 
 #[cfg(feature = "gpu")]
 pub use adapters::{Adapter, Card, adapters, open};
+#[cfg(feature = "gpu")]
+pub use shared_cards::shared;

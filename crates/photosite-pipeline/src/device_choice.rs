@@ -160,7 +160,7 @@ impl DeviceChoice {
             }
         }
         match opened(which) {
-            Ok(card) => Ok(Some(Arc::new(card))),
+            Ok(card) => Ok(Some(card)),
             Err(words) if is_open => keep(words),
             Err(words) => {
                 let help = Some("photosite devices lists what there is; the device cpu is always there".into());
@@ -172,10 +172,10 @@ impl DeviceChoice {
 
 /// The card of that number or name, or the first.
 #[cfg(feature = "gpu")]
-fn opened(which: Option<&str>) -> Result<photosite_gpu::Card, String> {
+fn opened(which: Option<&str>) -> Result<Arc<photosite_gpu::Card>, String> {
     let Some(which) = which else {
         let none = "this machine has no graphics card that can be used; software is used where it is asked for by name";
-        return photosite_gpu::open(None)?.ok_or_else(|| none.to_owned());
+        return photosite_gpu::shared(None)?.ok_or_else(|| none.to_owned());
     };
     let named = |name: &str| name.to_lowercase().contains(&which.to_lowercase());
     let number = match which.parse::<usize>() {
@@ -185,7 +185,7 @@ fn opened(which: Option<&str>) -> Result<photosite_gpu::Card, String> {
             .position(|adapter| named(&adapter.name))
             .ok_or_else(|| format!("no device of this machine is called {which:?}"))?,
     };
-    photosite_gpu::open(Some(number))?.ok_or_else(|| format!("there is no device {number}"))
+    photosite_gpu::shared(Some(number))?.ok_or_else(|| format!("there is no device {number}"))
 }
 
 #[cfg(test)]

@@ -13,18 +13,18 @@ mod scenes;
 mod skies;
 mod stage;
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
-use photosite_gpu::{Card, adapters, open};
+use photosite_gpu::{Card, adapters, shared};
 
 /// Card that is tested: PHOTOSITE_GPU has its number.
 pub(crate) fn card() -> Option<&'static Card> {
-    static CARD: OnceLock<Option<Card>> = OnceLock::new();
+    static CARD: OnceLock<Option<Arc<Card>>> = OnceLock::new();
     let card = CARD.get_or_init(|| {
         let asked = std::env::var("PHOTOSITE_GPU").ok();
         let software = adapters().iter().position(|adapter| adapter.is_software);
         let number = asked.as_ref().map(|number| number.parse().expect("PHOTOSITE_GPU is a number")).or(software);
-        let card = open(number).expect("a device that opens");
+        let card = shared(number).expect("a device that opens");
         assert!(asked.is_none() || card.is_some(), "PHOTOSITE_GPU is set, and there is no device");
         card
     });
@@ -32,7 +32,15 @@ pub(crate) fn card() -> Option<&'static Card> {
         Some(card) => println!("on {}", card.adapter()),
         None => println!("skipped: this machine has neither a graphics card nor software that stands for one"),
     }
-    card.as_ref()
+    card.as_deref()
+}
+
+#[test]
+fn a_card_is_open_once_in_a_process() {
+    let Some(card) = card() else { return };
+    let number = adapters().iter().position(|adapter| adapter == card.adapter());
+    let [one, other] = [(); 2].map(|()| shared(number).expect("it opens").expect("it is there"));
+    assert!(Arc::ptr_eq(&one, &other));
 }
 
 /// Numbers in [0, 1) for tests.
