@@ -30,11 +30,12 @@ pub(crate) fn bind(
 pub(crate) const READ: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: true };
 pub(crate) const WRITE: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: false };
 
-/// Layouts of the groups: the scene, the paths, the workgroups that are counted.
+/// Layouts of the groups: the scene, the paths, the workgroups that are counted, the film.
 pub(crate) struct Layouts {
     pub(crate) scene: wgpu::BindGroupLayout,
     pub(crate) paths: wgpu::BindGroupLayout,
     pub(crate) counted: wgpu::BindGroupLayout,
+    pub(crate) film: wgpu::BindGroupLayout,
 }
 
 impl Layouts {
@@ -43,6 +44,7 @@ impl Layouts {
             scene: layout(device, &[wgpu::BufferBindingType::Uniform, READ, READ, READ, READ, READ, READ]),
             paths: layout(device, &[WRITE, WRITE, WRITE, READ, WRITE]),
             counted: layout(device, &[WRITE]),
+            film: layout(device, &[wgpu::BufferBindingType::Uniform, READ]),
         }
     }
 }

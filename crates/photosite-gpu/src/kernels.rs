@@ -38,11 +38,13 @@ impl KernelCache {
 pub(crate) struct Kernels {
     pub(crate) layouts: Layouts,
     pub(crate) generate: wgpu::ComputePipeline,
+    pub(crate) generate_camera_rays: wgpu::ComputePipeline,
     pub(crate) extend: wgpu::ComputePipeline,
     pub(crate) shade: wgpu::ComputePipeline,
     pub(crate) shadow: wgpu::ComputePipeline,
     pub(crate) count: wgpu::ComputePipeline,
     pub(crate) arrive: wgpu::ComputePipeline,
+    pub(crate) update_film: wgpu::ComputePipeline,
 }
 
 impl Kernels {
@@ -68,13 +70,16 @@ impl Kernels {
             })
         };
         let of_paths = [Some(&layouts.scene), Some(&layouts.paths)];
+        let of_film = [Some(&layouts.scene), Some(&layouts.paths), None, Some(&layouts.film)];
         Self {
             generate: kernel("generate", &of_paths),
+            generate_camera_rays: kernel("generate_camera_rays", &of_film),
             extend: kernel("extend", &of_paths),
             shade: kernel("shade", &of_paths),
             shadow: kernel("shadow", &of_paths),
             count: kernel("count", &[Some(&layouts.scene), Some(&layouts.paths), Some(&layouts.counted)]),
             arrive: kernel("arrive", &of_paths),
+            update_film: kernel("update_film", &of_film),
             layouts,
         }
     }

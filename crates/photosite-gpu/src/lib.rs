@@ -1,17 +1,20 @@
 //! Light transport on graphics cards: the paths of [`integrator`](photosite_transport::integrator), traced by kernels in
 //! WGSL through wgpu, on Vulkan, Metal and DirectX.
 //!
-//! In: a scene as plain data ([`scene::packed`](photosite_transport::scene::packed)), starts of paths whose rays the
-//! camera has made on the processor. Out: what arrives along each. Lenses, films and noise stay where they are.
+//! In: a scene as plain data ([`scene::packed`](photosite_transport::scene::packed)), and either the film with a rectilinear
+//! camera ([`PackedFilm`](photosite_transport::integrator::PackedFilm)) or starts of paths whose rays any other camera has
+//! made on the processor. Out: sums of the samples of pixels, or what arrives along each path.
 //!
 //! | file | holds |
 //! |---|---|
 //! | `support` | settings that a card does not have, by key |
 //! | `adapters` | the cards of this machine |
 //! | `shared_cards` | the cards that this process has open |
-//! | `buffers`, `params` | its tables and numbers on a card |
+//! | `buffers`, `params`, `uniform` | its tables and numbers on a card |
 //! | `kernels` | the kernels, compiled once for the features that a scene has |
 //! | `tracer` | a scene on a card, and batches of paths: generate, extend, shade, shadow, arrive |
+//! | `film`, `pixels` | a film on a card, and samples of its pixels, whose paths start and end there |
+//! | `device` | a card as a device of renders, and paths whose starts the processor has made |
 //! | `shaders` | the kernels in one text; numbers that Rust and WGSL share are made of Rust's constants |
 //! | `wgsl` | the kernels, a file for each concept, each with the Rust file that it follows in its head |
 //!
@@ -29,9 +32,15 @@ mod adapters;
 #[cfg(feature = "gpu")]
 mod buffers;
 #[cfg(feature = "gpu")]
+mod device;
+#[cfg(feature = "gpu")]
+mod film;
+#[cfg(feature = "gpu")]
 mod kernels;
 #[cfg(feature = "gpu")]
 mod params;
+#[cfg(feature = "gpu")]
+mod pixels;
 #[cfg(feature = "gpu")]
 #[doc(hidden)]
 pub mod probe;
@@ -41,6 +50,8 @@ pub mod shaders;
 mod shared_cards;
 #[cfg(feature = "gpu")]
 mod tracer;
+#[cfg(feature = "gpu")]
+mod uniform;
 
 #[cfg(feature = "gpu")]
 pub use adapters::{Adapter, Card, adapters, open};

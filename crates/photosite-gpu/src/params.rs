@@ -1,44 +1,26 @@
-//! Numbers of a scene and of its paths that all kernels read: one table, from which both the WGSL and the bytes are made.
+//! Numbers of a scene and of its paths that all kernels read.
 
 use photosite_transport::integrator::PathLimits;
 use photosite_transport::sampler::SamplerKind;
 use photosite_transport::scene::packed::PackedScene;
+
+use crate::uniform::uniform_block;
 
 /// Number of the sampler of Sobol points.
 pub(crate) const SAMPLER_SOBOL: u32 = 0;
 /// Number of the sampler of independent numbers.
 pub(crate) const SAMPLER_INDEPENDENT: u32 = 1;
 
-/// Makes the table of names and values.
-macro_rules! params {
-    ($($name:ident: $kind:literal = $value:expr,)*) => {
-        /// Names and WGSL types in their order; all take four bytes.
-        pub(crate) const FIELDS: &[(&str, &str)] = &[$((stringify!($name), $kind)),*];
-
-        /// Values in the same order.
-        pub(crate) fn values(scene: &PackedScene, limits: PathLimits, sampler: SamplerKind, capacity: u32) -> Vec<u32> {
-            let row = Row { scene, limits, sampler, capacity };
-            let mut values = vec![$({
-                let of: fn(&Row<'_>) -> u32 = $value;
-                of(&row)
-            }),*];
-            values.resize(values.len() + PADDING, 0);
-            values
-        }
-    };
+/// A scene, and the paths that are traced through it.
+pub(crate) struct Row<'a> {
+    pub(crate) scene: &'a PackedScene,
+    pub(crate) limits: PathLimits,
+    pub(crate) sampler: SamplerKind,
+    pub(crate) capacity: u32,
 }
 
-/// Numbers behind the others that mean nothing: sizes of uniform blocks are whole numbers of 16 bytes.
-pub(crate) const PADDING: usize = FIELDS.len().next_multiple_of(4) - FIELDS.len();
-
-struct Row<'a> {
-    scene: &'a PackedScene,
-    limits: PathLimits,
-    sampler: SamplerKind,
-    capacity: u32,
-}
-
-params! {
+uniform_block! {
+    Row<'_>:
     capacity: "u32" = |r| r.capacity,
     max_depth: "u32" = |r| r.limits.max_depth,
     roulette_depth: "u32" = |r| r.limits.roulette_depth,

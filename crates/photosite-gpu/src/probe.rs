@@ -38,7 +38,7 @@ pub fn answers<const IN: usize, const OUT: usize>(
     let contents = |contents: &[u8], usage: wgpu::BufferUsages| {
         device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
     };
-    let numbers = params::values(scene, limits, sampler, 1);
+    let numbers = params::values(&params::Row { scene, limits, sampler, capacity: 1 });
     let numbers = contents(bytemuck::cast_slice(&numbers), wgpu::BufferUsages::UNIFORM);
     let tables = scene_buffers(device, scene, &device.limits())?;
     let of_scene: Vec<&wgpu::Buffer> = std::iter::once(&numbers).chain(&tables).collect();

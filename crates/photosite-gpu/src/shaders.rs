@@ -4,17 +4,20 @@ use std::fmt::Write;
 
 use photosite_core::spectrum::{LAMBDA_MIN_NM, TABLE_LEN};
 use photosite_transport::bsdf::microfacet::SMALLEST_ALPHA;
+use photosite_transport::integrator::PIECES;
 use photosite_transport::scene::packed::layers::flag;
 use photosite_transport::scene::packed::lights::colour;
 use photosite_transport::scene::packed::materials::{self, alpha, model};
 use photosite_transport::scene::packed::{self, albedos, hierarchy, layers, lights};
 
-use crate::params::{FIELDS, PADDING, SAMPLER_INDEPENDENT, SAMPLER_SOBOL};
+use crate::params::{SAMPLER_INDEPENDENT, SAMPLER_SOBOL};
+use crate::uniform::wgsl;
+use crate::{film, params};
 
 /// Threads of a workgroup.
 pub const WORKGROUP_SIZE: u32 = 64;
 /// Words of the state of a path.
-pub const STATE_WORDS: u32 = 13;
+pub const STATE_WORDS: u32 = 14;
 /// Words of the start of a path.
 pub const START_WORDS: u32 = 4;
 
@@ -73,6 +76,14 @@ const LIGHTS: &str = concat!(
     include_str!("wgsl/panes.wgsl"),
 );
 
+/// Files on the film, behind those on paths.
+const FILM: &str = concat!(
+    include_str!("wgsl/film/film_tables.wgsl"),
+    include_str!("wgsl/film/wavelengths.wgsl"),
+    include_str!("wgsl/film/camera.wgsl"),
+    include_str!("wgsl/film/pixels.wgsl"),
+);
+
 /// Numbers that both sides share, by their names in WGSL.
 const NUMBERS: &[(&str, u32)] = &[
     ("WORKGROUP_SIZE", WORKGROUP_SIZE),
@@ -80,6 +91,7 @@ const NUMBERS: &[(&str, u32)] = &[
     ("SAMPLER_SOBOL", SAMPLER_SOBOL),
     ("SAMPLER_INDEPENDENT", SAMPLER_INDEPENDENT),
     ("SPECTRUM_ENTRIES", TABLE_LEN as u32),
+    ("DENSITY_PIECES", PIECES as u32),
     ("NODE_WORDS", hierarchy::NODE_WORDS as u32),
     ("TRIANGLE_WORDS", hierarchy::TRIANGLE_WORDS as u32),
     ("QUADRIC_WORDS", hierarchy::QUADRIC_WORDS as u32),
@@ -173,14 +185,7 @@ pub fn functions(features: u32) -> String {
     for (name, value) in numbers.into_iter().chain(albedos::TABLE_ENDS) {
         let _ = writeln!(text, "const {name} = {value:?}f;");
     }
-    text += "struct Params {\n";
-    for (name, kind) in FIELDS {
-        let _ = writeln!(text, "    {name}: {kind},");
-    }
-    (0..PADDING).for_each(|i| {
-        let _ = writeln!(text, "    padding_{i}: u32,");
-    });
-    text += "}\n";
+    text += &wgsl("Params", params::FIELDS);
     text += BINDINGS;
     FILES.iter().for_each(|file| text += file);
     text
@@ -188,5 +193,5 @@ pub fn functions(features: u32) -> String {
 
 /// Text of all kernels of the wavefront, for scenes of these features.
 pub fn wavefront(features: u32) -> String {
-    functions(features) + include_str!("wgsl/path.wgsl")
+    functions(features) + include_str!("wgsl/path.wgsl") + &wgsl("Film", film::FIELDS) + FILM
 }

@@ -4,10 +4,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
 use photosite_core::Invalid;
-use photosite_core::spectrum::SampledSpectrum;
-use photosite_transport::integrator::{Arrival, Device, PathLimits, PathStart, PathTracer};
+use photosite_transport::integrator::PathLimits;
 use photosite_transport::sampler::SamplerKind;
-use photosite_transport::scene::Scene;
 use photosite_transport::scene::packed::PackedScene;
 use wgpu::util::DeviceExt;
 
@@ -26,30 +24,29 @@ const BATCHES: usize = 2;
 /// Segments that are traced between two looks at whether any path goes on.
 const SEGMENTS_TOGETHER: u32 = 16;
 /// Numbers in `control`, see `wgsl/path.wgsl`, and the places of three of them.
-const CONTROL: u64 = 8;
+const CONTROL: u64 = 9;
 const ACTIVE: usize = 1;
 const SURFACE_RAYS: usize = 6;
 const LIGHT_RAYS: usize = 7;
-/// Bits in the second place of light whose hero is alone.
-const HERO_ALONE: u32 = 0x7fc0_0000;
-
+/// Numbers in `control`.
+pub(crate) type Control = [u32; CONTROL as usize];
 /// A scene on a card, with the kernels that trace paths through it.
 pub(crate) struct Tracer {
-    device: wgpu::Device,
+    pub(crate) device: wgpu::Device,
     queue: wgpu::Queue,
     fault: Arc<Mutex<Option<String>>>,
-    kernels: Arc<Kernels>,
+    pub(crate) kernels: Arc<Kernels>,
     scene: wgpu::BindGroup,
-    max_depth: u32,
-    capacity: u32,
+    pub(crate) max_depth: u32,
+    pub(crate) capacity: u32,
     /// Batches that no thread uses, and the signal that there is one.
     idle: Mutex<Vec<Batch>>,
     is_idle: Condvar,
-    rays: [AtomicU64; 2],
+    pub(crate) rays: [AtomicU64; 2],
 }
 
 /// Buffers of paths that are traced together.
-struct Batch {
+pub(crate) struct Batch {
     starts: wgpu::Buffer,
     control: wgpu::Buffer,
     arrivals: wgpu::Buffer,
@@ -59,7 +56,25 @@ struct Batch {
     paths: wgpu::BindGroup,
     counted: wgpu::BindGroup,
     /// Bytes of starts before they are sent.
-    words: Vec<[u32; 4]>,
+    pub(crate) words: Vec<[u32; 4]>,
+}
+
+/// Kernels that paths start and end with.
+pub(crate) struct Ends<'a> {
+    pub(crate) first: &'a wgpu::ComputePipeline,
+    pub(crate) last: &'a wgpu::ComputePipeline,
+    /// Film that they read.
+    pub(crate) film: Option<&'a wgpu::BindGroup>,
+    /// Numbers of threads of the first and the last.
+    pub(crate) threads: [u32; 2],
+    /// Number of results, of 16 bytes each.
+    pub(crate) results: u32,
+}
+
+impl Ends<'_> {
+    fn bytes(&self) -> u64 {
+        u64::from(self.results) * 16
+    }
 }
 
 fn unlocked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -112,7 +127,7 @@ impl Tracer {
         let scopes =
             [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation].map(|of| device.push_error_scope(of));
 
-        let numbers = params::values(scene, limits, sampler, capacity);
+        let numbers = params::values(&params::Row { scene, limits, sampler, capacity });
         let numbers = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("params"),
             contents: bytemuck::cast_slice(&numbers),
@@ -145,7 +160,7 @@ impl Tracer {
     }
 
     /// Takes a batch that no other thread uses, and waits for one if need be.
-    fn take(&self) -> Batch {
+    pub(crate) fn take(&self) -> Batch {
         let mut idle = unlocked(&self.idle);
         loop {
             match idle.pop() {
@@ -155,21 +170,24 @@ impl Tracer {
         }
     }
 
-    fn give_back(&self, batch: Batch) {
+    pub(crate) fn give_back(&self, batch: Batch) {
         unlocked(&self.idle).push(batch);
         self.is_idle.notify_one();
     }
 
-    /// Traces a batch of paths.
-    fn trace_batch(&self, batch: &mut Batch, starts: &[PathStart], arrivals: &mut Vec<Arrival>) -> Result<(), String> {
+    /// Sends words of a batch and the numbers of its kernels, traces until no path goes on, and hands over the bytes of the
+    /// results.
+    pub(crate) fn trace_words(
+        &self,
+        batch: &Batch,
+        control: Control,
+        ends: &Ends<'_>,
+        take: impl FnOnce(&[u8]),
+    ) -> Result<(), String> {
         // Send the starts, and the numbers of the first kernels
-        batch.words.clear();
-        batch.words.extend(starts.iter().flat_map(start_words));
         self.queue.write_buffer(&batch.starts, 0, bytemuck::cast_slice(&batch.words));
-        let count = starts.len() as u32;
-        let control: [u32; CONTROL as usize] = [count, count, 0, 0, 0, 0, count, 0];
         self.queue.write_buffer(&batch.control, 0, bytemuck::cast_slice(&control));
-        let groups = count.div_ceil(WORKGROUP_SIZE);
+        let groups = ends.threads[0].div_ceil(WORKGROUP_SIZE);
         self.queue.write_buffer(&batch.workgroups, 0, bytemuck::cast_slice(&[groups, 1, 1, 0, 1, 1]));
 
         // Trace segment by segment until no path goes on
@@ -178,7 +196,7 @@ impl Tracer {
             let segments = SEGMENTS_TOGETHER.min(self.max_depth - depth);
             let is_first = depth == 0;
             depth += segments;
-            let control = self.trace_segments(batch, count, segments, is_first)?;
+            let control = self.trace_segments(batch, ends, segments, is_first)?;
             if control[ACTIVE] == 0 || depth >= self.max_depth {
                 self.rays[0].fetch_add(u64::from(control[SURFACE_RAYS]), Ordering::Relaxed);
                 self.rays[1].fetch_add(u64::from(control[LIGHT_RAYS]), Ordering::Relaxed);
@@ -188,32 +206,27 @@ impl Tracer {
         }
 
         // Take what has arrived
-        let bytes = u64::from(count) * 16;
-        let view = batch.returned.get_mapped_range(0..bytes).map_err(|error| error.to_string())?;
-        arrivals.extend(view.as_ref().chunks_exact(16).map(arrival));
+        let view = batch.returned.get_mapped_range(0..ends.bytes()).map_err(|error| error.to_string())?;
+        take(view.as_ref());
         drop(view);
         batch.returned.unmap();
         Ok(())
     }
 
-    /// Traces some segments of all paths that go on. Returns the numbers of `control`, and leaves what
-    /// has arrived mapped.
-    fn trace_segments(
-        &self,
-        batch: &Batch,
-        count: u32,
-        segments: u32,
-        is_first: bool,
-    ) -> Result<[u32; CONTROL as usize], String> {
-        let groups = count.div_ceil(WORKGROUP_SIZE);
+    /// Traces some segments of all paths that go on. Returns the numbers of `control`, and leaves the results mapped.
+    fn trace_segments(&self, batch: &Batch, ends: &Ends<'_>, segments: u32, is_first: bool) -> Result<Control, String> {
+        let groups = ends.threads.map(|count| count.div_ceil(WORKGROUP_SIZE));
         let mut encoder = self.device.create_command_encoder(&Default::default());
         {
             let mut pass = encoder.begin_compute_pass(&Default::default());
             pass.set_bind_group(0, &self.scene, &[]);
             pass.set_bind_group(1, &batch.paths, &[]);
+            if let Some(film) = ends.film {
+                pass.set_bind_group(3, film, &[]);
+            }
             if is_first {
-                pass.set_pipeline(&self.kernels.generate);
-                pass.dispatch_workgroups(groups, 1, 1);
+                pass.set_pipeline(ends.first);
+                pass.dispatch_workgroups(groups[0], 1, 1);
             }
             for _ in 0..segments {
                 for kernel in [&self.kernels.extend, &self.kernels.shade] {
@@ -226,10 +239,13 @@ impl Tracer {
                 pass.set_pipeline(&self.kernels.shadow);
                 pass.dispatch_workgroups_indirect(&batch.workgroups, 12);
             }
-            pass.set_pipeline(&self.kernels.arrive);
-            pass.dispatch_workgroups(groups, 1, 1);
+            pass.set_pipeline(ends.last);
+            if let Some(film) = ends.film {
+                pass.set_bind_group(3, film, &[]);
+            }
+            pass.dispatch_workgroups(groups[1], 1, 1);
         }
-        let bytes = u64::from(count) * 16;
+        let bytes = ends.bytes();
         encoder.copy_buffer_to_buffer(&batch.arrivals, 0, &batch.returned, 0, bytes);
         encoder.copy_buffer_to_buffer(&batch.control, 0, &batch.returned, bytes, CONTROL * 4);
         let submission = self.queue.submit([encoder.finish()]);
@@ -252,70 +268,7 @@ impl Tracer {
     }
 }
 
-impl Device for Card {
-    fn name(&self) -> String {
-        self.adapter().to_string()
-    }
-
-    fn load(&self, scene: &Scene, limits: PathLimits, sampler: SamplerKind) -> Result<Box<dyn PathTracer>, Invalid> {
-        let packed = scene.packed().map_err(|error| error.help("render with --device cpu"))?;
-        Ok(Box::new(Tracer::new(self, &packed, limits, sampler)?))
-    }
-}
-
-impl PathTracer for Tracer {
-    fn trace(&self, starts: &[PathStart], arrivals: &mut Vec<Arrival>) -> Result<(), String> {
-        arrivals.clear();
-        if self.max_depth == 0 {
-            let dark = |start: &PathStart| Arrival {
-                light: SampledSpectrum::ZERO,
-                is_hero_alone: start.wavelengths.is_hero_alone(),
-            };
-            arrivals.extend(starts.iter().map(dark));
-            return Ok(());
-        }
-        for starts in starts.chunks(self.capacity as usize) {
-            let mut batch = self.take();
-            let traced = self.trace_batch(&mut batch, starts, arrivals);
-            self.give_back(batch);
-            traced?;
-        }
-        Ok(())
-    }
-
-    fn batch_size(&self) -> usize {
-        self.capacity as usize
-    }
-
-    fn rays(&self) -> [u64; 2] {
-        self.rays.each_ref().map(|rays| rays.load(Ordering::Relaxed))
-    }
-}
-
-/// Start of a path as the kernels read it: origin, and the time; direction, and whether the hero is alone; wavelengths;
-/// random numbers.
-fn start_words(start: &PathStart) -> [[u32; 4]; START_WORDS as usize] {
-    let PathStart { ray, wavelengths, position } = start;
-    let [x, y, z] = ray.origin.to_array().map(f32::to_bits);
-    let [dx, dy, dz] = ray.direction.to_array().map(f32::to_bits);
-    let is_alone = u32::from(wavelengths.is_hero_alone());
-    [
-        [x, y, z, ray.time.to_bits()],
-        [dx, dy, dz, is_alone],
-        wavelengths.lambdas_nm().map(f32::to_bits),
-        position.words(),
-    ]
-}
-
-fn word(bytes: &[u8]) -> u32 {
+/// Number of 32 bits.
+pub(crate) fn word(bytes: &[u8]) -> u32 {
     u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
-}
-
-/// Light of a path as the kernels leave it.
-fn arrival(bytes: &[u8]) -> Arrival {
-    let bits = [0, 4, 8, 12].map(|at| word(&bytes[at..]));
-    let is_hero_alone = bits[1] == HERO_ALONE;
-    let lanes = bits.map(f32::from_bits);
-    let light = if is_hero_alone { [lanes[0], 0.0, 0.0, 0.0] } else { lanes };
-    Arrival { light: SampledSpectrum::from(light), is_hero_alone }
 }

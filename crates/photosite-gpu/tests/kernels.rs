@@ -20,13 +20,16 @@ fn accepts(text: &str) {
     validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
     let mut names: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
     names.sort_unstable();
-    assert_eq!(names, ["arrive", "count", "extend", "generate", "shade", "shadow"]);
+    let all = ["arrive", "count", "extend", "generate", "generate_camera_rays", "shade", "shadow", "update_film"];
+    assert_eq!(names, all);
 
     // Uniform blocks are whole numbers of 16 bytes, and every field has its place in the order of Rust's table.
-    let (_, params) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("Params")).expect("params");
-    let naga::TypeInner::Struct { members, span } = &params.inner else { panic!("{params:?}") };
-    assert_eq!((span % 16, *span as usize), (0, 4 * members.len()));
-    for (i, member) in members.iter().enumerate() {
-        assert_eq!(member.offset as usize, 4 * i, "{:?}", member.name);
+    for name in ["Params", "Film"] {
+        let (_, block) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).expect("a block");
+        let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("{block:?}") };
+        assert_eq!((span % 16, *span as usize), (0, 4 * members.len()));
+        for (i, member) in members.iter().enumerate() {
+            assert_eq!(member.offset as usize, 4 * i, "{:?}", member.name);
+        }
     }
 }

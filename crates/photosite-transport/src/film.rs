@@ -79,6 +79,11 @@ impl FilmResponses {
         }
     }
 
+    /// Values by entry of a spectral table and group of four channels.
+    pub(crate) fn table(&self) -> &[Vec4] {
+        &self.table
+    }
+
     /// Names of the channels.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
@@ -95,7 +100,7 @@ impl FilmResponses {
     }
 
     /// Number of groups of four channels.
-    fn groups(&self) -> usize {
+    pub(crate) fn groups(&self) -> usize {
         self.len().div_ceil(4)
     }
 
@@ -223,6 +228,11 @@ impl Film {
         sums.zip(self.counts.chunks_mut(pixels)).map(band).collect()
     }
 
+    /// Responses of the channels.
+    pub(crate) fn responses(&self) -> &FilmResponses {
+        &self.responses
+    }
+
     /// Names of the channels.
     pub fn channels(&self) -> &[String] {
         &self.responses.names
@@ -315,6 +325,39 @@ impl FilmBand<'_> {
             self.counts[pixel] += 1;
         }
         add_values(&mut self.sums[pixel * channels..(pixel + 1) * channels], groups, &self.scratch);
+    }
+}
+
+/// Sums of four channels side by side over some samples v of a pixel. They are exact where samples are alike, as sums
+/// of squares would not be in 32 bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ShiftedSums {
+    /// First sample v₀.
+    pub first: [f32; 4],
+    /// Sum Σ (v − v₀).
+    pub differences: [f32; 4],
+    /// Sum Σ (v − v₀)².
+    pub squares: [f32; 4],
+}
+
+impl FilmBand<'_> {
+    /// Adds samples to a pixel, of each group of channels their sums.
+    pub fn add_sums(&mut self, pixel: usize, samples: u32, groups: &[ShiftedSums]) {
+        let (channels, n) = (self.responses.len(), f64::from(samples));
+        let of_pixel = &mut self.sums[pixel * channels..(pixel + 1) * channels];
+        for (sums, group) in of_pixel.chunks_mut(4).zip(groups) {
+            for (channel, sums) in sums.iter_mut().enumerate() {
+                let first = f64::from(group.first[channel]);
+                let differences = f64::from(group.differences[channel]);
+                // Σ v² = n·v₀² + 2·v₀·Σ (v − v₀) + Σ (v − v₀)²
+                sums.sum.add(n * first);
+                sums.sum.add(differences);
+                sums.squares.add(n * first * first);
+                sums.squares.add(2.0 * first * differences);
+                sums.squares.add(f64::from(group.squares[channel]));
+            }
+        }
+        self.counts[pixel] += samples;
     }
 }
 

@@ -79,6 +79,12 @@ impl WavelengthSampler {
         Self { pieces: (0..TABLE_LEN).map(piece).collect(), guide: (0..Self::PARTS).map(guide).collect() }
     }
 
+    /// Pieces of a nanometre each as plain data, and one where the last ends: the probability of all pieces before, the
+    /// density in nm⁻¹, and its reciprocal.
+    pub fn pieces(&self) -> impl Iterator<Item = [f32; 3]> {
+        self.pieces.iter().map(|piece| [piece.before, piece.density, piece.nm_per_probability])
+    }
+
     /// Four wavelengths from one number in [0, 1): the hero at u, the others at u + ¼, u + ½, u + ¾ (mod 1) of the
     /// cumulative distribution, each therefore with density p(λ).
     #[inline]

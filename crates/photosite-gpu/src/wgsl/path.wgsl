@@ -20,6 +20,8 @@ const ACTIVE_SHADOWS = 4u;
 const DEPTH = 5u;
 const SURFACE_RAYS = 6u;
 const LIGHT_RAYS = 7u;
+/// Paths that each run has room for, where paths start and end on the card.
+const SLOTS = 8u;
 
 // States of a path
 const ORIGIN_LEAVES = 0u;
@@ -39,6 +41,8 @@ const REST = 9u;
 const SHADOW_ORIGIN_TARGET = 10u;
 const SHADOW_DIRECTION_END = 11u;
 const SHADOW_LIGHT = 12u;
+/// Weights of the wavelengths times those of the camera and the transmittance of the lens, of paths that start on the card.
+const SENSOR_WEIGHT = 13u;
 
 fn place_of(kind: u32, path: u32) -> u32 {
     return kind * params.capacity + path;

@@ -3,6 +3,7 @@
 #![cfg(feature = "gpu")]
 
 mod bsdfs;
+mod films;
 mod images;
 mod lamps;
 mod motions;

@@ -8,6 +8,7 @@ mod interaction;
 mod job;
 mod light_paths;
 mod mis_ratio;
+mod packed_film;
 mod path;
 mod path_tracer;
 pub mod pilot;
@@ -19,8 +20,9 @@ mod wavefront;
 mod wavelengths;
 
 pub use job::{FilterTile, RenderJob};
+pub use packed_film::{PIECES, PackedFilm};
 pub use path::PathLimits;
-pub use path_tracer::{Arrival, Device, LoadedDevice, PathStart, PathTracer};
+pub use path_tracer::{Arrival, Device, LoadedDevice, PathStart, PathTracer, PixelRun, PixelTracer};
 pub use pilot::Pilot;
 pub use progress::{Listener, Step};
 pub use render::{

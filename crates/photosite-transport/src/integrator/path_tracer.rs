@@ -5,8 +5,10 @@ use std::fmt::Debug;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
+use super::packed_film::PackedFilm;
 use super::path::PathLimits;
 use super::settings::RenderSettings;
+use crate::film::ShiftedSums;
 use crate::geometry::Ray;
 use crate::sampler::{SamplePosition, Sampler, SamplerKind};
 use crate::scene::Scene;
@@ -50,6 +52,38 @@ pub trait PathTracer: Send + Sync {
 
     /// Numbers of rays that were traced to surfaces and to lights so far, where the tracer counts them.
     fn rays(&self) -> [u64; 2];
+
+    /// Takes the film of a render, to start the paths of its pixels and to sum their samples by itself.
+    ///
+    /// # Errors
+    ///
+    /// Words on why the device does not take it.
+    fn pixels<'a>(&'a self, film: &PackedFilm) -> Result<Box<dyn PixelTracer + 'a>, String>;
+}
+
+/// Samples of one pixel that follow each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelRun {
+    /// Column and row of the pixel in the image.
+    pub pixel: [u32; 2],
+    /// Number of the first sample.
+    pub first: u32,
+    /// Number of samples, at least one.
+    pub count: u32,
+}
+
+/// Tracer of the samples of pixels, with the camera, the wavelengths and the responses of one film.
+pub trait PixelTracer: Send + Sync {
+    /// Traces runs of at most `longest` samples each, and puts the sums of each run in the place of `sums`, group by group of
+    /// four channels. The sums of a run are a function of it alone.
+    ///
+    /// # Errors
+    ///
+    /// Words on why the device does not go on; nothing of these runs is to be used then.
+    fn trace(&self, runs: &[PixelRun], longest: u32, sums: &mut Vec<ShiftedSums>) -> Result<(), String>;
+
+    /// Number of runs of at most that many samples that are traced together.
+    fn batch_size(&self, longest: u32) -> usize;
 }
 
 /// Device that traces paths in place of the processor.
@@ -88,12 +122,18 @@ impl LoadedDevice {
         self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone()
     }
 
+    /// Tracer of the samples of a film's pixels; `None` where the device has failed.
+    pub(super) fn pixels(&self, film: &PackedFilm) -> Option<Box<dyn PixelTracer + '_>> {
+        self.tracer.pixels(film).map_err(|words| self.fail(words)).ok()
+    }
+
     /// Number of paths that are traced together.
     pub(super) fn batch_size(&self) -> usize {
         self.tracer.batch_size()
     }
 
-    fn fail(&self, words: String) {
+    /// Notes words on why the device has ended a render.
+    pub(super) fn fail(&self, words: String) {
         *self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(words);
     }
 }

@@ -3,6 +3,7 @@
 mod band_worker;
 mod landings;
 mod passes;
+mod pixel_worker;
 mod planner;
 mod tracer;
 

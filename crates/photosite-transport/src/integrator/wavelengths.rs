@@ -52,6 +52,11 @@ impl PixelWavelengths {
         self.samplers.len() == 1
     }
 
+    /// Samplers of all pixels; the number of that of each pixel of a tile, row by row; and the tile's width.
+    pub(super) fn tile(&self) -> (&[WavelengthSampler], &[usize], usize) {
+        (&self.samplers, &self.filters, self.width)
+    }
+
     /// Sampler of a pixel.
     #[inline]
     pub(super) fn at(&self, column: usize, row: usize) -> &WavelengthSampler {

@@ -65,11 +65,20 @@ impl Aperture {
         let scaled = u * self.blades as f32;
         let blade = scaled.floor().min(self.blades as f32 - 1.0);
         let [b1, b2] = warp::uniform_triangle([scaled - blade, v]);
-        let corner = |i: f32| {
-            let angle = self.rotation_rad + std::f64::consts::TAU * f64::from(i) / f64::from(self.blades);
-            DVec2::from_angle(angle) * self.radius
-        };
-        corner(blade) * f64::from(b1) + corner(blade + 1.0) * f64::from(b2)
+        self.corner(blade) * f64::from(b1) + self.corner(blade + 1.0) * f64::from(b2)
+    }
+
+    /// Corner i of the polygon, m.
+    #[inline]
+    fn corner(&self, i: f32) -> DVec2 {
+        let angle = self.rotation_rad + std::f64::consts::TAU * f64::from(i) / f64::from(self.blades);
+        DVec2::from_angle(angle) * self.radius
+    }
+
+    /// Corners of the polygon and the first once more, m; none of a disk.
+    pub(super) fn corners(&self) -> Vec<[f32; 2]> {
+        let corner = |i: u32| self.corner(i as f32).as_vec2().to_array();
+        if self.blades == 0 { Vec::new() } else { (0..=self.blades).map(corner).collect() }
     }
 }
 

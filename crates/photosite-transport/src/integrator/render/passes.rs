@@ -5,10 +5,13 @@ use std::ops::{ControlFlow, Range};
 use rayon::prelude::*;
 
 use super::band_worker::BandWorker;
+use super::pixel_worker::PixelWorker;
 use super::tracer::Tracer;
 use crate::film::{Film, FilmBand};
 use crate::integrator::light_paths::Splats;
+use crate::integrator::packed_film::PackedFilm;
 use crate::integrator::path_tracer::{DevicePaths, Paths};
+use crate::integrator::{LoadedDevice, RenderJob};
 
 /// Number of paths of a pass so short that smaller ones are pointless.
 const SMALL_PASS_PATHS: u64 = 1 << 20;
@@ -71,10 +74,42 @@ impl Tracer<'_> {
             None => self.fill_bands(film, 1, wanted, splats, || self.wavefront()),
             Some(device) => {
                 let rows = self.rows_of_batch(film, wanted, device.batch_size());
-                let paths = || (DevicePaths::new(device), device.batch_size() as u32);
-                self.fill_bands(film, rows, wanted, splats, paths);
+                match self.packed_film(film) {
+                    Some(packed) => self.fill_pixels(device, &packed, film, rows, wanted),
+                    None => {
+                        let paths = || (DevicePaths::new(device), device.batch_size() as u32);
+                        self.fill_bands(film, rows, wanted, splats, paths);
+                    }
+                }
             }
         }
+    }
+
+    /// The film as plain data, for a device that starts its paths; `None` where the processor has to start them.
+    fn packed_film(&self, film: &Film) -> Option<PackedFilm> {
+        let RenderJob { camera, transmittance, resolution: [_, rows], .. } = *self.job;
+        if self.light_tracer.is_some() || self.limits.max_depth == 0 {
+            return None;
+        }
+        let wavelengths = (&self.wavelengths, self.has_single_wavelengths);
+        PackedFilm::new(camera, rows, (&self.order, self.seed), wavelengths, transmittance, film.responses())
+    }
+
+    /// Fills bands of `rows` rows side by side, with samples that a device sums.
+    fn fill_pixels(
+        &self,
+        device: &LoadedDevice,
+        packed: &PackedFilm,
+        film: &mut Film,
+        rows: usize,
+        wanted: &(dyn Fn(usize) -> u32 + Sync),
+    ) {
+        let Some(pixels) = device.pixels(packed) else { return self.stop() };
+        let size = [film.width(), film.image_rows().start];
+        let fill = |(index, band): (usize, FilmBand<'_>)| {
+            PixelWorker::new(self, (device, &*pixels), band, index * rows * size[0], size).fill(wanted);
+        };
+        film.bands(rows).into_par_iter().with_max_len(1).enumerate().for_each(fill);
     }
 
     /// Fills bands of `rows` rows side by side, with paths that `make` makes for each.

@@ -1,0 +1,90 @@
+//! Film of a render on a card: its camera, wavelengths and responses.
+
+use photosite_transport::integrator::PackedFilm;
+
+use crate::uniform::uniform_block;
+
+/// Places of tables among the vectors of a film.
+#[derive(Clone, Copy, Debug, Default)]
+struct Places {
+    densities: u32,
+    tile: u32,
+    transmittance: u32,
+    responses: u32,
+    corners: u32,
+    stops: u32,
+}
+
+/// A film with the places of its tables.
+pub(crate) struct Row<'a> {
+    film: &'a PackedFilm,
+    places: Places,
+}
+
+uniform_block! {
+    Row<'_>:
+    x_axis_x: "f32" = |r| r.film.camera.to_world[0][0].to_bits(),
+    x_axis_y: "f32" = |r| r.film.camera.to_world[0][1].to_bits(),
+    x_axis_z: "f32" = |r| r.film.camera.to_world[0][2].to_bits(),
+    y_axis_x: "f32" = |r| r.film.camera.to_world[1][0].to_bits(),
+    y_axis_y: "f32" = |r| r.film.camera.to_world[1][1].to_bits(),
+    y_axis_z: "f32" = |r| r.film.camera.to_world[1][2].to_bits(),
+    z_axis_x: "f32" = |r| r.film.camera.to_world[2][0].to_bits(),
+    z_axis_y: "f32" = |r| r.film.camera.to_world[2][1].to_bits(),
+    z_axis_z: "f32" = |r| r.film.camera.to_world[2][2].to_bits(),
+    origin_x: "f32" = |r| r.film.camera.to_world[3][0].to_bits(),
+    origin_y: "f32" = |r| r.film.camera.to_world[3][1].to_bits(),
+    origin_z: "f32" = |r| r.film.camera.to_world[3][2].to_bits(),
+    fx: "f32" = |r| r.film.camera.intrinsics[0].to_bits(),
+    fy: "f32" = |r| r.film.camera.intrinsics[1].to_bits(),
+    cx: "f32" = |r| r.film.camera.intrinsics[2].to_bits(),
+    cy: "f32" = |r| r.film.camera.intrinsics[3].to_bits(),
+    skew: "f32" = |r| r.film.camera.intrinsics[4].to_bits(),
+    reach_cos: "f32" = |r| r.film.camera.reach_cos.to_bits(),
+    aperture_radius: "f32" = |r| r.film.camera.radius.to_bits(),
+    has_aperture: "u32" = |r| u32::from(r.film.camera.has_aperture),
+    blades: "u32" = |r| r.film.camera.corners.len().saturating_sub(1) as u32,
+    corners: "u32" = |r| r.places.corners,
+    pupil_scale: "f32" = |r| r.film.camera.pupil_scale.to_bits(),
+    vergence: "f32" = |r| r.film.camera.vergence.to_bits(),
+    stop_count: "u32" = |r| r.film.camera.stops.len() as u32,
+    stops: "u32" = |r| r.places.stops,
+    image_distance: "f32" = |r| r.film.camera.image_distance.to_bits(),
+    perspective_distance: "f32" = |r| r.film.camera.perspective_distance.to_bits(),
+    sample_sr: "f32" = |r| r.film.camera.sample_sr.to_bits(),
+    falls_off: "u32" = |r| u32::from(r.film.camera.falls_off),
+    seed_low: "u32" = |r| r.film.seed as u32,
+    seed_high: "u32" = |r| (r.film.seed >> 32) as u32,
+    squares: "u32" = |r| r.film.order[0],
+    log2_side: "u32" = |r| r.film.order[1],
+    log2_samples: "u32" = |r| r.film.order[2],
+    has_single_wavelengths: "u32" = |r| u32::from(r.film.has_single_wavelengths),
+    densities: "u32" = |r| r.places.densities,
+    tile: "u32" = |r| r.places.tile,
+    tile_width: "u32" = |r| r.film.tile_width,
+    tile_height: "u32" = |r| r.film.tile.len() as u32 / r.film.tile_width,
+    transmittance: "u32" = |r| r.places.transmittance,
+    responses: "u32" = |r| r.places.responses,
+    groups: "u32" = |r| r.film.groups,
+}
+
+/// Numbers and tables of a film as kernels read them.
+pub(crate) fn packed(film: &PackedFilm) -> (Vec<u32>, Vec<[f32; 4]>) {
+    let mut table = Vec::new();
+    let mut section = |rows: &mut dyn Iterator<Item = [f32; 4]>| {
+        let first = table.len() as u32;
+        table.extend(rows);
+        first
+    };
+    let pair = |&[x, y]: &[f32; 2]| [x, y, 0.0, 0.0];
+    let one = |x: f32| [x, 0.0, 0.0, 0.0];
+    let places = Places {
+        densities: section(&mut film.densities.iter().map(|&[before, density, nm]| [before, density, nm, 0.0])),
+        tile: section(&mut film.tile.iter().map(|&density| one(density as f32))),
+        transmittance: section(&mut film.transmittance.iter().copied().map(one)),
+        responses: section(&mut film.responses.iter().copied()),
+        corners: section(&mut film.camera.corners.iter().map(pair)),
+        stops: section(&mut film.camera.stops.iter().map(pair)),
+    };
+    (values(&Row { film, places }), table)
+}

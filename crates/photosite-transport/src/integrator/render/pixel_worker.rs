@@ -1,0 +1,98 @@
+//! Worker on one band of rows whose paths a device starts, and whose samples it sums.
+
+use super::band_worker::PATHS_PER_REPORT;
+use super::passes::MAX_PASS_SAMPLES;
+use super::tracer::Tracer;
+use crate::film::{FilmBand, ShiftedSums};
+use crate::integrator::LoadedDevice;
+use crate::integrator::path_tracer::{PixelRun, PixelTracer};
+
+/// Adds samples to a band.
+pub(super) struct PixelWorker<'a, 'f> {
+    tracer: &'a Tracer<'a>,
+    device: &'a LoadedDevice,
+    pixels: &'a dyn PixelTracer,
+    band: FilmBand<'f>,
+    /// Index of the first pixel of the band in the film.
+    first_pixel: usize,
+    /// Width of the film, and the row of the image that its first row is.
+    width: usize,
+    first_row: usize,
+    runs: Vec<PixelRun>,
+    /// Pixels of the band that the runs are of.
+    of_band: Vec<usize>,
+    sums: Vec<ShiftedSums>,
+    /// Number of paths since the last report.
+    paths: u64,
+}
+
+impl<'a, 'f> PixelWorker<'a, 'f> {
+    /// A worker for the band whose first pixel is `first_pixel` of a film of that width and first row.
+    pub(super) fn new(
+        tracer: &'a Tracer<'a>,
+        (device, pixels): (&'a LoadedDevice, &'a dyn PixelTracer),
+        band: FilmBand<'f>,
+        first_pixel: usize,
+        [width, first_row]: [usize; 2],
+    ) -> Self {
+        Self {
+            tracer,
+            device,
+            pixels,
+            band,
+            first_pixel,
+            width,
+            first_row,
+            runs: Vec::new(),
+            of_band: Vec::new(),
+            sums: Vec::new(),
+            paths: 0,
+        }
+    }
+
+    /// Adds all samples of the band that pixels lack of the number that `wanted` gives.
+    pub(super) fn fill(mut self, wanted: &(dyn Fn(usize) -> u32 + Sync)) {
+        let (first_sample, first_pixel) = (self.tracer.job.settings.samples().start, self.first_pixel);
+        let missing = |band: &FilmBand<'_>, pixel: usize| band.samples(pixel)..wanted(first_pixel + pixel);
+        let longest = (0..self.band.pixels()).map(|pixel| missing(&self.band, pixel).len()).max().unwrap_or(0);
+        let longest = (longest as u32).clamp(1, MAX_PASS_SAMPLES);
+        let together = self.pixels.batch_size(longest);
+        for pixel in 0..self.band.pixels() {
+            let missing = missing(&self.band, pixel);
+            let at = first_pixel + pixel;
+            let position = [at % self.width, self.first_row + at / self.width].map(|n| n as u32);
+            for start in missing.clone().step_by(longest as usize) {
+                let count = longest.min(missing.end - start);
+                self.runs.push(PixelRun { pixel: position, first: first_sample + start, count });
+                self.of_band.push(pixel);
+            }
+            if self.runs.len() >= together {
+                self.flush(longest);
+                self.tracer.report_paths(&mut self.paths, PATHS_PER_REPORT);
+                // What is not traced is a smaller number of samples.
+                if self.tracer.go_on().is_break() {
+                    return;
+                }
+            }
+        }
+        self.flush(longest);
+        self.tracer.report_paths(&mut self.paths, 1);
+    }
+
+    /// Traces the runs, and adds what arrives to their pixels.
+    fn flush(&mut self, longest: u32) {
+        let Self { pixels, band, runs, of_band, sums, .. } = self;
+        if let Err(words) = pixels.trace(runs, longest, sums) {
+            self.device.fail(words);
+            self.tracer.stop();
+        } else if !runs.is_empty() {
+            let groups = sums.len() / runs.len();
+            for ((run, &pixel), sums) in runs.iter().zip(of_band.iter()).zip(sums.chunks(groups)) {
+                band.add_sums(pixel, run.count, sums);
+                self.paths += u64::from(run.count);
+            }
+        }
+        runs.clear();
+        of_band.clear();
+    }
+}
