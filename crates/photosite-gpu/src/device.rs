@@ -51,7 +51,7 @@ impl PathTracer for Tracer {
         self.capacity as usize
     }
 
-    fn pixels<'a>(&'a self, film: &PackedFilm) -> Result<Box<dyn PixelTracer + 'a>, String> {
+    fn pixels<'a>(&'a self, film: &PackedFilm<'_>) -> Result<Box<dyn PixelTracer + 'a>, String> {
         Ok(Box::new(FilmTracer::new(self, film)?))
     }
 

@@ -13,11 +13,12 @@ struct Places {
     responses: u32,
     corners: u32,
     stops: u32,
+    lens: u32,
 }
 
 /// A film with the places of its tables.
 pub(crate) struct Row<'a> {
-    film: &'a PackedFilm,
+    film: &'a PackedFilm<'a>,
     places: Places,
 }
 
@@ -40,6 +41,11 @@ uniform_block! {
     cx: "f32" = |r| r.film.camera.intrinsics[2].to_bits(),
     cy: "f32" = |r| r.film.camera.intrinsics[3].to_bits(),
     skew: "f32" = |r| r.film.camera.intrinsics[4].to_bits(),
+    lens_step: "u32" = |r| r.film.camera.table.as_ref().map_or(0, |table| table.step),
+    lens_columns: "u32" = |r| r.film.camera.table.as_ref().map_or(0, |table| table.columns),
+    lens_rows: "u32" = |r| r.film.camera.table.as_ref().map_or(0, |table| table.rows),
+    lens: "u32" = |r| r.places.lens,
+    is_flat: "u32" = |r| u32::from(r.film.camera.is_flat),
     reach_cos: "f32" = |r| r.film.camera.reach_cos.to_bits(),
     aperture_radius: "f32" = |r| r.film.camera.radius.to_bits(),
     has_aperture: "u32" = |r| u32::from(r.film.camera.has_aperture),
@@ -53,6 +59,16 @@ uniform_block! {
     perspective_distance: "f32" = |r| r.film.camera.perspective_distance.to_bits(),
     sample_sr: "f32" = |r| r.film.camera.sample_sr.to_bits(),
     falls_off: "u32" = |r| u32::from(r.film.camera.falls_off),
+    has_circle: "u32" = |r| u32::from(r.film.camera.image_circle.is_some()),
+    circle_x: "f32" = |r| r.film.camera.image_circle.map_or(0, |circle| circle[0].to_bits()),
+    circle_y: "f32" = |r| r.film.camera.image_circle.map_or(0, |circle| circle[1].to_bits()),
+    circle_width: "f32" = |r| r.film.camera.image_circle.map_or(0, |circle| circle[2].to_bits()),
+    circle_height: "f32" = |r| r.film.camera.image_circle.map_or(0, |circle| circle[3].to_bits()),
+    has_times: "u32" = |r| u32::from(r.film.camera.times.is_some()),
+    time: "f32" = |r| r.film.camera.time.to_bits(),
+    first_row: "f32" = |r| r.film.camera.times.map_or(0, |times| times.first_row.to_bits()),
+    row_time: "f32" = |r| r.film.camera.times.map_or(0, |times| times.row_time.to_bits()),
+    exposure: "f32" = |r| r.film.camera.times.map_or(0, |times| times.exposure.to_bits()),
     seed_low: "u32" = |r| r.film.seed as u32,
     seed_high: "u32" = |r| (r.film.seed >> 32) as u32,
     squares: "u32" = |r| r.film.order[0],
@@ -69,7 +85,7 @@ uniform_block! {
 }
 
 /// Numbers and tables of a film as kernels read them.
-pub(crate) fn packed(film: &PackedFilm) -> (Vec<u32>, Vec<[f32; 4]>) {
+pub(crate) fn packed(film: &PackedFilm<'_>) -> (Vec<u32>, Vec<[f32; 4]>) {
     let mut table = Vec::new();
     let mut section = |rows: &mut dyn Iterator<Item = [f32; 4]>| {
         let first = table.len() as u32;
@@ -85,6 +101,7 @@ pub(crate) fn packed(film: &PackedFilm) -> (Vec<u32>, Vec<[f32; 4]>) {
         responses: section(&mut film.responses.iter().copied()),
         corners: section(&mut film.camera.corners.iter().map(pair)),
         stops: section(&mut film.camera.stops.iter().map(pair)),
+        lens: section(&mut film.camera.table.iter().flat_map(|table| table.nodes.iter().copied())),
     };
     (values(&Row { film, places }), table)
 }

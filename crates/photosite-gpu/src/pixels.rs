@@ -24,7 +24,7 @@ impl<'a> FilmTracer<'a> {
     /// # Errors
     ///
     /// Words on why the card has no room for it.
-    pub(crate) fn new(tracer: &'a Tracer, film: &PackedFilm) -> Result<Self, String> {
+    pub(crate) fn new(tracer: &'a Tracer, film: &PackedFilm<'_>) -> Result<Self, String> {
         let device = &tracer.device;
         let (numbers, table) = film::packed(film);
         let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);

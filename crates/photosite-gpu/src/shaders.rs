@@ -5,6 +5,7 @@ use std::fmt::Write;
 use photosite_core::spectrum::{LAMBDA_MIN_NM, TABLE_LEN};
 use photosite_transport::bsdf::microfacet::SMALLEST_ALPHA;
 use photosite_transport::integrator::PIECES;
+use photosite_transport::optics::NODES_ALONG;
 use photosite_transport::scene::packed::layers::flag;
 use photosite_transport::scene::packed::lights::colour;
 use photosite_transport::scene::packed::materials::{self, alpha, model};
@@ -80,6 +81,7 @@ const LIGHTS: &str = concat!(
 const FILM: &str = concat!(
     include_str!("wgsl/film/film_tables.wgsl"),
     include_str!("wgsl/film/wavelengths.wgsl"),
+    include_str!("wgsl/film/lens_table.wgsl"),
     include_str!("wgsl/film/camera.wgsl"),
     include_str!("wgsl/film/pixels.wgsl"),
 );
@@ -92,6 +94,7 @@ const NUMBERS: &[(&str, u32)] = &[
     ("SAMPLER_INDEPENDENT", SAMPLER_INDEPENDENT),
     ("SPECTRUM_ENTRIES", TABLE_LEN as u32),
     ("DENSITY_PIECES", PIECES as u32),
+    ("NODES_ALONG", NODES_ALONG as u32),
     ("NODE_WORDS", hierarchy::NODE_WORDS as u32),
     ("TRIANGLE_WORDS", hierarchy::TRIANGLE_WORDS as u32),
     ("QUADRIC_WORDS", hierarchy::QUADRIC_WORDS as u32),

@@ -2,15 +2,15 @@
 
 use super::wavelengths::PixelWavelengths;
 use crate::film::FilmResponses;
-use crate::optics::{Camera, PackedCamera};
+use crate::optics::PackedCamera;
 use crate::sampler::PixelOrder;
 use photosite_core::spectrum::Spectrum;
 
 /// Film of a render as plain data; see the module.
 #[derive(Clone, Debug)]
-pub struct PackedFilm {
+pub struct PackedFilm<'a> {
     /// Camera.
-    pub camera: PackedCamera,
+    pub camera: &'a PackedCamera,
     /// Seed of the random numbers.
     pub seed: u64,
     /// Squares of pixels in a row of the image that share a sequence of random numbers, binary logarithm of the pixels
@@ -36,11 +36,10 @@ pub struct PackedFilm {
 /// Number of pieces of a density of wavelengths, with the one where the last ends.
 pub const PIECES: usize = photosite_core::spectrum::TABLE_LEN;
 
-impl PackedFilm {
-    /// Packs the film of an image of `rows` rows. `None` where its camera is none that devices have, or where numbers of
-    /// 32 bits do not tell its random numbers apart.
+impl<'a> PackedFilm<'a> {
+    /// Packs the film of an image of `rows` rows. `None` where numbers of 32 bits do not tell its random numbers apart.
     pub(super) fn new(
-        camera: &Camera,
+        camera: &'a PackedCamera,
         rows: u32,
         (order, seed): (&PixelOrder, u64),
         (wavelengths, has_single_wavelengths): (&PixelWavelengths, bool),
@@ -49,7 +48,7 @@ impl PackedFilm {
     ) -> Option<Self> {
         let (samplers, tile, tile_width) = wavelengths.tile();
         Some(Self {
-            camera: camera.packed()?,
+            camera,
             seed,
             order: order.numbers(rows)?,
             has_single_wavelengths,

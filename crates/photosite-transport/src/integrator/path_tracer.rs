@@ -58,7 +58,7 @@ pub trait PathTracer: Send + Sync {
     /// # Errors
     ///
     /// Words on why the device does not take it.
-    fn pixels<'a>(&'a self, film: &PackedFilm) -> Result<Box<dyn PixelTracer + 'a>, String>;
+    fn pixels<'a>(&'a self, film: &PackedFilm<'_>) -> Result<Box<dyn PixelTracer + 'a>, String>;
 }
 
 /// Samples of one pixel that follow each other.
@@ -123,7 +123,7 @@ impl LoadedDevice {
     }
 
     /// Tracer of the samples of a film's pixels; `None` where the device has failed.
-    pub(super) fn pixels(&self, film: &PackedFilm) -> Option<Box<dyn PixelTracer + '_>> {
+    pub(super) fn pixels(&self, film: &PackedFilm<'_>) -> Option<Box<dyn PixelTracer + '_>> {
         self.tracer.pixels(film).map_err(|words| self.fail(words)).ok()
     }
 

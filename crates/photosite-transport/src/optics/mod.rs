@@ -25,7 +25,7 @@ mod stop;
 
 pub use camera::{
     Arrival, BeyondImageCircle, Camera, CameraRay, CameraSample, Connection, Landing, LandingRay, LensFigures,
-    LensRays, PackedCamera, PixelGrid, PrescriptionFigures, TowardsLens,
+    LensRays, LensTable, NODES_ALONG, PackedCamera, PackedTimes, PixelGrid, PrescriptionFigures, TowardsLens,
 };
 pub use description::{AutofocusMethod, ContrastAutofocus, Falloff, Focus, LensDescription, LensKind, Sharpness};
 pub use element::{GroundLens, Power, SupplementaryLens};

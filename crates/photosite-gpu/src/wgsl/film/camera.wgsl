@@ -1,4 +1,4 @@
-// Rays of a rectilinear lens; photosite-transport's optics/camera/ray.rs, with aperture.rs and stop.rs.
+// Rays of a lens; photosite-transport's optics/camera/ray.rs, with aperture.rs and stop.rs.
 
 struct CameraRay {
     origin: vec3<f32>,
@@ -40,35 +40,98 @@ fn passes_stops(chief: vec3<f32>, opening: vec2<f32>, towards: vec3<f32>) -> boo
     return true;
 }
 
+/// Direction that a place sees, and the solid angle there.
+struct SeenPlace {
+    /// Unit direction.
+    direction: vec3<f32>,
+    /// Vector to the point in focus, in units of the focus distance.
+    chief: vec3<f32>,
+    /// Solid angle over area in normalised coordinates; of a lens that is focused on a plane, over cos³θ, too.
+    solid_angle: f32,
+}
+
+/// What a place in a pixel sees.
+fn seen_place(pixel: vec2<u32>, within: vec2<f32>) -> SeenPlace {
+    if (film.lens_step == 0u) {
+        // The whole part goes first, so that the place within a pixel keeps its bits.
+        let about_centre = (vec2<f32>(pixel) - vec2<f32>(film.cx, film.cy)) + within;
+        let y = about_centre.y / film.fy;
+        let chief = vec3<f32>((about_centre.x - film.skew * y) / film.fx, -y, -1.0);
+        return SeenPlace(normalize(chief), chief, 1.0);
+    }
+    let seen = table_sees(pixel, within);
+    if (film.is_flat != 0u) {
+        let chief = vec3<f32>(seen.xy, -1.0);
+        return SeenPlace(normalize(chief), chief, seen.z);
+    }
+    let direction = normalize(seen.xyz);
+    return SeenPlace(direction, direction, seen.w);
+}
+
+/// A point of the entrance pupil: across the axis, or turned about the centre on the shortest way to face a direction.
+fn in_pupil(opening: vec2<f32>, direction: vec3<f32>) -> vec3<f32> {
+    let point = vec3<f32>(opening, 0.0);
+    if (film.is_flat != 0u) {
+        return point * film.pupil_scale;
+    }
+    let ahead = vec3<f32>(0.0, 0.0, -1.0);
+    let cosine = -direction.z;
+    let axis = cross(ahead, direction);
+    if (cosine < -0.9999995) {
+        // Half a turn, about an axis of one's choice.
+        return vec3<f32>(opening.x, -opening.y, 0.0);
+    }
+    return point * cosine + cross(axis, point) + axis * (dot(axis, point) / (1.0 + cosine));
+}
+
 /// Irradiance through a point of the opening over that through the centre on the axis.
-fn lens_falloff(chief: vec3<f32>, opening: vec2<f32>) -> f32 {
+fn lens_falloff(seen: SeenPlace, opening: vec2<f32>) -> f32 {
     if (film.falls_off == 0u) {
         return 1.0;
     }
-    let across = opening + chief.xy * film.perspective_distance;
+    let across = opening + select(vec2<f32>(0.0), seen.chief.xy * film.perspective_distance, film.is_flat != 0u);
     let v2 = film.image_distance * film.image_distance;
     let cos2 = v2 / (v2 + dot(across, across));
-    return cos2 * cos2;
+    return cos2 * cos2 * seen.solid_angle;
+}
+
+/// Whether a pixel lies in the image circle.
+fn sees_light(pixel: vec2<u32>) -> bool {
+    if (film.has_circle == 0u) {
+        return true;
+    }
+    let at = (vec2<f32>(pixel) + 0.5 - vec2<f32>(film.circle_x, film.circle_y))
+        / vec2<f32>(film.circle_width, film.circle_height);
+    return dot(at, at) <= 1.0;
+}
+
+/// Part of the image's time that has gone by when a row sees light.
+fn time_of_row(row: u32, u: f32) -> f32 {
+    if (film.has_times == 0u) {
+        return film.time;
+    }
+    let below_first = f32(row) + 0.5 - film.first_row;
+    let before = select(below_first, abs(below_first), film.first_row > 0.0) - 0.5;
+    return clamp(before * film.row_time + u * film.exposure, 0.0, 1.0);
 }
 
 /// Ray of a place in a pixel through the opening.
 fn camera_ray(pixel: vec2<u32>, within: vec2<f32>, u: vec2<f32>) -> CameraRay {
-    // The whole part goes first, so that the place within a pixel keeps its bits.
-    let about_centre = (vec2<f32>(pixel) - vec2<f32>(film.cx, film.cy)) + within;
-    let y = about_centre.y / film.fy;
-    let x = (about_centre.x - film.skew * y) / film.fx;
-    let chief = vec3<f32>(x, -y, -1.0);
     var ray: CameraRay;
-    if (inverseSqrt(dot(chief, chief)) < film.reach_cos) {
+    if (!sees_light(pixel)) {
+        return ray;
+    }
+    let seen = seen_place(pixel, within);
+    if (-seen.direction.z < film.reach_cos) {
         return ray;
     }
     var opening = vec2<f32>(0.0);
     if (film.aperture_radius > 0.0) {
         opening = aperture_point(u);
     }
-    let origin = vec3<f32>(opening * film.pupil_scale, 0.0);
-    let towards = chief - origin * film.vergence;
-    if (!passes_stops(chief, opening, towards)) {
+    let origin = in_pupil(opening, seen.direction);
+    let towards = seen.chief - origin * film.vergence;
+    if (!passes_stops(seen.chief, opening, towards)) {
         return ray;
     }
     let to_world = mat3x3<f32>(
@@ -78,6 +141,6 @@ fn camera_ray(pixel: vec2<u32>, within: vec2<f32>, u: vec2<f32>) -> CameraRay {
     );
     ray.origin = to_world * origin + vec3<f32>(film.origin_x, film.origin_y, film.origin_z);
     ray.direction = normalize(to_world * towards);
-    ray.weight = film.sample_sr * lens_falloff(chief, opening);
+    ray.weight = film.sample_sr * lens_falloff(seen, opening);
     return ray;
 }

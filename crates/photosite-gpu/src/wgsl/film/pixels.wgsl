@@ -59,12 +59,19 @@ fn generate_camera_rays(@builtin(global_invocation_id) id: vec3<u32>) {
     // Sample the wavelengths
     let drawn = sample_wavelengths(run.pixel, next_1d(&random));
 
+    // Sample the time, of cameras that have one only
+    var u_time = 0.0;
+    if (film.has_times != 0u) {
+        u_time = next_1d(&random);
+    }
+    let time = time_of_row(run.pixel.y, u_time);
+
     // Generate the camera ray. Where the lens sees nothing, the sample is dark.
     let ray = camera_ray(run.pixel, within, u_aperture);
     store_f32(LIGHT, i, vec4<f32>(0.0));
     store_f32(LAMBDA, i, drawn.lambda_nm);
     store_f32(SENSOR_WEIGHT, i, drawn.weights * lens_transmittance(drawn.lambda_nm) * ray.weight);
-    store(REST, i, vec4<u32>(bitcast<u32>(1.0f), film.has_single_wavelengths, 0u, 0u));
+    store(REST, i, vec4<u32>(bitcast<u32>(1.0f), film.has_single_wavelengths, 0u, bitcast<u32>(time)));
     if (ray.weight == 0.0) {
         return;
     }

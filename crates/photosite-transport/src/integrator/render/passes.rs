@@ -86,20 +86,21 @@ impl Tracer<'_> {
     }
 
     /// The film as plain data, for a device that starts its paths; `None` where the processor has to start them.
-    fn packed_film(&self, film: &Film) -> Option<PackedFilm> {
+    fn packed_film(&self, film: &Film) -> Option<PackedFilm<'_>> {
         let RenderJob { camera, transmittance, resolution: [_, rows], .. } = *self.job;
         if self.light_tracer.is_some() || self.limits.max_depth == 0 {
             return None;
         }
+        let packed = self.packed_camera.get_or_init(|| camera.packed()).as_ref()?;
         let wavelengths = (&self.wavelengths, self.has_single_wavelengths);
-        PackedFilm::new(camera, rows, (&self.order, self.seed), wavelengths, transmittance, film.responses())
+        PackedFilm::new(packed, rows, (&self.order, self.seed), wavelengths, transmittance, film.responses())
     }
 
     /// Fills bands of `rows` rows side by side, with samples that a device sums.
     fn fill_pixels(
         &self,
         device: &LoadedDevice,
-        packed: &PackedFilm,
+        packed: &PackedFilm<'_>,
         film: &mut Film,
         rows: usize,
         wanted: &(dyn Fn(usize) -> u32 + Sync),

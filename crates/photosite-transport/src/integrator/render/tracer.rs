@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::ops::ControlFlow;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -16,7 +17,7 @@ use crate::integrator::progress::{Listener, Step};
 use crate::integrator::ray_counts::RayCounts;
 use crate::integrator::wavefront::Wavefront;
 use crate::integrator::wavelengths::PixelWavelengths;
-use crate::optics::CameraSample;
+use crate::optics::{CameraSample, PackedCamera};
 use crate::sampler::{PixelOrder, SamplePosition, Sampler};
 use photosite_core::spectrum::{SpectrumId, SpectrumTable};
 
@@ -41,6 +42,8 @@ pub(super) struct Tracer<'a> {
     pub(super) has_single_wavelengths: bool,
     /// Tracer of light paths; `None` in renders without any.
     pub(super) light_tracer: Option<LightTracer<'a>>,
+    /// The camera as plain data, once it is asked for; `None` within of a camera that devices do not have.
+    pub(super) packed_camera: OnceLock<Option<PackedCamera>>,
     /// Whether a pass has been broken off.
     pub(super) stopped: AtomicBool,
     pub(super) rays: RayCounts,
@@ -75,6 +78,7 @@ impl<'a> Tracer<'a> {
             limits,
             has_single_wavelengths: job.has_single_wavelengths(),
             light_tracer: None,
+            packed_camera: OnceLock::new(),
             stopped: AtomicBool::new(false),
             rays: RayCounts::default(),
         };

@@ -1,9 +1,8 @@
-//! Camera as plain data, for devices that make its rays: a rectilinear lens without distortion that stands still, and
-//! is the same at all wavelengths.
+//! Camera as plain data, for devices that make its rays: a lens that stands still, and is the same at all wavelengths.
 
-use super::Camera;
-use crate::optics::{Falloff, Intrinsics, LensKind, Projection, Stop};
-use photosite_core::cells::CellLayout;
+use super::{Camera, LensTable};
+use crate::optics::{Falloff, Intrinsics, LensKind, Projection, Recording, Stop};
+use photosite_core::cells::{CellLayout, CellShape, ImageCircle};
 
 /// Camera as plain data; see the module. Lengths are in metres.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +11,10 @@ pub struct PackedCamera {
     pub to_world: [[f32; 3]; 4],
     /// Camera matrix: fx, fy, cx, cy, skew, in pixels.
     pub intrinsics: [f32; 5],
+    /// Table of what places see; `None` of a rectilinear lens without distortion.
+    pub table: Option<LensTable>,
+    /// Whether the lens is focused on a plane, with a pupil across the axis.
+    pub is_flat: bool,
     /// Cosine of the largest angle from the axis that the lens sees.
     pub reach_cos: f32,
     /// Whether rays need samples of the opening.
@@ -34,6 +37,34 @@ pub struct PackedCamera {
     pub sample_sr: f32,
     /// Whether light falls off by the cosine's fourth power.
     pub falls_off: bool,
+    /// Centre and radii of the circle whose pixels see light, px; `None` where all do.
+    pub image_circle: Option<[f32; 4]>,
+    /// Times of paths, as parts of the image's time; `None` where all set out at `time`.
+    pub times: Option<PackedTimes>,
+    /// Part of the image's time that has gone by.
+    pub time: f32,
+}
+
+/// Times at which the rows of an image see light, as parts of the image's time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PackedTimes {
+    /// Position of the rows that are exposed first; 0 for from the top on.
+    pub first_row: f32,
+    /// Time from the start of one row to that of the next.
+    pub row_time: f32,
+    /// Exposure time of a row.
+    pub exposure: f32,
+}
+
+impl PackedTimes {
+    fn new(recording: &Recording) -> Self {
+        let part = |time_s: f64| if recording.duration_s > 0.0 { (time_s / recording.duration_s) as f32 } else { 0.0 };
+        Self {
+            first_row: recording.first_row as f32,
+            row_time: part(recording.row_time_s),
+            exposure: part(recording.exposure_s),
+        }
+    }
 }
 
 impl Camera {
@@ -64,7 +95,7 @@ impl Camera {
             lateral_colour,
             stops,
             recording,
-            time: _,
+            time,
             scans,
             cells,
         } = self;
@@ -72,10 +103,9 @@ impl Camera {
             && chromatic.is_none()
             && point_spread.is_none()
             && lateral_colour.is_none()
-            && recording.is_none()
-            && !scans
-            && *cells == CellLayout::default()
-            && *projection == Projection::Perspective;
+            && recording.as_ref().is_none_or(|recording| recording.motion.is_none())
+            && !scans;
+        let CellLayout { shape: CellShape::Rectangular, image_circle } = cells else { return None };
         let has_opening = match kind {
             LensKind::Thin | LensKind::Hole => true,
             LensKind::Pinhole => false,
@@ -84,12 +114,25 @@ impl Camera {
         if !is_plain {
             return None;
         }
+        let table = match projection {
+            Projection::Perspective => None,
+            Projection::BrownConrady(_)
+            | Projection::Polynomial { .. }
+            | Projection::Division { .. }
+            | Projection::KannalaBrandt { .. }
+            | Projection::ClassicalFisheye(_)
+            | Projection::Equirectangular
+            | Projection::Omnidirectional { .. } => Some(LensTable::new(self)?),
+        };
+        let circle = |circle: &ImageCircle| [circle.centre_px, circle.radii_px].map(|v| v.as_vec2().to_array());
         let Intrinsics { fx, fy, cx, cy, skew } = *intrinsics;
         let [x, y, z] = [to_world.matrix3.x_axis, to_world.matrix3.y_axis, to_world.matrix3.z_axis];
         let stop = |stop: &Stop| [stop.distance_m as f32, stop.radius_m as f32];
         Some(PackedCamera {
             to_world: [x, y, z, to_world.translation].map(|axis| axis.as_vec3().to_array()),
             intrinsics: [fx, fy, cx, cy, skew].map(|number| number as f32),
+            table,
+            is_flat: projection.is_flat(),
             reach_cos: reach.angle.cos() as f32,
             has_aperture: has_opening,
             radius: if has_opening { aperture.radius() as f32 } else { 0.0 },
@@ -104,6 +147,9 @@ impl Camera {
                 Falloff::None => false,
                 Falloff::Cos4 => true,
             },
+            image_circle: image_circle.as_ref().map(circle).map(|[[x, y], [across, down]]| [x, y, across, down]),
+            times: recording.as_ref().map(PackedTimes::new),
+            time: *time,
         })
     }
 }

@@ -1,0 +1,112 @@
+//! Table of what the places of an image see, for devices: lenses with distortion, fisheyes and panoramas all alike.
+//!
+//! Nodes stand at every few pixels; between them what is seen is the polynomial of third degree in either direction that
+//! passes through four nodes. How far apart they may stand is measured, not assumed.
+
+use rayon::prelude::*;
+
+use glam::{DVec2, DVec4};
+
+use super::Camera;
+use super::turned;
+use crate::optics::Reach;
+
+/// Largest error of the direction that a place sees, in pixels: 32-bit numbers round those of large images as much.
+const LARGEST_ERROR_PX: f64 = 1e-5;
+
+/// Largest error of the solid angle that a place sees, as a part of it.
+const LARGEST_PART: f64 = 1e-5;
+
+/// Steps that are tried, in pixels.
+const STEPS: [u32; 5] = [32, 16, 8, 4, 2];
+
+/// Number of nodes that an interpolation takes along a row, and along a column.
+pub const NODES_ALONG: usize = 4;
+
+/// Table of a lens; see the module.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LensTable {
+    /// Number of pixels from one node to the next. The first stands at the corner of the image.
+    pub step: u32,
+    /// Number of nodes in a row, at least [`NODES_ALONG`].
+    pub columns: u32,
+    /// Number of nodes in a column, at least [`NODES_ALONG`].
+    pub rows: u32,
+    /// What the nodes see, row by row, in camera space of glTF. Of a lens that is focused on a plane: the point of the
+    /// plane z = −1, and the solid angle over cos³θ; of others: the direction and the solid angle.
+    pub nodes: Vec<[f32; 4]>,
+}
+
+impl LensTable {
+    /// Makes the table of a camera; `None` where places of the image see nothing, and where no step is fine enough.
+    pub(super) fn new(camera: &Camera) -> Option<Self> {
+        STEPS.into_iter().find_map(|step| Self::of_step(camera, step))
+    }
+
+    /// Makes the table of a step; `None` where places see nothing, and where the step is too wide.
+    fn of_step(camera: &Camera, step: u32) -> Option<Self> {
+        let reach = camera.projection.reach(None);
+        let [columns, rows] = camera.resolution.map(|n| (n.div_ceil(step) + 1).max(NODES_ALONG as u32));
+        let seen_at = |node: [u32; 2]| numbers_at(camera, &reach, DVec2::from_array(node.map(|n| f64::from(n * step))));
+        let nodes: Option<Vec<DVec4>> =
+            (0..rows * columns).into_par_iter().map(|i| seen_at([i % columns, i / columns])).collect();
+        let nodes: Vec<[f32; 4]> = nodes?.into_iter().map(|node| node.as_vec4().to_array()).collect();
+        let table = Self { step, columns, rows, nodes };
+        let is_exact = (0..(rows - 1) * (columns - 1)).into_par_iter().all(|i| {
+            let middle = DVec2::new(f64::from(i % (columns - 1)), f64::from(i / (columns - 1))) + 0.5;
+            let pixel = middle * f64::from(step);
+            numbers_at(camera, &reach, pixel).is_some_and(|exact| table.is_close(camera, pixel, exact))
+        });
+        is_exact.then_some(table)
+    }
+
+    /// Whether the table sees at a place what the camera does.
+    fn is_close(&self, camera: &Camera, pixel: DVec2, exact: DVec4) -> bool {
+        let found = self.interpolated(pixel);
+        let error = found - exact;
+        let (of_direction, of_angle, angle) = if camera.projection.is_flat() {
+            (error.truncate().truncate().length(), error.z, exact.z)
+        } else {
+            (error.truncate().length(), error.w, exact.w)
+        };
+        // Nodes are numbers of 32 bits.
+        let rounding = 4.0 * f64::from(f32::EPSILON);
+        let pixels = camera.intrinsics.fx.abs().max(camera.intrinsics.fy.abs());
+        of_direction <= LARGEST_ERROR_PX / pixels + rounding * exact.abs().max_element()
+            && of_angle.abs() <= (LARGEST_PART + rounding) * angle.abs()
+    }
+
+    /// What a place sees by the polynomial through the nodes about it.
+    fn interpolated(&self, pixel: DVec2) -> DVec4 {
+        let last = [self.columns, self.rows].map(|n| f64::from(n) - NODES_ALONG as f64);
+        let at = pixel / f64::from(self.step);
+        let start = (at.floor() - 1.0).max(DVec2::ZERO).min(DVec2::from_array(last));
+        let [across, down] = (at - start).to_array().map(weights);
+        let [column, row] = start.to_array().map(|n| n as usize);
+        let mut sum = DVec4::ZERO;
+        for (j, down) in down.into_iter().enumerate() {
+            for (i, across) in across.into_iter().enumerate() {
+                let node = self.nodes[(row + j) * self.columns as usize + column + i];
+                sum += DVec4::from_array(node.map(f64::from)) * (across * down);
+            }
+        }
+        sum
+    }
+}
+
+/// Weights of four nodes at 0, 1, 2 and 3 (Lagrange) at a place between them.
+fn weights(t: f64) -> [f64; NODES_ALONG] {
+    let [a, b, c] = [t - 1.0, t - 2.0, t - 3.0];
+    [-a * b * c / 6.0, t * b * c / 2.0, -t * a * c / 2.0, t * a * b / 6.0]
+}
+
+/// What a place sees, as [`LensTable::nodes`] has it, within the reach of the model whatever the lens is said to see.
+fn numbers_at(camera: &Camera, reach: &Reach, pixel: DVec2) -> Option<DVec4> {
+    let seen = turned(camera.projection.unproject(camera.place(pixel), reach)?);
+    Some(if camera.projection.is_flat() {
+        let cos = -seen.direction.z;
+        DVec4::new(seen.chief.x, seen.chief.y, seen.solid_angle / (cos * cos * cos), 0.0)
+    } else {
+        seen.direction.extend(seen.solid_angle)
+    })
+}
