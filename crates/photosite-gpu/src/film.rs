@@ -14,6 +14,7 @@ struct Places {
     corners: u32,
     stops: u32,
     lens: u32,
+    poses: u32,
 }
 
 /// A film with the places of its tables.
@@ -24,18 +25,8 @@ pub(crate) struct Row<'a> {
 
 uniform_block! {
     Row<'_>:
-    x_axis_x: "f32" = |r| r.film.camera.to_world[0][0].to_bits(),
-    x_axis_y: "f32" = |r| r.film.camera.to_world[0][1].to_bits(),
-    x_axis_z: "f32" = |r| r.film.camera.to_world[0][2].to_bits(),
-    y_axis_x: "f32" = |r| r.film.camera.to_world[1][0].to_bits(),
-    y_axis_y: "f32" = |r| r.film.camera.to_world[1][1].to_bits(),
-    y_axis_z: "f32" = |r| r.film.camera.to_world[1][2].to_bits(),
-    z_axis_x: "f32" = |r| r.film.camera.to_world[2][0].to_bits(),
-    z_axis_y: "f32" = |r| r.film.camera.to_world[2][1].to_bits(),
-    z_axis_z: "f32" = |r| r.film.camera.to_world[2][2].to_bits(),
-    origin_x: "f32" = |r| r.film.camera.to_world[3][0].to_bits(),
-    origin_y: "f32" = |r| r.film.camera.to_world[3][1].to_bits(),
-    origin_z: "f32" = |r| r.film.camera.to_world[3][2].to_bits(),
+    poses: "u32" = |r| r.places.poses,
+    pose_count: "u32" = |r| r.film.camera.poses.len() as u32,
     fx: "f32" = |r| r.film.camera.intrinsics[0].to_bits(),
     fy: "f32" = |r| r.film.camera.intrinsics[1].to_bits(),
     cx: "f32" = |r| r.film.camera.intrinsics[2].to_bits(),
@@ -101,6 +92,7 @@ pub(crate) fn packed(film: &PackedFilm<'_>) -> (Vec<u32>, Vec<[f32; 4]>) {
         responses: section(&mut film.responses.iter().copied()),
         corners: section(&mut film.camera.corners.iter().map(pair)),
         stops: section(&mut film.camera.stops.iter().map(pair)),
+        poses: section(&mut film.camera.poses.iter().flatten().map(|&[x, y, z]| [x, y, z, 0.0])),
         lens: section(&mut film.camera.table.iter().flat_map(|table| table.nodes.iter().copied())),
     };
     (values(&Row { film, places }), table)

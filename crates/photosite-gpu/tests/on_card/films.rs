@@ -8,6 +8,7 @@ use photosite_core::cells::{CellLayout, CellShape, ImageCircle};
 use photosite_core::projection::FisheyeProjection;
 use photosite_core::spectrum::Spectrum;
 use photosite_transport::film::{Film, FilmResponses, Response};
+use photosite_transport::geometry::Trajectory;
 use photosite_transport::integrator::{
     Arrival, Device, FilterTile, LoadedDevice, PackedFilm, PathLimits, PathStart, PathTracer, PixelTracer, RenderJob,
     RenderSettings, WavelengthChoice, render,
@@ -189,6 +190,12 @@ fn samples_of_pixels_have_the_times_of_their_rows() {
     };
     // Poses are of single precision: 12 of 16,384 paths came out otherwise, and a pixel has 6.
     compare("rolling shutter", &moving().build(), &camera(&thin()).recording(recording.clone()), &settings(), 80);
+    let motion = Some(Trajectory::Steady {
+        velocity_m_per_s: DVec3::new(0.5, 0.1, -0.3),
+        angular_velocity_rad_per_s: DVec3::new(0.02, 0.3, 0.1),
+    });
+    let moves = camera(&thin()).recording(Recording { motion, ..recording.clone() });
+    compare("a camera that moves", &moving().build(), &moves, &settings(), 80);
     // A still of one moment.
     let still = camera(&thin()).recording(Recording {
         duration_s: 1.0,

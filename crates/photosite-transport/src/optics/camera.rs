@@ -10,6 +10,7 @@ mod illumination;
 mod landings;
 mod lens_table;
 mod packed;
+mod pose_table;
 mod prescription;
 mod ray;
 mod ways_in;

@@ -115,8 +115,35 @@ fn time_of_row(row: u32, u: f32) -> f32 {
     return clamp(before * film.row_time + u * film.exposure, 0.0, 1.0);
 }
 
-/// Ray of a place in a pixel through the opening.
-fn camera_ray(pixel: vec2<u32>, within: vec2<f32>, u: vec2<f32>) -> CameraRay {
+/// Axes of the camera in the world, and its origin.
+struct Pose {
+    axes: mat3x3<f32>,
+    origin: vec3<f32>,
+}
+
+/// Pose at a part of the image's time; photosite-transport's optics/camera/pose_table.rs.
+fn pose_at(time: f32) -> Pose {
+    let steps = film.pose_count - 1u;
+    let at = time * f32(steps);
+    let step = min(u32(at), max(steps, 1u) - 1u);
+    let first = film.poses + 4u * step;
+    let x = film_tables[first].xyz;
+    let y = film_tables[first + 1u].xyz;
+    let z = film_tables[first + 2u].xyz;
+    let origin = film_tables[first + 3u].xyz;
+    if (steps == 0u) {
+        return Pose(mat3x3<f32>(x, y, z), origin);
+    }
+    let t = at - f32(step);
+    let axes = mat3x3<f32>(
+        mix(x, film_tables[first + 4u].xyz, t), mix(y, film_tables[first + 5u].xyz, t),
+        mix(z, film_tables[first + 6u].xyz, t),
+    );
+    return Pose(axes, mix(origin, film_tables[first + 7u].xyz, t));
+}
+
+/// Ray of a place in a pixel through the opening, at a part of the image's time.
+fn camera_ray(pixel: vec2<u32>, within: vec2<f32>, u: vec2<f32>, time: f32) -> CameraRay {
     var ray: CameraRay;
     if (!sees_light(pixel)) {
         return ray;
@@ -134,13 +161,9 @@ fn camera_ray(pixel: vec2<u32>, within: vec2<f32>, u: vec2<f32>) -> CameraRay {
     if (!passes_stops(seen.chief, opening, towards)) {
         return ray;
     }
-    let to_world = mat3x3<f32>(
-        film.x_axis_x, film.x_axis_y, film.x_axis_z,
-        film.y_axis_x, film.y_axis_y, film.y_axis_z,
-        film.z_axis_x, film.z_axis_y, film.z_axis_z,
-    );
-    ray.origin = to_world * origin + vec3<f32>(film.origin_x, film.origin_y, film.origin_z);
-    ray.direction = normalize(to_world * towards);
+    let pose = pose_at(time);
+    ray.origin = pose.axes * origin + pose.origin;
+    ray.direction = normalize(pose.axes * towards);
     ray.weight = film.sample_sr * lens_falloff(seen, opening);
     return ray;
 }

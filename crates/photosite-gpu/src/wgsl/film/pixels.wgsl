@@ -67,7 +67,7 @@ fn generate_camera_rays(@builtin(global_invocation_id) id: vec3<u32>) {
     let time = time_of_row(run.pixel.y, u_time);
 
     // Generate the camera ray. Where the lens sees nothing, the sample is dark.
-    let ray = camera_ray(run.pixel, within, u_aperture);
+    let ray = camera_ray(run.pixel, within, u_aperture, time);
     store_f32(LIGHT, i, vec4<f32>(0.0));
     store_f32(LAMBDA, i, drawn.lambda_nm);
     store_f32(SENSOR_WEIGHT, i, drawn.weights * lens_transmittance(drawn.lambda_nm) * ray.weight);

@@ -12,7 +12,7 @@ use super::turned;
 use crate::optics::Reach;
 
 /// Largest error of the direction that a place sees, in pixels: 32-bit numbers round those of large images as much.
-const LARGEST_ERROR_PX: f64 = 1e-5;
+pub(super) const LARGEST_ERROR_PX: f64 = 1e-5;
 
 /// Largest error of the solid angle that a place sees, as a part of it.
 const LARGEST_PART: f64 = 1e-5;

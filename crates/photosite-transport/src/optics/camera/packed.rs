@@ -1,5 +1,6 @@
-//! Camera as plain data, for devices that make its rays: a lens that stands still, and is the same at all wavelengths.
+//! Camera as plain data, for devices that make its rays: a lens that is the same at all wavelengths.
 
+use super::pose_table::{packed, poses};
 use super::{Camera, LensTable};
 use crate::optics::{Falloff, Intrinsics, LensKind, Projection, Recording, Stop};
 use photosite_core::cells::{CellLayout, CellShape, ImageCircle};
@@ -7,8 +8,9 @@ use photosite_core::cells::{CellLayout, CellShape, ImageCircle};
 /// Camera as plain data; see the module. Lengths are in metres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PackedCamera {
-    /// Axes of the camera in the world, and its origin.
-    pub to_world: [[f32; 3]; 4],
+    /// Axes of the camera in the world and its origin: at equal distances of the image's time, or once where it stands
+    /// still.
+    pub poses: Vec<[[f32; 3]; 4]>,
     /// Camera matrix: fx, fy, cx, cy, skew, in pixels.
     pub intrinsics: [f32; 5],
     /// Table of what places see; `None` of a rectilinear lens without distortion.
@@ -99,12 +101,8 @@ impl Camera {
             scans,
             cells,
         } = self;
-        let is_plain = prescribed.is_none()
-            && chromatic.is_none()
-            && point_spread.is_none()
-            && lateral_colour.is_none()
-            && recording.as_ref().is_none_or(|recording| recording.motion.is_none())
-            && !scans;
+        let is_plain =
+            prescribed.is_none() && chromatic.is_none() && point_spread.is_none() && lateral_colour.is_none() && !scans;
         let CellLayout { shape: CellShape::Rectangular, image_circle } = cells else { return None };
         let has_opening = match kind {
             LensKind::Thin | LensKind::Hole => true,
@@ -126,10 +124,13 @@ impl Camera {
         };
         let circle = |circle: &ImageCircle| [circle.centre_px, circle.radii_px].map(|v| v.as_vec2().to_array());
         let Intrinsics { fx, fy, cx, cy, skew } = *intrinsics;
-        let [x, y, z] = [to_world.matrix3.x_axis, to_world.matrix3.y_axis, to_world.matrix3.z_axis];
+        let poses = match recording.as_ref().filter(|recording| recording.motion.is_some()) {
+            Some(recording) => poses(self, recording)?,
+            None => vec![packed(to_world)],
+        };
         let stop = |stop: &Stop| [stop.distance_m as f32, stop.radius_m as f32];
         Some(PackedCamera {
-            to_world: [x, y, z, to_world.translation].map(|axis| axis.as_vec3().to_array()),
+            poses,
             intrinsics: [fx, fy, cx, cy, skew].map(|number| number as f32),
             table,
             is_flat: projection.is_flat(),
