@@ -11,6 +11,7 @@
 //! | `buffers`, `params` | its tables and numbers on a card |
 //! | `kernels` | the kernels, compiled once for the features that a scene has |
 //! | `tracer` | a scene on a card, and batches of paths: generate, extend, shade, shadow, arrive |
+//! | `develop` | development of raw images, a file for each concept; `wgsl/develop` has its kernels |
 //! | `shaders` | the kernels in one text; numbers that Rust and WGSL share are made of Rust's constants |
 //! | `wgsl` | the kernels, a file for each concept, each with the Rust file that it follows in its head |
 //!
@@ -27,6 +28,8 @@ pub mod support;
 mod adapters;
 #[cfg(feature = "gpu")]
 mod buffers;
+#[cfg(feature = "gpu")]
+mod develop;
 #[cfg(feature = "gpu")]
 mod kernels;
 #[cfg(feature = "gpu")]

@@ -9,6 +9,7 @@ use photosite_transport::scene::packed::lights::colour;
 use photosite_transport::scene::packed::materials::{self, alpha, model};
 use photosite_transport::scene::packed::{self, albedos, hierarchy, layers, lights};
 
+use crate::develop::{params, tables};
 use crate::params::{FIELDS, PADDING, SAMPLER_INDEPENDENT, SAMPLER_SOBOL};
 
 /// Threads of a workgroup.
@@ -173,20 +174,60 @@ pub fn functions(features: u32) -> String {
     for (name, value) in numbers.into_iter().chain(albedos::TABLE_ENDS) {
         let _ = writeln!(text, "const {name} = {value:?}f;");
     }
-    text += "struct Params {\n";
-    for (name, kind) in FIELDS {
-        let _ = writeln!(text, "    {name}: {kind},");
-    }
-    (0..PADDING).for_each(|i| {
-        let _ = writeln!(text, "    padding_{i}: u32,");
-    });
-    text += "}\n";
+    text += &struct_of_params(FIELDS, PADDING);
     text += BINDINGS;
     FILES.iter().for_each(|file| text += file);
     text
 }
 
+/// Structure of the numbers that all kernels read.
+fn struct_of_params(fields: &[(&str, &str)], padding: usize) -> String {
+    let mut text = "struct Params {\n".to_owned();
+    for (name, kind) in fields {
+        let _ = writeln!(text, "    {name}: {kind},");
+    }
+    (0..padding).for_each(|i| {
+        let _ = writeln!(text, "    padding_{i}: u32,");
+    });
+    text + "}\n"
+}
+
 /// Text of all kernels of the wavefront, for scenes of these features.
 pub fn wavefront(features: u32) -> String {
     functions(features) + include_str!("wgsl/path.wgsl")
+}
+
+/// Side of the tiles of pixels that a workgroup of development has.
+pub(crate) const DEVELOP_TILE: u32 = 8;
+
+/// Files of development in the order of what they need.
+const DEVELOPMENT: [&str; 7] = [
+    include_str!("wgsl/develop/strip.wgsl"),
+    include_str!("wgsl/develop/signal.wgsl"),
+    include_str!("wgsl/develop/bilinear.wgsl"),
+    include_str!("wgsl/develop/malvar.wgsl"),
+    include_str!("wgsl/develop/menon.wgsl"),
+    include_str!("wgsl/develop/colour.wgsl"),
+    include_str!("wgsl/develop/encode.wgsl"),
+];
+
+/// Text of all kernels of development.
+pub fn development() -> String {
+    let mut text = String::new();
+    for (name, value) in [
+        ("PLACE_WORDS", tables::PLACE_WORDS as u32),
+        ("LINE_WORDS", tables::LINE_WORDS as u32),
+        ("MAP_WORDS", tables::MAP_WORDS as u32),
+        ("TAP_WORDS", tables::TAP_WORDS as u32),
+        ("NONE", tables::NONE),
+        ("RED", 0),
+        ("GREEN", 1),
+        ("BLUE", 2),
+    ] {
+        let _ = writeln!(text, "const {name} = {value}u;");
+    }
+    text += &struct_of_params(params::FIELDS, params::PADDING);
+    text += "@group(0) @binding(0) var<uniform> params: Params;\n";
+    DEVELOPMENT.iter().for_each(|file| text += file);
+    text
 }

@@ -1,7 +1,7 @@
 //! Kernels as text: naga accepts them for every card, and both sides lay out what they share alike.
 #![cfg(feature = "gpu")]
 
-use photosite_gpu::shaders::wavefront;
+use photosite_gpu::shaders::{development, wavefront};
 use wgpu::naga;
 
 #[test]
@@ -9,18 +9,32 @@ fn naga_accepts_all_kernels() {
     // Without any features, and with all.
     for features in [0, u32::MAX] {
         let text = wavefront(features);
-        accepts(&text);
+        accepts(&text, &["arrive", "count", "extend", "generate", "shade", "shadow"]);
     }
+    let of_development = [
+        "bilinear",
+        "choose_directions",
+        "chroma_again",
+        "chroma_at_green",
+        "encode",
+        "green_again",
+        "interpolate_green",
+        "malvar",
+        "other_again",
+        "other_colour",
+        "signal",
+    ];
+    accepts(&development(), &of_development);
 }
 
-fn accepts(text: &str) {
+fn accepts(text: &str, kernels: &[&str]) {
     let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
     let all = naga::valid::ValidationFlags::all();
     let mut validator = naga::valid::Validator::new(all, naga::valid::Capabilities::empty());
     validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
     let mut names: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
     names.sort_unstable();
-    assert_eq!(names, ["arrive", "count", "extend", "generate", "shade", "shadow"]);
+    assert_eq!(names, kernels);
 
     // Uniform blocks are whole numbers of 16 bytes, and every field has its place in the order of Rust's table.
     let (_, params) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("Params")).expect("params");
