@@ -3,10 +3,13 @@
 #![cfg(feature = "gpu")]
 
 mod bsdfs;
+mod developed;
+mod development;
 mod images;
 mod lamps;
 mod motions;
 mod paths;
+mod raws;
 mod rays;
 mod samplers;
 mod scenes;
