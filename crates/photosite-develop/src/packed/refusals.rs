@@ -197,3 +197,51 @@ pub(super) fn check_file(raw: &RawImage, lens_falloff: bool) -> Result<(), Inval
         (has_opcodes(2), "OpcodeList3", "a change of demosaicked values"),
     ])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::PackedDevelopment;
+    use super::*;
+    use crate::choices::Demosaic;
+    use photosite_raw::Cfa;
+
+    fn key_of(settings: &DevelopSettings) -> Option<String> {
+        let cfa = Cfa::parse("RGGB").expect("known");
+        let raw = RawImage::bare(16, 12, vec![100; 192], cfa, 4095);
+        PackedDevelopment::new(&raw, settings).err().map(|refused| refused.key)
+    }
+
+    #[test]
+    fn what_a_device_lacks_is_named_by_its_key() {
+        let default = DevelopSettings::default;
+        assert_eq!(key_of(&default()), None);
+        for (settings, key) in [
+            (DevelopSettings { defects: Defects::Median, ..default() }, "develop.defects"),
+            (DevelopSettings { white_balance: WhiteBalance::GreyWorld, ..default() }, "develop.white_balance"),
+            (DevelopSettings { highlights: Highlights::Blend, ..default() }, "develop.highlights"),
+            (DevelopSettings { noise_filter: NoiseFilter::Median, ..default() }, "develop.noise_filter"),
+            (DevelopSettings { kernel: Some(vec![vec![1.0]]), ..default() }, "develop.kernel"),
+            (DevelopSettings { digital_zoom: 2.0, ..default() }, "develop.digital_zoom"),
+            (DevelopSettings { resize_px: Some([8, 6]), ..default() }, "develop.resize_px"),
+            (DevelopSettings { tone_curve: ToneCurve::Local, ..default() }, "develop.tone_curve"),
+            (DevelopSettings { colour_model: ColourModel::Lab, ..default() }, "develop.colour_model"),
+            (DevelopSettings { threshold: Thresholding::Otsu, ..default() }, "develop.threshold"),
+            (DevelopSettings { sharpening: 0.5, ..default() }, "develop.sharpening"),
+            (DevelopSettings { dither: true, ..default() }, "develop.dither"),
+            (DevelopSettings { demosaic: Demosaic::Lmmse, ..default() }, "develop.demosaic"),
+            // What no development has
+            (DevelopSettings { bits: 12, ..default() }, "develop.bits"),
+            (DevelopSettings { white_balance: WhiteBalance::Daylight, ..default() }, "develop.white_balance"),
+        ] {
+            assert_eq!(key_of(&settings).as_deref(), Some(key));
+        }
+    }
+
+    #[test]
+    fn pixel_values_do_not_count() {
+        let raw = RawImage::bare(16, 12, vec![100; 192], Cfa::parse("RGGB").expect("known"), 4095);
+        let packed =
+            |raw: &RawImage| PackedDevelopment::new(raw, &DevelopSettings::default()).expect("a device has it");
+        assert_eq!(packed(&raw), packed(&raw.with_data(Vec::new())));
+    }
+}

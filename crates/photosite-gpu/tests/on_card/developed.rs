@@ -22,6 +22,7 @@
 //! of its own. Where both sums are nearer than that on both machines, the other direction may be chosen, which changes
 //! pixels up to 5 away.
 
+use photosite_core::Invalid;
 use photosite_develop::packed::{Demosaicking, Line, PackedDevelopment};
 use photosite_develop::{Codes, DevelopSettings, EncodedImage, develop, develop_linear};
 use photosite_gpu::Card;
@@ -61,12 +62,12 @@ fn codes(image: &EncodedImage) -> Vec<usize> {
     }
 }
 
-/// Develops an image on a card, twice, and compares it with the processor's.
-pub(crate) fn compare(card: &Card, name: &str, raw: &RawImage, settings: &DevelopSettings) -> Tally {
-    let packed = PackedDevelopment::new(raw, settings).unwrap_or_else(|error| panic!("{name}: {error}"));
+/// Develops an image on a card, twice, and compares it with the processor's; the refusal of what a card does not have.
+pub(crate) fn compare(card: &Card, name: &str, raw: &RawImage, settings: &DevelopSettings) -> Result<Tally, Invalid> {
+    let packed = PackedDevelopment::new(raw, settings)?;
     let [found, again] = [0, 1].map(|_| card.develop(raw, &packed).unwrap_or_else(|error| panic!("{name}: {error}")));
     assert!(found == again, "{name}: another time other bytes");
-    check(name, raw, settings, &packed, &found)
+    Ok(check(name, raw, settings, &packed, &found))
 }
 
 /// Compares an image with the processor's.
