@@ -4,6 +4,9 @@
 //! In: a scene as plain data ([`scene::packed`](photosite_transport::scene::packed)), starts of paths whose rays the
 //! camera has made on the processor. Out: what arrives along each. Lenses, films and noise stay where they are.
 //!
+//! Raw images are developed on cards, too, by `Card::develop`: their numbers, with the development as plain data
+//! (`photosite_develop::packed`), become the codes of an image.
+//!
 //! | file | holds |
 //! |---|---|
 //! | `support` | settings that a card does not have, by key |

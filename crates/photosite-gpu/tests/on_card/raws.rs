@@ -15,8 +15,8 @@ pub(crate) fn cfa(text: &str) -> Cfa {
 /// A pattern of the brightness that a channel sees, white at 1.
 fn pattern(channel: usize, x: usize, y: usize) -> f32 {
     let tint = [0.5, 1.0, 0.7][channel];
-    let bars = if x / 6 % 2 == 0 { 0.6 } else { 0.08 };
-    let diagonal = if (x + 2 * y) / 17 % 3 == 0 { 0.5 } else { 0.02 };
+    let bars = if (x / 6).is_multiple_of(2) { 0.6 } else { 0.08 };
+    let diagonal = if ((x + 2 * y) / 17).is_multiple_of(3) { 0.5 } else { 0.02 };
     let disc = (x as f32 % 50.0 - 24.0).hypot(y as f32 % 40.0 - 11.0) < 7.0;
     let ramp = 0.2 * (x as f32 / 300.0 + y as f32 / 140.0);
     if disc { 4.0 } else { tint * if y % 32 < 16 { bars + ramp } else { diagonal + ramp } }
