@@ -1,4 +1,4 @@
-//! Development as plain data, for devices: what the steps of [`develop`](crate::develop) find out about a raw image and its
+//! Development as plain data, for devices: what the steps of [`develop`](crate::develop()) find out about a raw image and its
 //! settings before they touch a pixel, by the same functions. What a device does not have is refused by its key.
 //!
 //! | step | numbers |
@@ -142,8 +142,8 @@ impl PackedDevelopment {
     ///
     /// # Errors
     ///
-    /// The key of the first setting, or of the first fact about the raw image, that a device does not have; it is developed
-    /// by [`develop`](crate::develop) instead. What `develop` refuses is refused here, too.
+    /// The key of the first setting, or of the first fact about the raw image, that a device does not have; the image is
+    /// developed by [`develop`](crate::develop()) instead. Settings and facts that `develop` refuses are refused here, too.
     pub fn new(raw: &RawImage, settings: &DevelopSettings) -> Result<Self, Invalid> {
         raw.validate_area()?;
         settings.validate().map_err(|invalid| invalid.within("develop"))?;
@@ -176,7 +176,6 @@ impl PackedDevelopment {
             return Err(refused("develop.colour_matrix", "colours of a single channel"));
         };
 
-        let is_bent = settings.tone_curve == ToneCurve::Filmic;
         let is_grey = settings.colour_model.is_grey() && channels == 3;
         let encoding = settings.encoding();
         let orientation = settings.orientation(&linear.metadata);
@@ -194,7 +193,7 @@ impl PackedDevelopment {
             demosaicking: demosaicking(&linear, settings.demosaic)?,
             channels,
             colour,
-            is_filmic: is_bent,
+            is_filmic: settings.tone_curve == ToneCurve::Filmic,
             luminance: is_grey.then(|| encoding.colour_space.luminance_weights().as_vec3().to_array()),
             levels: levels(encoding.transfer, encoding.bits),
             bits: encoding.bits,
@@ -223,9 +222,9 @@ fn shown(linear: &RawImage, settings: &DevelopSettings) -> Result<PixelArea, Inv
         None => Ok(PixelArea { x: 0, y: 0, width, height }),
         Some(resampling) => resampling.as_part().ok_or_else(|| {
             if resampling.undistorts() {
-                refused("develop.distortion", "an image without the lens's distortion")
+                refused("develop.distortion", "images without the lens's distortion")
             } else {
-                refused("develop.square_pixels", "square pixels of others")
+                refused("develop.square_pixels", "square pixels made of others")
             }
         }),
     }

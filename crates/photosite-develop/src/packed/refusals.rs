@@ -11,7 +11,7 @@ use crate::settings::DevelopSettings;
 
 /// Refusal of something that a device does not have.
 pub(super) fn refused(key: &str, what: &str) -> Invalid {
-    Invalid::new(key, format!("{what} cannot be had on a graphics card yet")).help("develop with --device cpu")
+    Invalid::new(key, format!("graphics cards do not have {what} yet")).help("develop with --device cpu")
 }
 
 fn refuse_first<const N: usize>(all: [(bool, &str, &str); N]) -> Result<(), Invalid> {
@@ -119,13 +119,13 @@ pub(super) fn check_settings(settings: &DevelopSettings) -> Result<(), Invalid> 
         Thresholding::Level | Thresholding::Otsu => true,
     };
     refuse_first([
-        (mends_defects, "develop.defects", "correction of defective pixels"),
+        (mends_defects, "develop.defects", "corrections of defective pixels"),
         (balances_by_image, "develop.white_balance", "white balance by the image's own pixels"),
         (mends_highlights, "develop.highlights", "highlights other than \"clip\" and \"none\""),
         (smooths, "develop.noise_filter", "noise filters"),
         (kernel.is_some(), "develop.kernel", "kernels"),
-        (*digital_zoom != 1.0, "develop.digital_zoom", "a digital zoom"),
-        (resize_px.is_some(), "develop.resize_px", "another size"),
+        (*digital_zoom != 1.0, "develop.digital_zoom", "digital zooms"),
+        (resize_px.is_some(), "develop.resize_px", "resizing"),
         (maps_by_image, "develop.tone_curve", "tone curves other than \"srgb\", \"linear\", \"gamma\" and \"filmic\""),
         (converts, "develop.colour_model", "colour models other than \"rgb\" and grey ones"),
         (is_binary, "develop.threshold", "thresholds"),
@@ -190,11 +190,15 @@ pub(super) fn check_file(raw: &RawImage, lens_falloff: bool) -> Result<(), Inval
     };
     refuse_first([
         (*is_staggered, "CFALayout", "hexagonal cells"),
-        (has_deltas[0], "BlackLevelDeltaH", "a black level for each column"),
-        (has_deltas[1], "BlackLevelDeltaV", "a black level for each row"),
-        (has_opcodes(0), "OpcodeList1", "a change of stored values"),
-        (opcodes(raw, 1, lens_falloff).any(has_no_map), "OpcodeList2", "a change of linear values other than by a map"),
-        (has_opcodes(2), "OpcodeList3", "a change of demosaicked values"),
+        (has_deltas[0], "BlackLevelDeltaH", "black levels of columns"),
+        (has_deltas[1], "BlackLevelDeltaV", "black levels of rows"),
+        (has_opcodes(0), "OpcodeList1", "changes of stored values"),
+        (
+            opcodes(raw, 1, lens_falloff).any(has_no_map),
+            "OpcodeList2",
+            "changes of linear values other than by maps of gains",
+        ),
+        (has_opcodes(2), "OpcodeList3", "changes of demosaicked values"),
     ])
 }
 

@@ -22,7 +22,7 @@ struct Sizes {
     codes: u64,
 }
 
-/// Buffers of strips of some size, 175 MB of a color image's at most.
+/// Buffers of strips of some size, at most 240 MB: those of a mosaic of colours whose codes have 16 bits.
 pub(crate) struct Room {
     sizes: Sizes,
     pub(crate) slots: [Slot; SLOTS],
@@ -49,7 +49,7 @@ pub(crate) fn code_bytes(of: &PackedDevelopment, strip: &Strip) -> u64 {
 }
 
 impl Sizes {
-    /// Bytes that the strips need, the largest of which is the first or, with the margin, the second.
+    /// Bytes that the largest strip needs.
     fn new(of: &PackedDevelopment, strips: &[Strip], has_all: bool) -> Self {
         let most = |bytes: &dyn Fn(&Strip) -> u64| strips.iter().map(bytes).max().unwrap_or(0).max(SMALLEST);
         let pixels = |bytes: usize| most(&|strip: &Strip| (strip.padded[0] * strip.padded[1] * bytes) as u64);
