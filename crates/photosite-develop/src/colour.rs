@@ -151,7 +151,7 @@ pub(super) fn temperature_of(metadata: &RawMetadata, neutral: &[f64]) -> Option<
 pub(super) fn apply(mut camera: Planes, columns: &[DVec3], space: ColourSpace, factor: f64) -> Planes {
     let (width, height) = (camera.width(), camera.height());
     let names = space.channels();
-    let columns: Vec<[f32; 3]> = columns.iter().map(|column| (*column * factor).as_vec3().to_array()).collect();
+    let columns = scaled(columns, factor);
     let planes: Vec<Vec<f32>> = camera.channels_mut().iter_mut().map(|c| std::mem::take(&mut c.data)).collect();
     let planes = match <[Vec<f32>; 3]>::try_from(planes) {
         Ok(planes) => in_place(planes, &columns, width),
@@ -159,6 +159,11 @@ pub(super) fn apply(mut camera: Planes, columns: &[DVec3], space: ColourSpace, f
     };
     let channels = names.into_iter().zip(planes).map(|(name, data)| Channel { name: name.to_owned(), data });
     Planes::new(width, height, channels.collect()).expect("planes keep their size")
+}
+
+/// Columns of a matrix times a factor, as pixels are multiplied by them.
+pub(super) fn scaled(columns: &[DVec3], factor: f64) -> Vec<[f32; 3]> {
+    columns.iter().map(|column| (*column * factor).as_vec3().to_array()).collect()
 }
 
 /// Three channels to three, without another copy of the image.

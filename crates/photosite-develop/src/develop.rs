@@ -215,12 +215,7 @@ fn to_colour_space(
     neutral: &[f64],
     settings: &DevelopSettings,
 ) -> Result<Planes, Invalid> {
-    let factor = (raw.metadata.baseline_exposure_ev + settings.exposure_ev).exp2();
-    let matrix = if settings.colour_matrix {
-        colour::camera_to_rgb(&raw.metadata, neutral, settings.colour_space)?
-    } else {
-        None
-    };
+    let (matrix, factor) = matrix_and_exposure(&raw.metadata, neutral, settings)?;
     if let Some(columns) = matrix {
         return Ok(colour::apply(camera, &columns, settings.colour_space, factor));
     }
@@ -231,6 +226,19 @@ fn to_colour_space(
         camera = Planes::new(camera.width(), camera.height(), vec![Channel { name: "Y".to_owned(), data }])?;
     }
     Ok(if factor == 1.0 { camera } else { camera.scaled(factor) })
+}
+
+/// Matrix from white-balanced camera channels to the colour space, a column per channel, where there is one, and the
+/// factor of the exposure corrections.
+pub(super) fn matrix_and_exposure(
+    metadata: &RawMetadata,
+    neutral: &[f64],
+    settings: &DevelopSettings,
+) -> Result<(Option<Vec<DVec3>>, f64), Invalid> {
+    let factor = (metadata.baseline_exposure_ev + settings.exposure_ev).exp2();
+    let matrix =
+        if settings.colour_matrix { colour::camera_to_rgb(metadata, neutral, settings.colour_space)? } else { None };
+    Ok((matrix, factor))
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Encoding: linear values become the codes of an image file.
 
+use rayon::prelude::*;
+
 use photosite_core::rows::{for_each_row, for_each_value};
 
 use super::sharpening;
@@ -89,8 +91,8 @@ pub fn encode(mut linear: Planes, encoding: &Encoding) -> EncodedImage {
     let value = |v: f32| if encoded { v } else { curve.encode(v) };
     let codes = match encoding.bits {
         // A cast takes not-a-number and all below 0 to 0, and all above to the largest.
-        8 => Codes::U8(quantised(&linear, encoding.dither, |v, rounding| (value(v) * 255.0 + rounding) as u8)),
-        _ => Codes::U16(quantised(&linear, encoding.dither, |v, rounding| (value(v) * 65_535.0 + rounding) as u16)),
+        8 => Codes::U8(quantised(&linear, encoding.dither, |v, rounding| placed(value(v), 255.0, rounding) as u8)),
+        _ => Codes::U16(quantised(&linear, encoding.dither, |v, rounding| placed(value(v), 65_535.0, rounding) as u16)),
     };
     EncodedImage {
         width: linear.width(),
@@ -101,6 +103,37 @@ pub fn encode(mut linear: Planes, encoding: &Encoding) -> EncodedImage {
         transfer: encoding.transfer,
         pixel_aspect: 1.0,
     }
+}
+
+/// Encoded value on the scale of codes up to `largest`, before it is cut off.
+#[inline]
+fn placed(encoded: f32, largest: f32, rounding: f32) -> f32 {
+    encoded * largest + rounding
+}
+
+/// Numbers of single precision between a level and the exact inverse of its code: about as many as straight lines between
+/// the entries of the curve's table are off by, 4e-8/0.05 where it begins.
+const NEAR: u32 = 64;
+
+/// Least linear value of every code from 1 on: the code of a value is the number of these that it reaches. Found by
+/// bisection of [`encode`]'s own curve over the numbers of single precision, so that both give the same codes.
+pub(super) fn levels(transfer: Transfer, bits: u8) -> Vec<f32> {
+    let curve = Curve::new(transfer);
+    let largest = (1u32 << bits) - 1;
+    let code = |bits: u32| placed(curve.encode(f32::from_bits(bits)), largest as f32, 0.5) as u32;
+    let level = |wanted: u32| {
+        // Bits of numbers above 0 have the order of the numbers. Devices take those below the normal ones for 0.
+        let (mut below, mut reached) = (f32::MIN_POSITIVE.to_bits() - 1, 1f32.to_bits());
+        // The exact inverse lies near, so that few halves are left.
+        let inverse = transfer.decode((wanted as f32 - 0.5) / largest as f32).to_bits();
+        let mut first = [inverse.saturating_sub(NEAR), inverse + NEAR].into_iter();
+        while reached - below > 1 {
+            let middle = first.next().unwrap_or(below + (reached - below) / 2).clamp(below + 1, reached - 1);
+            if code(middle) >= wanted { reached = middle } else { below = middle }
+        }
+        f32::from_bits(reached)
+    };
+    (1..=largest).into_par_iter().map(level).collect()
 }
 
 /// Interleaved codes of all planes; `code` gets a value and what to add before it is cut off.
@@ -206,6 +239,30 @@ mod tests {
         assert_eq!(encoded(&own, &Encoding::default()), Codes::U8((0..=255).collect()));
         let extremes = [f32::NAN, f32::NEG_INFINITY, -0.0, f32::INFINITY, f32::MAX];
         assert_eq!(encoded(&extremes, &Encoding::default()), Codes::U8(vec![0, 0, 0, 255, 255]));
+    }
+
+    #[test]
+    fn levels_tell_the_same_codes_as_the_curve() {
+        let mut linear: Vec<f32> = (0..70_000u32).map(|i| i as f32 / 65_536.0).collect();
+        for transfer in
+            [Transfer::Srgb, Transfer::Linear, Transfer::Gamma(2.2), Transfer::Gamma(0.5), Transfer::Gamma(10.0)]
+        {
+            for bits in [8, 16] {
+                let levels = levels(transfer, bits);
+                assert_eq!(levels.len(), (1 << bits) - 1);
+                // The levels themselves, and the numbers next to them.
+                let below = levels.iter().map(|level| f32::from_bits(level.to_bits() - 1));
+                linear.extend(levels.iter().copied().chain(below.filter(|value| value.is_normal())));
+                let codes = match encoded(&linear, &Encoding { transfer, bits, ..Encoding::default() }) {
+                    Codes::U8(codes) => codes.into_iter().map(usize::from).collect::<Vec<_>>(),
+                    Codes::U16(codes) => codes.into_iter().map(usize::from).collect(),
+                };
+                for (code, value) in codes.iter().zip(&linear) {
+                    let found = levels.partition_point(|level| level <= value);
+                    assert_eq!(found, *code, "{transfer:?} {bits} bits: {value}");
+                }
+            }
+        }
     }
 
     #[test]

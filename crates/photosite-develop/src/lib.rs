@@ -56,6 +56,7 @@ pub mod merge;
 mod neighbours;
 mod noise_filter;
 mod opcodes;
+pub mod packed;
 mod remap;
 mod resampling;
 mod resize;

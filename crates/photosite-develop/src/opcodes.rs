@@ -8,11 +8,12 @@ use photosite_raw::{Frame, Opcode, PixelArea, RawImage};
 use super::defects;
 
 /// Opcodes of a list, without those that correct the lens's falloff where it is to stay.
-fn opcodes(raw: &RawImage, list: usize, falloff: bool) -> impl Iterator<Item = &Opcode> {
+pub(super) fn opcodes(raw: &RawImage, list: usize, falloff: bool) -> impl Iterator<Item = &Opcode> {
     raw.metadata.opcodes[list].iter().filter(move |opcode| falloff || !opcode.is_of_falloff())
 }
 
-fn frame(raw: &RawImage) -> Frame {
+/// Layout of the linear signal.
+pub(super) fn frame(raw: &RawImage) -> Frame {
     Frame {
         size: [raw.width, raw.height],
         samples: raw.cfa.samples_per_pixel(),

@@ -100,6 +100,12 @@ impl Resampling {
         !matches!(self.lens, Lens::Straight)
     }
 
+    /// The part of the image that is shown as it is; `None` where any of its pixels is moved.
+    pub(super) fn as_part(&self) -> Option<PixelArea> {
+        let is_straight = matches!(self.lens, Lens::Straight) && self.scale == [1.0; 2] && self.staggered == [false; 2];
+        (is_straight && self.resize.is_none()).then_some(self.shown)
+    }
+
     /// Whether every second row of the image lies half a pixel farther to the right.
     pub fn is_staggered(&self) -> bool {
         self.staggered[1] && self.resize.is_none()

@@ -58,13 +58,18 @@ pub(super) fn neutral(raw: &RawImage, signal: &[f32], settings: &DevelopSettings
 
 /// Divides the signal by the response to white.
 pub(super) fn apply(signal: &mut [f32], raw: &RawImage, neutral: &[f64], ceiling: f32) {
-    let factors: Vec<f32> = neutral.iter().map(|n| (1.0 / n) as f32).collect();
+    let factors = factors(neutral);
     for_channels(&raw.cfa, signal, raw.row_length(), |channel, values| {
         let factor = factors[channel];
         for value in values {
             *value = (*value * factor).min(ceiling);
         }
     });
+}
+
+/// Factor of each channel.
+pub(super) fn factors(neutral: &[f64]) -> Vec<f32> {
+    neutral.iter().map(|n| (1.0 / n) as f32).collect()
 }
 
 /// Hands the values of each place of the tile in every row to `change`, with their channel.

@@ -1,10 +1,12 @@
 //! Cards of this machine, and the one that is opened.
 
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use photosite_core::Invalid;
 
+use crate::develop::kernels::DevelopKernels;
+use crate::develop::room::Room;
 use crate::kernels::{KernelCache, Kernels};
 
 /// Card, or software that stands for one, as its driver describes it.
@@ -101,6 +103,10 @@ pub struct Card {
     /// Error of the driver that no call returned.
     fault: Arc<Mutex<Option<String>>>,
     kernels: KernelCache,
+    /// Kernels of development, once they are compiled.
+    develop_kernels: OnceLock<Result<DevelopKernels, String>>,
+    /// Buffers of the image that was developed last.
+    room: Mutex<Option<Room>>,
 }
 
 /// Opens the card of that number, or the first that is no software. `None` where there is none.
@@ -137,7 +143,15 @@ pub fn open(number: Option<usize>) -> Result<Option<Card>, String> {
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| on_error(error.to_string())));
     let on_loss = said(&fault);
     device.set_device_lost_callback(move |reason, words| on_loss(format!("the device is lost ({reason:?}): {words}")));
-    Ok(Some(Card { adapter: description, device, queue, fault, kernels: KernelCache::default() }))
+    Ok(Some(Card {
+        adapter: description,
+        device,
+        queue,
+        fault,
+        kernels: KernelCache::default(),
+        develop_kernels: OnceLock::new(),
+        room: Mutex::new(None),
+    }))
 }
 
 impl fmt::Debug for Card {
@@ -175,6 +189,23 @@ impl Card {
     /// Whether the driver has found no fault so far.
     pub(crate) fn works(&self) -> bool {
         self.fault.lock().unwrap_or_else(PoisonError::into_inner).is_none()
+    }
+
+    /// Kernels of development; they are compiled once.
+    ///
+    /// # Errors
+    ///
+    /// Kernels that the driver refuses.
+    pub(crate) fn develop_kernels(&self) -> Result<&DevelopKernels, Invalid> {
+        self.develop_kernels.get_or_init(|| DevelopKernels::new(&self.device)).as_ref().map_err(|words| {
+            let message = format!("{} does not take the kernels: {words}", self.adapter);
+            Invalid::new("develop", message).help("develop with --device cpu")
+        })
+    }
+
+    /// Buffers of the image that was developed last, while no other one is.
+    pub(crate) fn room(&self) -> &Mutex<Option<Room>> {
+        &self.room
     }
 
     /// The last error of the driver that no call returned.

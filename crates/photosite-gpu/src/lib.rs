@@ -1,9 +1,12 @@
 //! Light transport on graphics cards: the paths of [`integrator`](photosite_transport::integrator), traced by kernels in
 //! WGSL through wgpu, on Vulkan, Metal and DirectX.
 //!
-//! In: a scene as plain data ([`scene::packed`](photosite_transport::scene::packed)), and either the film with a rectilinear
-//! camera ([`PackedFilm`](photosite_transport::integrator::PackedFilm)) or starts of paths whose rays any other camera has
-//! made on the processor. Out: sums of the samples of pixels, or what arrives along each path.
+//! In: a scene as plain data ([`scene::packed`](photosite_transport::scene::packed)), and either the film with its
+//! camera ([`PackedFilm`](photosite_transport::integrator::PackedFilm)) or starts of paths whose rays a camera that cards do not
+//! have has made on the processor. Out: sums of the samples of pixels, or what arrives along each path.
+//!
+//! Raw images are developed on cards, too, by `Card::develop`: their numbers, with the development as plain data
+//! (`photosite_develop::packed`), become the codes of an image.
 //!
 //! | file | holds |
 //! |---|---|
@@ -15,6 +18,7 @@
 //! | `tracer` | a scene on a card, and batches of paths: generate, extend, shade, shadow, arrive |
 //! | `film`, `pixels` | a film on a card, and samples of its pixels, whose paths start and end there |
 //! | `device` | a card as a device of renders, and paths whose starts the processor has made |
+//! | `develop` | development of raw images, a file for each concept; `wgsl/develop` has its kernels |
 //! | `shaders` | the kernels in one text; numbers that Rust and WGSL share are made of Rust's constants |
 //! | `wgsl` | the kernels, a file for each concept, each with the Rust file that it follows in its head |
 //!
@@ -31,6 +35,7 @@ pub mod support;
 mod adapters;
 #[cfg(feature = "gpu")]
 mod buffers;
+mod develop;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]

@@ -1,6 +1,8 @@
 //! Kernels of one's own on the tables of a scene: what tests ask of the functions that the wavefront is made of.
 
 use photosite_core::Invalid;
+use photosite_develop::EncodedImage;
+use photosite_develop::packed::PackedDevelopment;
 use photosite_transport::integrator::PathLimits;
 use photosite_transport::sampler::SamplerKind;
 use photosite_transport::scene::packed::PackedScene;
@@ -8,6 +10,7 @@ use wgpu::util::DeviceExt;
 
 use crate::adapters::Card;
 use crate::buffers::{Layouts, READ, WRITE, bind, layout, scene_buffers};
+use crate::develop::Numbers;
 use crate::params;
 use crate::shaders::functions;
 
@@ -87,4 +90,39 @@ pub fn answers<const IN: usize, const OUT: usize>(
     device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| failed(error.to_string()))?;
     let view = returned.get_mapped_range(..).map_err(|error| failed(error.to_string()))?;
     Ok(bytemuck::pod_collect_to_vec(view.as_ref()))
+}
+
+/// Develops raw numbers that lie on the card already, in strips of so many pixels at most.
+///
+/// # Errors
+///
+/// Those of [`Card::develop`].
+pub fn develop_on_card(
+    card: &Card,
+    numbers: &[u16],
+    development: &PackedDevelopment,
+    strip_pixels: usize,
+) -> Result<EncodedImage, Invalid> {
+    let mut words = numbers.to_vec();
+    words.resize(numbers.len().next_multiple_of(2), 0);
+    let buffer = card.device().create_buffer_init(&wgpu::util::BufferInitDescriptor {
+        label: None,
+        contents: bytemuck::cast_slice(&words),
+        usage: wgpu::BufferUsages::STORAGE,
+    });
+    card.develop_numbers(Numbers::OnCard(&buffer), development, strip_pixels)
+}
+
+/// Develops raw numbers in strips of so many pixels at most.
+///
+/// # Errors
+///
+/// Those of [`Card::develop`].
+pub fn develop_in_strips(
+    card: &Card,
+    numbers: &[u16],
+    development: &PackedDevelopment,
+    strip_pixels: usize,
+) -> Result<EncodedImage, Invalid> {
+    card.develop_numbers(Numbers::Sent(numbers), development, strip_pixels)
 }

@@ -1,7 +1,7 @@
 //! Kernels as text: naga accepts them for every card, and both sides lay out what they share alike.
 #![cfg(feature = "gpu")]
 
-use photosite_gpu::shaders::wavefront;
+use photosite_gpu::shaders::{development, wavefront};
 use wgpu::naga;
 
 #[test]
@@ -9,22 +9,36 @@ fn naga_accepts_all_kernels() {
     // Without any features, and with all.
     for features in [0, u32::MAX] {
         let text = wavefront(features);
-        accepts(&text);
+        let names = ["arrive", "count", "extend", "generate", "generate_camera_rays", "shade", "shadow", "update_film"];
+        accepts(&text, &names, &["Params", "Film"]);
     }
+    let of_development = [
+        "bilinear",
+        "choose_directions",
+        "chroma_again",
+        "chroma_at_green",
+        "encode",
+        "green_again",
+        "interpolate_green",
+        "malvar",
+        "other_again",
+        "other_colour",
+        "signal",
+    ];
+    accepts(&development(), &of_development, &["Params"]);
 }
 
-fn accepts(text: &str) {
+fn accepts(text: &str, kernels: &[&str], blocks: &[&str]) {
     let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
     let all = naga::valid::ValidationFlags::all();
     let mut validator = naga::valid::Validator::new(all, naga::valid::Capabilities::empty());
     validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
     let mut names: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
     names.sort_unstable();
-    let all = ["arrive", "count", "extend", "generate", "generate_camera_rays", "shade", "shadow", "update_film"];
-    assert_eq!(names, all);
+    assert_eq!(names, kernels);
 
     // Uniform blocks are whole numbers of 16 bytes, and every field has its place in the order of Rust's table.
-    for name in ["Params", "Film"] {
+    for &name in blocks {
         let (_, block) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name)).expect("a block");
         let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("{block:?}") };
         assert_eq!((span % 16, *span as usize), (0, 4 * members.len()));

@@ -29,6 +29,17 @@ pub struct Reach {
     pub gains_per_point: usize,
 }
 
+/// Two points of a gain map along an axis with a place between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Between {
+    /// Index of the point before the place.
+    pub first: usize,
+    /// Index of the point behind it.
+    pub second: usize,
+    /// Distance of the place from the first point, in those between the points.
+    pub part: f32,
+}
+
 impl GainMap {
     /// Gains of all pixels, row by row from the top-left corner; they are finite and above 0.
     pub fn new(columns: usize, rows: usize, gains: Vec<f32>) -> Result<Self, Invalid> {
@@ -108,23 +119,32 @@ impl GainMap {
     /// Gain of any of a pixel's values at a place of the active area, from 0, 0 at its top-left corner to 1, 1 at the
     /// opposite one.
     pub fn at_plane(&self, x: f64, y: f64, plane: usize) -> f32 {
-        let per_point = self.gains_per_point();
-        let plane = plane.min(per_point - 1);
-        let split = |axis: usize, position: f64, points: usize| {
-            let position = match &self.reach {
-                Some(reach) => (position - reach.origin[axis]) / reach.spacing[axis],
-                None => position.clamp(0.0, 1.0) * (points - 1) as f64,
-            };
-            let position = position.clamp(0.0, (points - 1) as f64);
-            let first = (position as usize).min(points.saturating_sub(2));
-            (first, (first + 1).min(points - 1), (position - first as f64) as f32)
-        };
-        let (left, right, part_x) = split(0, x, self.columns());
-        let (top, bottom, part_y) = split(1, y, self.rows());
+        let (across, down) = (self.between(0, x), self.between(1, y));
         let mix = |a: f32, b: f32, part: f32| a + (b - a) * part;
-        let gain = |x: usize, y: usize| self.gains[(y * self.columns + x) * per_point + plane];
-        let row = |y: usize| mix(gain(left, y), gain(right, y), part_x);
-        mix(row(top), row(bottom), part_y)
+        let gain = |column: usize, row: usize| self.gains[self.index(column, row, plane)];
+        let row = |row: usize| mix(gain(across.first, row), gain(across.second, row), across.part);
+        mix(row(down.first), row(down.second), down.part)
+    }
+
+    /// Points on both sides of a place along an axis, 0 for columns and 1 for rows, from 0 at the first edge of the active
+    /// area to 1 at the opposite one.
+    #[inline]
+    pub fn between(&self, axis: usize, place: f64) -> Between {
+        let points = if axis == 0 { self.columns() } else { self.rows() };
+        let position = match &self.reach {
+            Some(reach) => (place - reach.origin[axis]) / reach.spacing[axis],
+            None => place.clamp(0.0, 1.0) * (points - 1) as f64,
+        };
+        let position = position.clamp(0.0, (points - 1) as f64);
+        let first = (position as usize).min(points.saturating_sub(2));
+        Between { first, second: (first + 1).min(points - 1), part: (position - first as f64) as f32 }
+    }
+
+    /// Index into [`Self::gains`] of the gain at a point for one of a pixel's values.
+    #[inline]
+    pub fn index(&self, column: usize, row: usize, plane: usize) -> usize {
+        let per_point = self.gains_per_point();
+        (row * self.columns + column) * per_point + plane.min(per_point - 1)
     }
 }
 

@@ -37,7 +37,7 @@ pub use dng::{
     DngCompression, dng_can_hold, read_dng, read_dng_or_tiff, read_profile, write_compressed_dng, write_dng,
 };
 pub use exif::Exif;
-pub use gain_map::{GainMap, Reach};
+pub use gain_map::{Between, GainMap, Reach};
 pub use lens_model::{LensModel, Undistortion};
 pub use npy::with_short_header;
 pub use npy::{NpyImage, NpyValues, read_npy, read_npy_image, write_npy};
@@ -176,6 +176,11 @@ impl RawImage {
             let help = format!("each pixel has {}", self.cfa.samples_per_pixel());
             return Err(Invalid::new("", message).help(help));
         }
+        self.validate_area()
+    }
+
+    /// Refuses an active area that goes beyond the image, whatever numbers the image has.
+    pub fn validate_area(&self) -> Result<(), Invalid> {
         let area = self.active();
         let fits = |first: usize, length: usize, side: usize| first.checked_add(length).is_some_and(|end| end <= side);
         if !(fits(area.x, area.width, self.width) && fits(area.y, area.height, self.height)) {

@@ -74,6 +74,14 @@ pub struct Frame {
     pub is_stored: bool,
 }
 
+impl Frame {
+    /// Place of the centre of a column (axis 0) or a row (axis 1), from 0 at the first edge to 1 at the opposite one.
+    #[inline]
+    pub fn place(&self, axis: usize, index: usize) -> f64 {
+        (index as f64 + 0.5) / self.size[axis] as f64
+    }
+}
+
 impl Opcode {
     /// Whether the opcode corrects the lens's falloff.
     pub fn is_of_falloff(&self) -> bool {
@@ -128,10 +136,7 @@ impl Opcode {
                 let polynomial = |x: f64| coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c);
                 by_curve(&|value| (polynomial(value.into()) as f32).clamp(0.0, white))
             }
-            Self::GainMap(map) => {
-                let [width, height] = frame.size.map(|n| n as f64);
-                value * map.at_plane((x as f64 + 0.5) / width, (y as f64 + 0.5) / height, plane)
-            }
+            Self::GainMap(map) => value * map.at_plane(frame.place(0, x), frame.place(1, y), plane),
             Self::PerLine(area, what, lines) => {
                 let line = match what {
                     PerLine::DeltaPerRow | PerLine::ScalePerRow => (y - area.area.y) / area.pitch[1],

@@ -74,7 +74,7 @@ impl Orientation {
     }
 
     /// Source pixel of a pixel of the upright image, in an image of `width` columns and `height` rows.
-    fn source(self, [x, y]: [usize; 2], [width, height]: [usize; 2]) -> [usize; 2] {
+    pub fn source(self, [x, y]: [usize; 2], [width, height]: [usize; 2]) -> [usize; 2] {
         let (right, bottom) = (|x: usize| width - 1 - x, |y: usize| height - 1 - y);
         match self.0 {
             2 => [right(x), y],

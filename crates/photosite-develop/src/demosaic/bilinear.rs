@@ -23,7 +23,7 @@ pub(super) fn demosaic(mosaic: &[f32], width: usize, height: usize, cfa: &Cfa) -
 }
 
 /// Neighbours of one channel with their weights, for each place of the tile.
-pub(super) struct Tent {
+pub(crate) struct Tent {
     columns: usize,
     rows: usize,
     radius: usize,
@@ -31,7 +31,7 @@ pub(super) struct Tent {
 }
 
 impl Tent {
-    pub(super) fn new(cfa: &Cfa, channel: usize, radius: usize) -> Self {
+    pub(crate) fn new(cfa: &Cfa, channel: usize, radius: usize) -> Self {
         let (columns, rows) = cfa.tile_size();
         let weight = |step: Step| {
             let along = |d: isize| radius as f32 + 1.0 - d.unsigned_abs() as f32;
@@ -39,6 +39,11 @@ impl Tent {
         };
         let taps = |i: usize| steps(cfa, [i % columns, i / columns], channel, radius).into_iter().map(weight).collect();
         Self { columns, rows, radius, taps: (0..columns * rows).map(taps).collect() }
+    }
+
+    /// Neighbours with their weights at each place of the tile, row by row.
+    pub(crate) fn taps(&self) -> &[Vec<(Step, f32)>] {
+        &self.taps
     }
 
     /// Fills a plane with weighted means of `value`, which is asked at pixels that see the channel. Those pixels

@@ -15,7 +15,7 @@ use photosite_core::image::{Channel, Planes};
 use photosite_raw::Cfa;
 
 /// Pixels around a tile that its result depends on; even, so that a tile has the mosaic's phase.
-const MARGIN: usize = 10;
+pub(crate) const MARGIN: usize = 10;
 /// Rows and columns of a tile without its margin; even, too.
 const TILE_ROWS: usize = 128;
 const TILE_COLUMNS: usize = 256;
@@ -45,6 +45,11 @@ pub(super) fn demosaic(mosaic: &[f32], width: usize, height: usize, cfa: &Cfa) -
     Planes::new(width, height, planes.into()).expect("planes were made for this size")
 }
 
+/// Parity of the rows that hold red pixels of a Bayer filter, and of the columns.
+pub(crate) fn red_place(cfa: &Cfa) -> [usize; 2] {
+    (0..4).map(|i| [i / 2, i % 2]).find(|&[y, x]| cfa.channel_at(x, y) == 0).unwrap_or([0, 0])
+}
+
 /// A piece of the mosaic and what becomes of it, small enough for the cache.
 ///
 /// In a row of red pixels ("own" colour red) every other pixel is red; the green ones between have red beside and blue
@@ -71,9 +76,8 @@ impl Tile {
 
     fn new(cfa: &Cfa) -> Self {
         let plane = || vec![0.0; Self::WIDTH * Self::HEIGHT];
-        let red = (0..4).map(|i| [i / 2, i % 2]).find(|&[y, x]| cfa.channel_at(x, y) == 0).unwrap_or([0, 0]);
         Self {
-            red,
+            red: red_place(cfa),
             mosaic: plane(),
             green: plane(),
             chroma: [plane(), plane()],

@@ -17,7 +17,9 @@ mod staggered;
 use rayon::prelude::*;
 
 use super::choices::Demosaic;
+pub(super) use bilinear::Tent;
 use channels::{planes, together};
+pub(super) use menon::{MARGIN, red_place};
 use photosite_core::Invalid;
 use photosite_core::image::Planes;
 use photosite_raw::{Cfa, RawImage};

@@ -3,11 +3,14 @@
 #![cfg(feature = "gpu")]
 
 mod bsdfs;
+mod developed;
+mod development;
 mod films;
 mod images;
 mod lamps;
 mod motions;
 mod paths;
+mod raws;
 mod rays;
 mod samplers;
 mod scenes;
