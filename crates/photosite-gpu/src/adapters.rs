@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use photosite_core::Invalid;
 
+use crate::exposure_kernel::ExposureCache;
 use crate::kernels::{KernelCache, Kernels};
 
 /// Card, or software that stands for one, as its driver describes it.
@@ -101,6 +102,7 @@ pub struct Card {
     /// Error of the driver that no call returned.
     fault: Arc<Mutex<Option<String>>>,
     kernels: KernelCache,
+    exposure: ExposureCache,
 }
 
 /// Opens the card of that number, or the first that is no software. `None` where there is none.
@@ -137,7 +139,7 @@ pub fn open(number: Option<usize>) -> Result<Option<Card>, String> {
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| on_error(error.to_string())));
     let on_loss = said(&fault);
     device.set_device_lost_callback(move |reason, words| on_loss(format!("the device is lost ({reason:?}): {words}")));
-    Ok(Some(Card { adapter: description, device, queue, fault, kernels: KernelCache::default() }))
+    Ok(Some(Card { adapter: description, device, queue, fault, kernels: KernelCache::default(), exposure: ExposureCache::default() }))
 }
 
 impl fmt::Debug for Card {
@@ -170,6 +172,11 @@ impl Card {
             let message = format!("{} does not take the kernels: {words}", self.adapter);
             Invalid::new("scene", message).help("render with --device cpu")
         })
+    }
+
+    /// Kernel of exposures.
+    pub(crate) fn exposure_kernel(&self) -> &ExposureCache {
+        &self.exposure
     }
 
     /// The last error of the driver that no call returned.

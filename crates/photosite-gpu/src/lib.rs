@@ -40,4 +40,14 @@ pub mod shaders;
 mod tracer;
 
 #[cfg(feature = "gpu")]
+mod expose;
+#[cfg(feature = "gpu")]
+mod exposure_kernel;
+#[cfg(feature = "gpu")]
+pub mod exposure_shaders;
+
+#[cfg(feature = "gpu")]
+pub use expose::HeldLight;
+
+#[cfg(feature = "gpu")]
 pub use adapters::{Adapter, Card, adapters, open};

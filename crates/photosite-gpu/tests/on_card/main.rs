@@ -3,6 +3,7 @@
 #![cfg(feature = "gpu")]
 
 mod bsdfs;
+mod exposures;
 mod images;
 mod lamps;
 mod motions;
@@ -10,6 +11,7 @@ mod paths;
 mod rays;
 mod samplers;
 mod scenes;
+mod sensor_numbers;
 mod skies;
 mod stage;
 
