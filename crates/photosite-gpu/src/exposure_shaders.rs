@@ -5,12 +5,13 @@ use photosite_sensor::packed::{PLACES, declarations};
 use crate::shaders::WORKGROUP_SIZE;
 
 /// Files in the order of what they need.
-const FILES: [&str; 8] = [
+const FILES: [&str; 9] = [
     include_str!("wgsl/hash.wgsl"),
     include_str!("wgsl/sensor/fixed.wgsl"),
     include_str!("wgsl/sensor/random.wgsl"),
     include_str!("wgsl/sensor/poisson.wgsl"),
     include_str!("wgsl/sensor/values.wgsl"),
+    include_str!("wgsl/sensor/draws.wgsl"),
     include_str!("wgsl/sensor/charge.wgsl"),
     include_str!("wgsl/sensor/read_out.wgsl"),
     include_str!("wgsl/sensor/converter.wgsl"),

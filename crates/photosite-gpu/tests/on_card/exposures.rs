@@ -170,7 +170,6 @@ fn masked_pixels_odd_widths_gains_and_curves_are_exposed_alike() {
         measured,
         with_keys("generic-cmos-color", "image_circle_mm = 0.15\n"),
         with_keys("generic-cmos-color", companding),
-        SensorModel { converter: photosite_sensor::Converter { bits: 1, ..effects.converter.clone() }, ..effects.clone() },
     ] {
         let light = ramp(&sensor, size);
         for (gain, digital_gain) in [(0.0, 0.0), (9.5, 3.3)] {
@@ -244,4 +243,34 @@ fn what_a_card_does_not_do_is_named_by_its_key() {
         assert_eq!(found.as_deref(), Some(key));
     }
     assert_eq!(of(&colour, whole), None);
+}
+
+#[test]
+fn zz_speed() {
+    let Some(card) = crate::card() else { return };
+    let sensor = presets::model("sony-imx249-color").expect("a preset");
+    let size = [3000, 2000];
+    let light = ramp(&sensor, size);
+    let exposure = exposure_of(&sensor);
+    let t = std::time::Instant::now();
+    let _ = card.expose(&ramp(&sensor, [2, 2]), &sensor, &exposure, Stages::ALL, KEY);
+    println!("first {:?}", t.elapsed());
+    let t = std::time::Instant::now();
+    let packed_light = PackedLight::new(&light, &sensor).expect("light");
+    println!("pack light {:?}", t.elapsed());
+    let mut held = card.hold_light(&packed_light).expect("room");
+    let t = std::time::Instant::now();
+    let packed = PackedExposure::new(size, &sensor, &exposure, Stages::ALL, KEY).expect("x");
+    println!("pack {:?}", t.elapsed());
+    let t = std::time::Instant::now();
+    let a = held.expose(&packed).expect("x");
+    println!("card {:?}", t.elapsed());
+    let t = std::time::Instant::now();
+    let b = expose(&light, &sensor, &exposure, Stages::ALL, KEY).expect("x");
+    println!("processor {:?}", t.elapsed());
+    println!("differ {}", a.data.iter().zip(&b.data).filter(|(a, b)| a != b).count());
+    let faint = { let mut l = light; for c in l.channels_mut() { for v in &mut c.data { *v *= 1e-3; } } l };
+    let a = card.expose(&faint, &sensor, &exposure, Stages::ALL, KEY).expect("x");
+    let b = expose(&faint, &sensor, &exposure, Stages::ALL, KEY).expect("x");
+    println!("faint differ {}", a.data.iter().zip(&b.data).filter(|(a, b)| a != b).count());
 }

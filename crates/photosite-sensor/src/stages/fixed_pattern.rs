@@ -61,14 +61,13 @@ impl Deviations {
 
     /// Words of the deviations of so many columns and rows.
     pub(crate) fn words(&self, [width, height]: [usize; 2], tables: &mut Tables) -> PatternWords {
-        let streams = self.streams.words();
         if let Some(measured) = &self.measured {
             let all: Vec<f32> = (0..height).flat_map(|y| &measured.row(y)[..width]).copied().collect();
-            return PatternWords { streams, measured: tables.add_numbers(&all), ..PatternWords::default() };
+            return PatternWords { rows: NONE, columns: NONE, measured: tables.add_numbers(&all), ..PatternWords::default() };
         }
         let rows: Vec<f32> = (0..height).map(|y| self.of_row(y)).collect();
         PatternWords {
-            streams,
+            streams: if self.pixel > 0.0 { self.streams.words() } else { StreamWords::default() },
             pixel: self.pixel,
             rows: tables.add_numbers(&rows),
             columns: tables.add_numbers(&self.columns),

@@ -41,20 +41,20 @@ fn channel_at(at: vec2<i32>) -> u32 {
     return tables[exposure.crosstalk.tile + row * exposure.crosstalk.tile_width + column];
 }
 
-/// Deviations of both neighbours from a pattern.
-fn deviations(pattern: PatternWords, place: vec2<u32>) -> vec2<f32> {
+/// Deviations of both neighbours from a pattern, which takes the normal numbers of a stage.
+fn deviations(pattern: PatternWords, stage: u32, place: vec2<u32>) -> vec2<f32> {
     let x = 2u * place.x;
     if (pattern.measured != NONE) {
         return of_columns(pattern.measured + place.y * exposure.width, x);
     }
-    var shared_part = vec2<f32>(of_row(pattern.rows, place.y));
+    var of_lines = vec2<f32>(of_row(pattern.rows, place.y));
     if (pattern.columns != NONE) {
-        shared_part = rounded_sum(shared_part, of_columns(pattern.columns, x));
+        of_lines = rounded_sum(of_lines, of_columns(pattern.columns, x));
     }
-    if (pattern.pixel > 0.0) {
-        return rounded_sum(rounded_product(vec2<f32>(pattern.pixel), normals(pattern.streams, place)), shared_part);
+    if (pattern.streams.is_there == 1u) {
+        return rounded_sum(rounded_product(vec2<f32>(pattern.pixel), normals(stage)), of_lines);
     }
-    return shared_part;
+    return of_lines;
 }
 
 fn is_there(pattern: PatternWords) -> bool {
@@ -65,8 +65,8 @@ fn is_there(pattern: PatternWords) -> bool {
 fn responded(mean: vec2<f32>, place: vec2<u32>) -> vec2<f32> {
     var charge = mean;
     if (is_there(exposure.photo_response)) {
-        let response = rounded_sum(vec2<f32>(1.0), deviations(exposure.photo_response, place));
-        charge = rounded_product(charge, max(response, vec2<f32>(0.0)));
+        let deviation = deviations(exposure.photo_response, OF_PHOTO_RESPONSE, place);
+        charge = rounded_product(charge, max(rounded_sum(vec2<f32>(1.0), deviation), vec2<f32>(0.0)));
     }
     for (var i = 0u; i < 2u; i += 1u) {
         if (listed(exposure.dead_pixels, 2u * place.x + i, place.y) != NONE) {
@@ -76,43 +76,49 @@ fn responded(mean: vec2<f32>, place: vec2<u32>) -> vec2<f32> {
     return charge;
 }
 
-/// Electrons that light frees, drawn from the distribution of their mean.
-fn with_shot_noise(mean: vec2<f32>, place: vec2<u32>) -> vec2<f32> {
-    let streams = exposure.shot_noise;
-    if (streams.is_there == 0u) {
-        return mean;
-    }
-    let block = first_block(streams, place);
-    var counts = vec2<f32>(0.0);
-    for (var i = 0u; i < 2u; i += 1u) {
-        var random = stream_of(streams, place, block, i);
-        counts[i] = poisson(wide_of_f32(mean[i]), &random);
-    }
-    return counts;
-}
-
-/// Charge with thermal electrons.
-fn with_dark_current(charge: vec2<f32>, place: vec2<u32>) -> vec2<f32> {
-    let streams = exposure.dark_current.streams;
-    if (streams.is_there == 0u) {
-        return charge;
-    }
-    let block = first_block(streams, place);
-    let has_factors = exposure.dark_current.factors.streams.is_there == 1u;
-    var counts = vec2<f32>(0.0);
-    for (var i = 0u; i < 2u; i += 1u) {
-        var random = stream_of(streams, place, block, i);
-        var mean = exposure.dark_current.mean;
-        if (has_factors) {
-            mean = wide_product_of(mean, factor(exposure.dark_current.factors, place, i));
-        } else if (is_few(mean)) {
-            let e_to_minus_mean = vec2<u32>(exposure.dark_current.e_to_minus_mean_low, exposure.dark_current.e_to_minus_mean_high);
-            counts[i] = few(e_to_minus_mean, &random);
+/// Electrons that light frees, drawn from the distribution of their mean, and then those that heat does.
+fn freed(mean: vec2<f32>, place: vec2<u32>) -> vec2<f32> {
+    var charge = mean;
+    for (var stage = 0u; stage < 2u; stage += 1u) {
+        let is_dark = stage == 1u;
+        var streams = exposure.shot_noise;
+        if (is_dark) {
+            streams = exposure.dark_current.streams;
+        }
+        if (streams.is_there == 0u) {
             continue;
         }
-        counts[i] = poisson(mean, &random);
+        let block = first_block(streams, place);
+        var counts = vec2<f32>(0.0);
+        for (var i = 0u; i < 2u; i += 1u) {
+            var own = wide_of_f32(mean[i]);
+            if (is_dark) {
+                own = dark_mean(i);
+            }
+            // Where pixels are alike in the dark it is known
+            var e_to_minus_mean = vec2<u32>(exposure.dark_current.e_to_minus_mean_low, exposure.dark_current.e_to_minus_mean_high);
+            if (is_few(own) && !(is_dark && exposure.dark_current.factors.streams.is_there == 0u)) {
+                e_to_minus_mean = e_to_minus(own);
+            }
+            var random = stream_of(streams, place, block, i);
+            counts[i] = counted(own, e_to_minus_mean, &random);
+        }
+        if (is_dark) {
+            charge = rounded_sum(charge, counts);
+        } else {
+            charge = counts;
+        }
     }
-    return rounded_sum(charge, counts);
+    return charge;
+}
+
+/// Mean thermal electrons of the first or the second neighbour.
+fn dark_mean(index: u32) -> Wide {
+    let mean = exposure.dark_current.mean;
+    if (exposure.dark_current.factors.streams.is_there == 0u) {
+        return mean;
+    }
+    return wide_product_of(mean, factor(exposure.dark_current.factors, OF_DARK_CURRENT, index));
 }
 
 /// Charge in the wells of both neighbours.

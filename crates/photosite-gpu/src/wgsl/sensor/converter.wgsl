@@ -61,27 +61,24 @@ fn digital_number(converter: DigitiserWords, signal: Level, x: u32) -> u32 {
     return u32(clamp(number, 0, i32(converter.max_dn)));
 }
 
-/// Charge of the first or the second neighbour with the noise of a branch.
-fn branch_charge(branch: BranchWords, charge_e: f32, place: vec2<u32>, index: u32) -> f32 {
+/// Charge of the first or the second neighbour with the noise of a branch, whose normal numbers are those of a stage.
+fn branch_charge(branch: BranchWords, stage: u32, charge_e: f32, index: u32) -> f32 {
     if (branch.streams.is_there == 0u) {
         return charge_e;
     }
     var spread = vec2<f32>(branch.read_noise_e);
     if (branch.factors.streams.is_there == 1u) {
-        spread = rounded_product(spread, vec2<f32>(nearest_f32(factor(branch.factors, place, index))));
+        spread = rounded_product(spread, vec2<f32>(nearest_f32(factor(branch.factors, OF_READ_NOISE_SPREAD, index))));
     }
-    var random = stream_of(branch.streams, place, first_block(branch.streams, place), index);
-    let noise = rounded_product(spread, vec2<f32>(signed_f32(next_normal(&random))));
-    return rounded_sum(vec2<f32>(charge_e), noise).x;
+    return rounded_sum(vec2<f32>(charge_e), rounded_product(spread, normals(stage)))[index];
 }
 
 /// Merged number of both gains.
-fn merged_number(charge_e: f32, place: vec2<u32>, index: u32) -> u32 {
-    let x = 2u * place.x + index;
+fn merged_number(charge_e: f32, x: u32) -> u32 {
     var branch = exposure.dual_gain.high;
     var number = 0u;
     for (var i = 0u; i < 2u; i += 1u) {
-        let noisy_e = branch_charge(branch, charge_e, place, index);
+        let noisy_e = branch_charge(branch, OF_READ_NOISE + i, charge_e, x % 2u);
         number = digital_number(branch.digitiser, product_level(branch.system_gain, noisy_e), x);
         if (i == 0u && number >= exposure.dual_gain.threshold_dn) {
             branch = exposure.dual_gain.low;

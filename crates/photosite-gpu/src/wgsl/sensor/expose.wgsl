@@ -10,9 +10,12 @@ fn expose(@builtin(global_invocation_id) id: vec3<u32>) {
     let x = 2u * place.x;
     let from_left = i32(x) - i32(exposure.light_left);
     let from_top = i32(place.y) - i32(exposure.light_top);
-    let mean = vec2<f32>(collected(from_left, from_top), collected(from_left + 1, from_top));
-    let freed = with_dark_current(with_shot_noise(responded(mean, place), place), place);
-    let charge = at_amplifiers(held(freed, place), place);
+    draw_normals(place);
+    var mean = vec2<f32>(0.0);
+    for (var i = 0; i < 2; i += 1) {
+        mean[i] = collected(from_left + i, from_top);
+    }
+    let charge = at_amplifiers(held(freed(responded(mean, place), place), place), place);
     var signals = vec2<f32>(0.0);
     if (exposure.dual_gain.is_there == 0u) {
         signals = amplified(charge, place);
@@ -21,7 +24,7 @@ fn expose(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var i = 0u; i < 2u && x + i < exposure.width; i += 1u) {
         var number: u32;
         if (exposure.dual_gain.is_there == 1u) {
-            number = merged_number(charge[i], place, i);
+            number = merged_number(charge[i], x + i);
         } else {
             number = digital_number(exposure.digitiser, level_of(signals[i]), x + i);
         }

@@ -176,13 +176,18 @@ fn is_few(mean: Wide) -> bool {
     return mean.exponent < 4 || (mean.exponent == 4 && mean.high < 0xc0000000u);
 }
 
-/// A Poisson-distributed number of a mean.
-fn poisson(mean: Wide, random: ptr<function, Philox>) -> f32 {
+/// e^(−mean) of few electrons with 64 bits behind the point.
+fn e_to_minus(mean: Wide) -> vec2<u32> {
+    return fixed_of(exponential_of(Signed(fixed_of(mean, 56), true)), 64);
+}
+
+/// A Poisson-distributed number of a mean, with e^(−mean) where that is small.
+fn counted(mean: Wide, e_to_minus_mean: vec2<u32>, random: ptr<function, Philox>) -> f32 {
     if (mean.high == 0u) {
         return 0.0;
     }
     if (is_few(mean)) {
-        return few(fixed_of(exponential_of(Signed(fixed_of(mean, 56), true)), 64), random);
+        return few(e_to_minus_mean, random);
     }
     return many(mean, random);
 }

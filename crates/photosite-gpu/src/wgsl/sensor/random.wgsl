@@ -149,11 +149,3 @@ fn next_exponential(random: ptr<function, Philox>) -> vec2<u32> {
     }
     return x;
 }
-
-/// Factor of a pixel, exp(scale·n − shift).
-fn next_factor(factors: LogNormalWords, random: ptr<function, Philox>) -> Wide {
-    let normal = next_normal(random);
-    let scaled = fixed_product(fixed_of(factors.scale, 56), normal.magnitude);
-    let shift = fixed_of(factors.shift, 56);
-    return exponential_of(signed_sum(Signed(scaled, normal.is_negative), Signed(shift, true)));
-}

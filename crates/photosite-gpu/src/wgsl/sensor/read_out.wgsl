@@ -7,10 +7,10 @@ fn at_amplifiers(held_charge: vec2<f32>, place: vec2<u32>) -> vec2<f32> {
     let x = 2u * place.x;
     if (exposure.reset_noise.streams.is_there == 1u) {
         let spread = vec2<f32>(exposure.reset_noise.standard_deviation_e);
-        charge = rounded_sum(charge, rounded_product(spread, normals(exposure.reset_noise.streams, place)));
+        charge = rounded_sum(charge, rounded_product(spread, normals(OF_RESET_NOISE)));
     }
     if (is_there(exposure.dark_offset)) {
-        charge = rounded_sum(charge, deviations(exposure.dark_offset, place));
+        charge = rounded_sum(charge, deviations(exposure.dark_offset, OF_DARK_OFFSET, place));
     }
     if (exposure.row_noise != NONE) {
         charge = rounded_sum(charge, vec2<f32>(of_row(exposure.row_noise, place.y)));
@@ -43,10 +43,10 @@ fn amplified(charge: vec2<f32>, place: vec2<u32>) -> vec2<f32> {
         var spread = vec2<f32>(noise.standard_deviation_e);
         if (noise.factors.streams.is_there == 1u) {
             for (var i = 0u; i < 2u; i += 1u) {
-                spread[i] = nearest_f32(wide_product_of(noise.standard_deviation, factor(noise.factors, place, i)));
+                spread[i] = nearest_f32(wide_product_of(noise.standard_deviation, factor(noise.factors, OF_READ_NOISE_SPREAD, i)));
             }
         }
-        signal = rounded_sum(signal, rounded_product(spread, normals(noise.streams, place)));
+        signal = rounded_sum(signal, rounded_product(spread, normals(OF_READ_NOISE)));
     }
     signal = rounded_product(signal, vec2<f32>(exposure.gain));
     let x = 2u * place.x;

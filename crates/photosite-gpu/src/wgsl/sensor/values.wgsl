@@ -46,20 +46,3 @@ fn listed(list: u32, x: u32, y: u32) -> u32 {
     }
     return NONE;
 }
-
-/// A standard normal number of both neighbours.
-fn normals(streams: StreamWords, place: vec2<u32>) -> vec2<f32> {
-    let block = first_block(streams, place);
-    var both = vec2<f32>(0.0);
-    for (var i = 0u; i < 2u; i += 1u) {
-        var random = stream_of(streams, place, block, i);
-        both[i] = signed_f32(next_normal(&random));
-    }
-    return both;
-}
-
-/// A log-normal factor of the first or the second neighbour.
-fn factor(factors: LogNormalWords, place: vec2<u32>, index: u32) -> Wide {
-    var random = stream_of(factors.streams, place, first_block(factors.streams, place), index);
-    return next_factor(factors, &random);
-}
