@@ -139,7 +139,14 @@ pub fn open(number: Option<usize>) -> Result<Option<Card>, String> {
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| on_error(error.to_string())));
     let on_loss = said(&fault);
     device.set_device_lost_callback(move |reason, words| on_loss(format!("the device is lost ({reason:?}): {words}")));
-    Ok(Some(Card { adapter: description, device, queue, fault, kernels: KernelCache::default(), exposure: ExposureCache::default() }))
+    Ok(Some(Card {
+        adapter: description,
+        device,
+        queue,
+        fault,
+        kernels: KernelCache::default(),
+        exposure: ExposureCache::default(),
+    }))
 }
 
 impl fmt::Debug for Card {

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use photosite_core::Invalid;
 use photosite_core::image::Planes;
 use photosite_raw::RawImage;
-use photosite_sensor::packed::{PackedExposure, PackedLight};
+use photosite_sensor::packed::{LightLayout, PackedExposure, PackedLight};
 use photosite_sensor::{Exposure, NoiseKey, SensorModel, Stages};
 use wgpu::util::DeviceExt;
 
@@ -49,9 +49,10 @@ impl Card {
     /// Images that the card has no room for, and words of its driver.
     pub fn hold_light(&self, light: &PackedLight) -> Result<HeldLight, Invalid> {
         let device = self.device().clone();
-        let kernel = self.exposure_kernel().get(&device).map_err(|words| {
-            refused(format!("{} does not take the kernel of an exposure: {words}", self.adapter()))
-        })?;
+        let kernel = self
+            .exposure_kernel()
+            .get(&device)
+            .map_err(|words| refused(format!("{} does not take the kernel of an exposure: {words}", self.adapter())))?;
         let on_card = Buffers { device, name: self.adapter().to_string() };
         let contents = bytemuck::cast_slice(light.electrons());
         let light_buffer = on_card.filled("light", contents, wgpu::BufferUsages::STORAGE)?;
@@ -60,7 +61,7 @@ impl Card {
             queue: self.queue().clone(),
             fault: self.fault(),
             kernel,
-            image: light.image(),
+            layout: light.layout().clone(),
             light: light_buffer,
             numbers: None,
         })
@@ -73,7 +74,7 @@ pub struct HeldLight {
     queue: wgpu::Queue,
     fault: Arc<Mutex<Option<String>>>,
     kernel: Arc<ExposureKernel>,
-    image: [usize; 2],
+    layout: LightLayout,
     light: wgpu::Buffer,
     /// Those of the last exposure, which serve the next one of the same size.
     numbers: Option<Numbers>,
@@ -87,18 +88,20 @@ struct Numbers {
 }
 
 impl HeldLight {
-    /// Exposes the light once. The sensor must be one of the same colour filter array and image circle as that which the
-    /// light was packed for.
+    /// Exposes the light once.
     ///
     /// # Errors
     ///
-    /// Exposures of another size; images that the card has no room for; words of its driver, such as that the device is
+    /// Exposures of another layout of light, in size, colour filter array or image circle; images that the card has no room for; words of its driver, such as that the device is
     /// lost.
     pub fn expose(&mut self, exposure: &PackedExposure<'_>) -> Result<RawImage, Invalid> {
-        if exposure.image() != self.image {
-            let [[columns, rows], [width, height]] = [exposure.image(), self.image];
-            let message = format!("an exposure of {columns} × {rows} pixels, of light of {width} × {height}");
-            return Err(Invalid::new("", message).help("pack both from the same image"));
+        if *exposure.layout() != self.layout {
+            let [[columns, rows], [width, height]] = [exposure.layout(), &self.layout].map(LightLayout::image);
+            let message = format!(
+                "an exposure of {columns} × {rows} pixels does not suit light of {width} × {height}, or its sensor has other \
+                 colour filters or another image circle"
+            );
+            return Err(Invalid::new("", message).help("pack both for the same image and sensor"));
         }
         let [width, height] = exposure.size();
         let words_of_row = width.div_ceil(2);
@@ -106,20 +109,20 @@ impl HeldLight {
             Some(numbers) if numbers.bytes == (4 * words_of_row * height) as u64 => numbers,
             _ => self.on_card.numbers((4 * words_of_row * height) as u64)?,
         };
-        self.run(exposure, &numbers).map_err(|words| refused(format!("{}: {words}", self.on_card.name)))?;
+        self.run(exposure, &numbers)?;
         let read = self.read(&numbers, width);
-        let data = read.map_err(|words| refused(format!("{}: {words}", self.on_card.name)))?;
+        let data = read.map_err(|words| refused(format!("{} has failed: {words}", self.on_card.name)))?;
         self.numbers = Some(numbers);
         Ok(exposure.raw_image(data))
     }
 
     /// Starts the kernel for all strips of rows, and brings the numbers on their way.
-    fn run(&self, exposure: &PackedExposure<'_>, numbers: &Numbers) -> Result<(), String> {
+    fn run(&self, exposure: &PackedExposure<'_>, numbers: &Numbers) -> Result<(), Invalid> {
         let device = &self.on_card.device;
         let storage = wgpu::BufferUsages::STORAGE;
         let fact = |what, words: &[u32]| {
             let words = if words.is_empty() { &[0] } else { words };
-            self.on_card.filled(what, bytemuck::cast_slice(words), storage).map_err(|error| error.message)
+            self.on_card.filled(what, bytemuck::cast_slice(words), storage)
         };
         let words = fact("words of its stages", exposure.words())?;
         let tables = fact("patterns and defective pixels", exposure.tables())?;
@@ -128,8 +131,8 @@ impl HeldLight {
         let strip = (STRIP_VALUES / width).max(1);
         for first in (0..height).step_by(strip) {
             let place = [first as u32, 0, 0, 0];
-            let place = self.on_card.filled("strip", bytemuck::cast_slice(&place), wgpu::BufferUsages::UNIFORM);
-            let place = place.map_err(|error| error.message)?;
+            let place =
+                self.on_card.filled("place of rows", bytemuck::cast_slice(&place), wgpu::BufferUsages::UNIFORM)?;
             let rows = bind(device, &self.kernel.rows, &[&numbers.on_card, &place]);
             let mut encoder = device.create_command_encoder(&Default::default());
             {
@@ -174,36 +177,40 @@ struct Buffers {
 }
 
 impl Buffers {
-    /// Refuses a buffer that is larger than the device takes.
-    fn check(&self, what: &str, bytes: u64) -> Result<(), Invalid> {
+    /// Creates buffers of so many bytes each, or refuses what the device has no room for.
+    fn with_room<T>(&self, what: &str, bytes: u64, create: impl FnOnce() -> T) -> Result<T, Invalid> {
         let limits = self.device.limits();
         let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
         if bytes > most {
             return Err(refused(format!("the {what} take {bytes} bytes, and {most} are the most on {}", self.name)));
         }
-        Ok(())
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let created = create();
+        match pollster::block_on(scope.pop()) {
+            Some(error) => Err(refused(format!("{} has no room for the {what}: {error}", self.name))),
+            None => Ok(created),
+        }
     }
 
     fn filled(&self, what: &str, contents: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, Invalid> {
-        self.check(what, contents.len() as u64)?;
-        Ok(self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(what), contents, usage }))
+        let label = Some(what);
+        let create = || self.device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label, contents, usage });
+        self.with_room(what, contents.len() as u64, create)
     }
 
     /// Buffers of digital numbers.
     fn numbers(&self, bytes: u64) -> Result<Numbers, Invalid> {
         use wgpu::BufferUsages as Usage;
-        self.check("digital numbers", bytes)?;
+        let what = "digital numbers";
         let buffer = |usage| {
-            let label = Some("digital numbers");
-            self.device.create_buffer(&wgpu::BufferDescriptor { label, size: bytes, usage, mapped_at_creation: false })
+            let of = wgpu::BufferDescriptor { label: Some(what), size: bytes, usage, mapped_at_creation: false };
+            self.device.create_buffer(&of)
         };
-        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let on_card = buffer(Usage::STORAGE | Usage::COPY_SRC);
-        let returned = buffer(Usage::MAP_READ | Usage::COPY_DST);
-        match pollster::block_on(scope.pop()) {
-            Some(error) => Err(refused(format!("{} has no room for the digital numbers: {error}", self.name))),
-            None => Ok(Numbers { bytes, on_card, returned }),
-        }
+        self.with_room(what, bytes, || Numbers {
+            bytes,
+            on_card: buffer(Usage::STORAGE | Usage::COPY_SRC),
+            returned: buffer(Usage::MAP_READ | Usage::COPY_DST),
+        })
     }
 }
 

@@ -1,8 +1,9 @@
-//! Light transport on graphics cards: the paths of [`integrator`](photosite_transport::integrator), traced by kernels in
-//! WGSL through wgpu, on Vulkan, Metal and DirectX.
+//! Light transport and exposure on graphics cards: the paths of [`integrator`](photosite_transport::integrator), traced by kernels in
+//! WGSL through wgpu, on Vulkan, Metal and DirectX, and the stages of [`expose`](photosite_sensor::expose()).
 //!
 //! In: a scene as plain data ([`scene::packed`](photosite_transport::scene::packed)), starts of paths whose rays the
-//! camera has made on the processor. Out: what arrives along each. Lenses, films and noise stay where they are.
+//! camera has made on the processor. Out: what arrives along each. Lenses and films stay where they are. Or in:
+//! light and an exposure as plain data ([`packed`](photosite_sensor::packed)). Out: digital numbers.
 //!
 //! | file | holds |
 //! |---|---|
@@ -12,6 +13,7 @@
 //! | `kernels` | the kernels, compiled once for the features that a scene has |
 //! | `tracer` | a scene on a card, and batches of paths: generate, extend, shade, shadow, arrive |
 //! | `shaders` | the kernels in one text; numbers that Rust and WGSL share are made of Rust's constants |
+//! | `expose` | light on a card, and exposures of it: `wgsl/sensor` by `exposure_kernel` and `exposure_shaders` |
 //! | `wgsl` | the kernels, a file for each concept, each with the Rust file that it follows in its head |
 //!
 //! The processor is the reference: random numbers are the same bit for bit, and images differ by rounding and its

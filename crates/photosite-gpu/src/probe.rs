@@ -9,9 +9,9 @@ use wgpu::util::DeviceExt;
 
 use crate::adapters::Card;
 use crate::buffers::{Layouts, READ, WRITE, bind, layout, scene_buffers};
-use crate::params;
 use crate::exposure_kernel::{facts_layout, random_tables_buffer};
 use crate::exposure_shaders;
+use crate::params;
 use crate::shaders::functions;
 
 /// Runs the WGSL function `answer(words: array<vec4<u32>, IN>) -> array<vec4<u32>, OUT>` for each of some inputs, on the

@@ -113,5 +113,11 @@ fn counts_of_electrons_are_those_of_the_processor() {
     }
     // Where a count is cut off, errors of 2⁻³² and 2⁻⁴⁵ of √μ·z; where a candidate is taken, single precision with an
     // error of some 1e-6 of a probability of at most 0.1: together 1e-7 for a count, 0.04 for these.
-    assert!(different.len() <= 1, "{} of {}: {:?}", different.len(), inputs.len(), &different[..different.len().min(40)]);
+    assert!(
+        different.len() <= 1,
+        "{} of {}: {:?}",
+        different.len(),
+        inputs.len(),
+        &different[..different.len().min(40)]
+    );
 }

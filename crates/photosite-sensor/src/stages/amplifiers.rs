@@ -62,8 +62,7 @@ impl<'a> AmplifierNonlinearity<'a> {
 
     /// Words of the stage.
     pub(crate) fn words(&self, tables: &mut Tables) -> AmplifierWords {
-        let coefficients: Vec<f32> =
-            self.sensor.converter.amplifier_nonlinearity.iter().map(|c| *c as f32).collect();
+        let coefficients: Vec<f32> = self.sensor.converter.amplifier_nonlinearity.iter().map(|c| *c as f32).collect();
         AmplifierWords {
             coefficients: tables.add_numbers(&coefficients),
             count: coefficients.len() as u32,

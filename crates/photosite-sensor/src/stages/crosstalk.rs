@@ -63,9 +63,9 @@ pub(crate) fn crosstalk_words(sensor: &SensorModel, stages: Stages, tables: &mut
     };
     let cfa = &sensor.cfa;
     let displacements = displacements(kernels, cfa.samples_per_pixel() as isize);
-    let words = displacements.iter().flat_map(|&(channel, dx, dy, part)| {
-        [channel as u32, dx as i32 as u32, dy as i32 as u32, part.to_bits()]
-    });
+    let words = displacements
+        .iter()
+        .flat_map(|&(channel, dx, dy, part)| [channel as u32, dx as i32 as u32, dy as i32 as u32, part.to_bits()]);
     let (tile_width, tile_height) = cfa.tile_size();
     let channels = (0..tile_height).flat_map(|y| (0..tile_width).map(move |x| cfa.channel_at(x, y) as u32));
     CrosstalkWords {

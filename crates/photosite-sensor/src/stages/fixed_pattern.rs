@@ -63,7 +63,12 @@ impl Deviations {
     pub(crate) fn words(&self, [width, height]: [usize; 2], tables: &mut Tables) -> PatternWords {
         if let Some(measured) = &self.measured {
             let all: Vec<f32> = (0..height).flat_map(|y| &measured.row(y)[..width]).copied().collect();
-            return PatternWords { rows: NONE, columns: NONE, measured: tables.add_numbers(&all), ..PatternWords::default() };
+            return PatternWords {
+                rows: NONE,
+                columns: NONE,
+                measured: tables.add_numbers(&all),
+                ..PatternWords::default()
+            };
         }
         let rows: Vec<f32> = (0..height).map(|y| self.of_row(y)).collect();
         PatternWords {

@@ -17,7 +17,7 @@ mod refusals;
 use photosite_core::Invalid;
 use photosite_raw::RawImage;
 
-pub use light::PackedLight;
+pub use light::{LightLayout, PackedLight};
 pub use random_tables::{PLACES, random_tables};
 
 use super::expose::{check, raw_image};
@@ -106,8 +106,7 @@ pub fn declarations() -> String {
 #[derive(Clone, Debug)]
 pub struct PackedExposure<'a> {
     frame: Frame<'a>,
-    /// Columns and rows of the image.
-    image: [usize; 2],
+    layout: LightLayout,
     words: Vec<u32>,
     tables: Vec<u32>,
 }
@@ -145,7 +144,8 @@ impl<'a> PackedExposure<'a> {
         };
         let mut packed = Vec::new();
         words.append_to(&mut packed);
-        Ok(Self { frame, image, words: packed, tables: tables.into_words() })
+        let layout = LightLayout::new(image, sensor);
+        Ok(Self { frame, layout, words: packed, tables: tables.into_words() })
     }
 
     /// Words of the struct `ExposureWords`.
@@ -158,9 +158,9 @@ impl<'a> PackedExposure<'a> {
         &self.tables
     }
 
-    /// Columns and rows of the light that is exposed.
-    pub fn image(&self) -> [usize; 2] {
-        self.image
+    /// Layout of the light that is exposed.
+    pub fn layout(&self) -> &LightLayout {
+        &self.layout
     }
 
     /// Digital numbers in a row of all that is read out, and rows.
@@ -171,7 +171,7 @@ impl<'a> PackedExposure<'a> {
     /// Builds the raw image of digital numbers, row by row, of all that is read out ([`Self::size`]), with the metadata that
     /// [`expose`](crate::expose()) gives it.
     pub fn raw_image(&self, numbers: Vec<u16>) -> RawImage {
-        let (whole, part) = raw_image(&self.frame, numbers, self.frame.size, self.image);
+        let (whole, part) = raw_image(&self.frame, numbers, self.frame.size, self.layout.image());
         match part {
             None => whole,
             Some(part) => whole.part(part),

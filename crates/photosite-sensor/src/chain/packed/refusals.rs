@@ -45,13 +45,18 @@ pub(super) fn refusal(sensor: &SensorModel, exposure: &Exposure, stages: Stages)
     let RegionOfInterest { binning, pixels: _ } = region;
     let others = [
         (logarithmic.is_some(), "sensor.charge.logarithmic_reference_e_per_s", "a logarithmic response"),
-        (has_tails(noise, converter, stages), "sensor.noise.read_noise_degrees_of_freedom", "read noise with heavy tails"),
+        (
+            has_tails(noise, converter, stages),
+            "sensor.noise.read_noise_degrees_of_freedom",
+            "read noise with heavy tails",
+        ),
         (curve.is_some(), "sensor.video.gamma", "the curve of a video amplifier"),
         (frame_grabber.is_some(), "sensor.frame_grabber", "a frame grabber"),
         (!binning.is_none(), "exposure.binning", "binning"),
     ];
     let others = others.into_iter().find_map(|(is_there, key, what)| is_there.then_some((key, what)));
-    let stage = || Stage::ALL.into_iter().filter(|&stage| stages.has(stage) && sensor.has_stage(stage)).find_map(of_stage);
+    let stage =
+        || Stage::ALL.into_iter().filter(|&stage| stages.has(stage) && sensor.has_stage(stage)).find_map(of_stage);
     let (key, what) = architecture.or_else(stage).or(others)?;
     let message = format!("{what} cannot be exposed on a graphics card yet");
     Some(Invalid::new(key, message).help("expose with --device cpu"))
