@@ -33,7 +33,7 @@
 //! |---|---|
 //! | `photosite-core` | [`units`], [`math`], [`spectrum`], [`colour`], [`image`], [`projection`], [`cells`], errors |
 //! | `photosite-transport`, `photosite-lens` | [`geometry`] … [`integrator`]: light from its sources to the sensor |
-//! | `photosite-gpu` | the same light transport on graphics cards, for the program (feature `gpu`) |
+//! | `photosite-gpu` | the same light transport and exposures on graphics cards, for the program (feature `gpu`) |
 //! | `photosite-raw`, `-sensor`, `-develop`, `-measure` | [`raw`], [`sensor`], [`develop`], [`measure`], [`validation`], [`characterisation`], [`synthetic_noise`] |
 //! | `photosite-scene-io`, `-files`, `-mitsuba` | [`io`]: scenes and images of files |
 //! | `photosite-calibration` | [`calibration`]: targets, poses, ground truth, camera files |

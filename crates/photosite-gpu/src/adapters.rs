@@ -7,6 +7,7 @@ use photosite_core::Invalid;
 
 use crate::develop::kernels::DevelopKernels;
 use crate::develop::room::Room;
+use crate::exposure_kernel::ExposureCache;
 use crate::kernels::{KernelCache, Kernels};
 
 /// Card, or software that stands for one, as its driver describes it.
@@ -107,6 +108,7 @@ pub struct Card {
     develop_kernels: OnceLock<Result<DevelopKernels, String>>,
     /// Buffers of the image that was developed last.
     room: Mutex<Option<Room>>,
+    exposure: ExposureCache,
 }
 
 /// Opens the card of that number, or the first that is no software. `None` where there is none.
@@ -151,6 +153,7 @@ pub fn open(number: Option<usize>) -> Result<Option<Card>, String> {
         kernels: KernelCache::default(),
         develop_kernels: OnceLock::new(),
         room: Mutex::new(None),
+        exposure: ExposureCache::default(),
     }))
 }
 
@@ -206,6 +209,11 @@ impl Card {
     /// Buffers of the image that was developed last, while no other one is.
     pub(crate) fn room(&self) -> &Mutex<Option<Room>> {
         &self.room
+    }
+
+    /// Kernel of exposures.
+    pub(crate) fn exposure_kernel(&self) -> &ExposureCache {
+        &self.exposure
     }
 
     /// The last error of the driver that no call returned.

@@ -1,12 +1,14 @@
-//! Light transport on graphics cards: the paths of [`integrator`](photosite_transport::integrator), traced by kernels in
-//! WGSL through wgpu, on Vulkan, Metal and DirectX.
+//! Light transport, exposure and development on graphics cards: the paths of [`integrator`](photosite_transport::integrator),
+//! the stages of `photosite_sensor::expose` and the steps of `photosite_develop::develop`, by kernels in WGSL through wgpu,
+//! on Vulkan, Metal and DirectX.
 //!
 //! In: a scene as plain data ([`scene::packed`](photosite_transport::scene::packed)), and either the film with its
 //! camera ([`PackedFilm`](photosite_transport::integrator::PackedFilm)) or starts of paths whose rays a camera that cards do not
 //! have has made on the processor. Out: sums of the samples of pixels, or what arrives along each path.
 //!
-//! Raw images are developed on cards, too, by `Card::develop`: their numbers, with the development as plain data
-//! (`photosite_develop::packed`), become the codes of an image.
+//! Of light and an exposure as plain data (`photosite_sensor::packed`) come the digital numbers of a raw image
+//! (`Card::expose`); of those, with the development as plain data (`photosite_develop::packed`), the codes of an image
+//! (`Card::develop`).
 //!
 //! | file | holds |
 //! |---|---|
@@ -20,6 +22,7 @@
 //! | `device` | a card as a device of renders, and paths whose starts the processor has made |
 //! | `develop` | development of raw images, a file for each concept; `wgsl/develop` has its kernels |
 //! | `shaders` | the kernels in one text; numbers that Rust and WGSL share are made of Rust's constants |
+//! | `expose` | light on a card, and exposures of it: `wgsl/sensor` by `exposure_kernel` and `exposure_shaders` |
 //! | `wgsl` | the kernels, a file for each concept, each with the Rust file that it follows in its head |
 //!
 //! The processor is the reference: random numbers are the same bit for bit, and images differ by rounding and its
@@ -35,9 +38,16 @@ pub mod support;
 mod adapters;
 #[cfg(feature = "gpu")]
 mod buffers;
+#[cfg(feature = "gpu")]
 mod develop;
 #[cfg(feature = "gpu")]
 mod device;
+#[cfg(feature = "gpu")]
+mod expose;
+#[cfg(feature = "gpu")]
+mod exposure_kernel;
+#[cfg(feature = "gpu")]
+pub mod exposure_shaders;
 #[cfg(feature = "gpu")]
 mod film;
 #[cfg(feature = "gpu")]
@@ -60,5 +70,7 @@ mod uniform;
 
 #[cfg(feature = "gpu")]
 pub use adapters::{Adapter, Card, adapters, open};
+#[cfg(feature = "gpu")]
+pub use expose::HeldLight;
 #[cfg(feature = "gpu")]
 pub use shared_cards::shared;

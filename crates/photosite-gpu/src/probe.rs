@@ -3,6 +3,7 @@
 use photosite_core::Invalid;
 use photosite_develop::EncodedImage;
 use photosite_develop::packed::PackedDevelopment;
+use photosite_sensor::packed::{PackedExposure, PackedLight};
 use photosite_transport::integrator::PathLimits;
 use photosite_transport::sampler::SamplerKind;
 use photosite_transport::scene::packed::PackedScene;
@@ -11,6 +12,8 @@ use wgpu::util::DeviceExt;
 use crate::adapters::Card;
 use crate::buffers::{Layouts, READ, WRITE, bind, layout, scene_buffers};
 use crate::develop::Numbers;
+use crate::exposure_kernel::{facts_layout, random_tables_buffer};
+use crate::exposure_shaders;
 use crate::params;
 use crate::shaders::functions;
 
@@ -27,27 +30,62 @@ pub fn answers<const IN: usize, const OUT: usize>(
     text: &str,
     inputs: &[[[u32; 4]; IN]],
 ) -> Result<Vec<[[u32; 4]; OUT]>, Invalid> {
-    let (device, queue) = (card.device(), card.queue());
+    let device = card.device();
     let limits = PathLimits { max_depth: 1, roulette_depth: 1, splitting: 1 };
+    let numbers = params::values(&params::Row { scene, limits, sampler, capacity: 1 });
+    let numbers = filled(device, bytemuck::cast_slice(&numbers), wgpu::BufferUsages::UNIFORM);
+    let tables = scene_buffers(device, scene, &device.limits())?;
+    let of_scene: Vec<&wgpu::Buffer> = std::iter::once(&numbers).chain(&tables).collect();
+    let scene_layout = Layouts::new(device).scene;
+    let of_scene = bind(device, &scene_layout, &of_scene);
+    ask(card, &(functions(scene.features) + text), (&scene_layout, &of_scene), inputs)
+}
+
+/// Runs such a function with the facts of an exposure and its light.
+///
+/// # Errors
+///
+/// Words of the driver on the text.
+pub fn exposure_answers<const IN: usize, const OUT: usize>(
+    card: &Card,
+    exposure: &PackedExposure<'_>,
+    light: &PackedLight,
+    text: &str,
+    inputs: &[[[u32; 4]; IN]],
+) -> Result<Vec<[[u32; 4]; OUT]>, Invalid> {
+    let device = card.device();
+    let storage = |words: &[u32]| {
+        filled(device, bytemuck::cast_slice(if words.is_empty() { &[0] } else { words }), wgpu::BufferUsages::STORAGE)
+    };
+    let electrons: Vec<u32> = light.electrons().iter().map(|e| e.to_bits()).collect();
+    let facts = [exposure.words(), exposure.tables(), &electrons].map(storage);
+    let facts_layout = facts_layout(device);
+    let facts = bind(device, &facts_layout, &[&facts[0], &facts[1], &random_tables_buffer(device), &facts[2]]);
+    ask(card, &(exposure_shaders::functions() + text), (&facts_layout, &facts), inputs)
+}
+
+fn filled(device: &wgpu::Device, contents: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
+    device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
+}
+
+/// Runs the function `answer` of a text with these facts.
+fn ask<const IN: usize, const OUT: usize>(
+    card: &Card,
+    text: &str,
+    (facts_layout, facts): (&wgpu::BindGroupLayout, &wgpu::BindGroup),
+    inputs: &[[[u32; 4]; IN]],
+) -> Result<Vec<[[u32; 4]; OUT]>, Invalid> {
+    let (device, queue) = (card.device(), card.queue());
     let text = format!(
-        "{}{text}
+        "{text}
         @group(1) @binding(0) var<storage, read> inputs: array<array<vec4<u32>, {IN}>>;
         @group(1) @binding(1) var<storage, read_write> outputs: array<array<vec4<u32>, {OUT}>>;
         @compute @workgroup_size(64) fn ask(@builtin(global_invocation_id) id: vec3<u32>) {{
             if (id.x < arrayLength(&inputs)) {{ outputs[id.x] = answer(inputs[id.x]); }}
-        }}",
-        functions(scene.features)
+        }}"
     );
-    let contents = |contents: &[u8], usage: wgpu::BufferUsages| {
-        device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: None, contents, usage })
-    };
-    let numbers = params::values(&params::Row { scene, limits, sampler, capacity: 1 });
-    let numbers = contents(bytemuck::cast_slice(&numbers), wgpu::BufferUsages::UNIFORM);
-    let tables = scene_buffers(device, scene, &device.limits())?;
-    let of_scene: Vec<&wgpu::Buffer> = std::iter::once(&numbers).chain(&tables).collect();
-    let layouts = Layouts::new(device);
     let own = layout(device, &[READ, WRITE]);
-    let asked = contents(bytemuck::cast_slice(inputs), wgpu::BufferUsages::STORAGE);
+    let asked = filled(device, bytemuck::cast_slice(inputs), wgpu::BufferUsages::STORAGE);
     let bytes = (inputs.len() * OUT * 16) as u64;
     let buffer = |usage: wgpu::BufferUsages| {
         device.create_buffer(&wgpu::BufferDescriptor { label: None, size: bytes, usage, mapped_at_creation: false })
@@ -61,7 +99,7 @@ pub fn answers<const IN: usize, const OUT: usize>(
     });
     let groups = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: None,
-        bind_group_layouts: &[Some(&layouts.scene), Some(&own)],
+        bind_group_layouts: &[Some(facts_layout), Some(&own)],
         immediate_size: 0,
     });
     let kernel = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -79,7 +117,7 @@ pub fn answers<const IN: usize, const OUT: usize>(
     {
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&kernel);
-        pass.set_bind_group(0, &bind(device, &layouts.scene, &of_scene), &[]);
+        pass.set_bind_group(0, facts, &[]);
         pass.set_bind_group(1, &bind(device, &own, &[&asked, &answered]), &[]);
         pass.dispatch_workgroups((inputs.len() as u32).div_ceil(64), 1, 1);
     }

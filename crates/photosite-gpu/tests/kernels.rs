@@ -1,6 +1,7 @@
 //! Kernels as text: naga accepts them for every card, and both sides lay out what they share alike.
 #![cfg(feature = "gpu")]
 
+use photosite_gpu::exposure_shaders::exposure;
 use photosite_gpu::shaders::{development, wavefront};
 use wgpu::naga;
 
@@ -28,11 +29,23 @@ fn naga_accepts_all_kernels() {
     accepts(&development(), &of_development, &["Params"]);
 }
 
+#[test]
+fn naga_accepts_the_kernel_of_exposures() {
+    let module = accepted(&exposure());
+    let (_, words) = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some("ExposureWords")).expect("words");
+    let naga::TypeInner::Struct { members, span } = &words.inner else { panic!("{words:?}") };
+    // Words follow each other without a gap, as Rust writes them: each member has words of 4 bytes alone
+    let sizes = members.iter().map(|member| module.types[member.ty].inner.size(module.to_ctx()));
+    let ends = sizes.scan(0, |end, size| {
+        *end += size;
+        Some(*end)
+    });
+    let offsets: Vec<u32> = members.iter().map(|member| member.offset).skip(1).chain([*span]).collect();
+    assert!(ends.eq(offsets));
+}
+
 fn accepts(text: &str, kernels: &[&str], blocks: &[&str]) {
-    let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
-    let all = naga::valid::ValidationFlags::all();
-    let mut validator = naga::valid::Validator::new(all, naga::valid::Capabilities::empty());
-    validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
+    let module = accepted(text);
     let mut names: Vec<&str> = module.entry_points.iter().map(|entry| entry.name.as_str()).collect();
     names.sort_unstable();
     assert_eq!(names, kernels);
@@ -46,4 +59,13 @@ fn accepts(text: &str, kernels: &[&str], blocks: &[&str]) {
             assert_eq!(member.offset as usize, 4 * i, "{:?}", member.name);
         }
     }
+}
+
+/// Module of a text that every card takes.
+fn accepted(text: &str) -> naga::Module {
+    let module = naga::front::wgsl::parse_str(text).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
+    let all = naga::valid::ValidationFlags::all();
+    let mut validator = naga::valid::Validator::new(all, naga::valid::Capabilities::empty());
+    validator.validate(&module).unwrap_or_else(|error| panic!("{}", error.emit_to_string(text)));
+    module
 }

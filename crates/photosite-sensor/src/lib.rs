@@ -23,6 +23,8 @@ pub mod presets;
 mod signal;
 mod stages;
 
+pub use chain::packed;
+
 pub use band_light::{BandRates, electron_rates};
 pub use chain::{ExposedFrame, NoiseMaps, expose, expose_after, expose_with_maps};
 pub use exposure::{

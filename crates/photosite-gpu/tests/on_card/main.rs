@@ -5,6 +5,7 @@
 mod bsdfs;
 mod developed;
 mod development;
+mod exposures;
 mod films;
 mod images;
 mod lamps;
@@ -14,6 +15,7 @@ mod raws;
 mod rays;
 mod samplers;
 mod scenes;
+mod sensor_numbers;
 mod skies;
 mod stage;
 

@@ -144,12 +144,8 @@ fn expose_once(
     before: Option<&LeftCharge>,
 ) -> Result<ExposedFrame, Invalid> {
     let Frame { sensor, exposure, stages, .. } = *frame;
-    exposure.validate(sensor)?;
-    exposure.region.fits(sensor, [mean_electrons.width(), mean_electrons.height()])?;
-    sensor.patterns_fit([mean_electrons.width(), mean_electrons.height()])?;
-    let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
-    cover(&mut charge, sensor);
-    let mut charge = Charge::new(charge, maps);
+    check(sensor, exposure, [mean_electrons.width(), mean_electrons.height()])?;
+    let mut charge = Charge::new(collect(mean_electrons, sensor)?, maps);
     charge.change(NoiseMap::CrosstalkE, |charge| spread(charge, sensor, stages));
     let masked = [sensor.masked.columns[0] * charge.samples, sensor.masked.rows[0]];
     let mut charge = charge.embed(masked, NoiseMap::PhotoElectronsE, |charge| sensor.masked.surround(charge));
@@ -183,6 +179,20 @@ fn expose_once(
         Some(part) => whole.part(part),
     };
     Ok(ExposedFrame { raw, maps, left })
+}
+
+/// Refuses an exposure of so many columns and rows that the sensor cannot make.
+pub(super) fn check(sensor: &SensorModel, exposure: &Exposure, image: [usize; 2]) -> Result<(), Invalid> {
+    exposure.validate(sensor)?;
+    exposure.region.fits(sensor, image)?;
+    sensor.patterns_fit(image)
+}
+
+/// Mean electrons of the channel that each pixel sees, none beyond the image circle.
+pub(super) fn collect(mean_electrons: &Planes, sensor: &SensorModel) -> Result<ChargePlane, Invalid> {
+    let mut charge = charge_generation::collect(mean_electrons, &sensor.cfa)?;
+    cover(&mut charge, sensor);
+    Ok(charge)
 }
 
 /// Frees electrons in each pixel by light and heat. Returns what a well of a CCD collects while it passes through each
@@ -304,7 +314,7 @@ fn process(frame: &Frame<'_>, numbers: DigitalNumbers) -> DigitalNumbers {
 
 /// Builds the raw image of these columns and rows with its metadata, from all that is read out, and cuts out the part
 /// that is asked for.
-fn raw_image(
+pub(super) fn raw_image(
     frame: &Frame<'_>,
     data: Vec<u16>,
     [row_length, height]: [usize; 2],

@@ -2,6 +2,7 @@
 
 mod expose;
 mod noise_maps;
+pub mod packed;
 mod recorded;
 
 pub use expose::{ExposedFrame, expose, expose_after, expose_with_maps};

@@ -4,3 +4,4 @@ pub(super) mod charge_generation;
 pub(super) mod charge_plane;
 pub(super) mod effects;
 pub(super) mod noise_key;
+pub(super) mod words;

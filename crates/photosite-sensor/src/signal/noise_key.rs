@@ -10,6 +10,7 @@ use photosite_core::math::philox::{PAIRS, PairBlocks, Philox};
 
 use super::charge_plane::Row;
 use super::effects::Stage;
+use super::words::StreamWords;
 
 /// Key of the temporal noise of one image. Fixed patterns belong to the sensor, by its [serial
 /// number](crate::SensorModel::serial), and do not depend on this key.
@@ -67,6 +68,16 @@ impl Streams {
     /// Key from which all streams are derived, for numbers that are better hashed than drawn.
     pub(crate) fn key(&self) -> u64 {
         self.key
+    }
+
+    /// Words of the streams; those of a stage that draws none are the default.
+    pub(crate) fn words(&self) -> StreamWords {
+        StreamWords {
+            is_there: 1,
+            key_low: self.key as u32,
+            key_high: (self.key >> 32) as u32,
+            row_mask: self.row_mask as u32,
+        }
     }
 
     /// The stream with this number.

@@ -4,6 +4,7 @@ use super::frame::Frame;
 use crate::model::{Converter, SensorModel};
 use crate::signal::charge_plane::{Row, RowStage};
 use crate::signal::effects::{NoiseMap, Stage};
+use crate::signal::words::{Tables, words};
 
 impl SensorModel {
     /// The signal that leaves the amplifiers for a charge q, referred to electrons: q·(1 + c₁·q/F + c₂·(q/F)² + …),
@@ -37,6 +38,15 @@ fn factor(converter: &Converter, x: f64) -> f64 {
     1.0 + x * converter.amplifier_nonlinearity.iter().rev().fold(0.0, |sum, c| c + sum * x)
 }
 
+words! {
+    /// Amplifiers whose gain depends on the signal: coefficients c₁, c₂ …; none where they are linear.
+    AmplifierWords {
+        coefficients: u32,
+        count: u32,
+        full_well_e: f32,
+    }
+}
+
 /// Amplifiers whose gain depends on the signal.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AmplifierNonlinearity<'a> {
@@ -48,6 +58,16 @@ impl<'a> AmplifierNonlinearity<'a> {
         let sensor = frame.sensor;
         let is_linear = sensor.converter.amplifier_nonlinearity.is_empty();
         (frame.stages.has(Stage::AmplifierNonlinearity) && !is_linear).then_some(Self { sensor })
+    }
+
+    /// Words of the stage.
+    pub(crate) fn words(&self, tables: &mut Tables) -> AmplifierWords {
+        let coefficients: Vec<f32> = self.sensor.converter.amplifier_nonlinearity.iter().map(|c| *c as f32).collect();
+        AmplifierWords {
+            coefficients: tables.add_numbers(&coefficients),
+            count: coefficients.len() as u32,
+            full_well_e: self.sensor.full_well.0 as f32,
+        }
     }
 }
 
@@ -69,6 +89,11 @@ pub(crate) struct Gain {
 impl Gain {
     pub(crate) fn new(frame: &Frame<'_>) -> Self {
         Self { system_gain: frame.sensor.converter.system_gain(frame.exposure.gain) as f32 }
+    }
+
+    /// Gain K, DN/e⁻.
+    pub(crate) fn word(&self) -> f32 {
+        self.system_gain
     }
 
     /// y = K·q.
@@ -95,6 +120,11 @@ impl ColumnAmplifiers {
             gains: streams.part(0).normals_of_columns(column_gain, frame.size[0]),
             offsets: streams.part(1).normals_of_columns(column_offset_dn, frame.size[0]),
         })
+    }
+
+    /// Places of gains and offsets in the tables.
+    pub(crate) fn words(&self, tables: &mut Tables) -> [u32; 2] {
+        [&self.gains, &self.offsets].map(|list| tables.add_numbers(list))
     }
 }
 

@@ -9,6 +9,7 @@ use crate::model::Converters;
 use crate::signal::charge_plane::Row;
 use crate::signal::effects::Stage;
 use crate::signal::noise_key::Streams;
+use crate::signal::words::words;
 
 /// The converters of a sensor.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,22 @@ pub(crate) struct Digitiser {
     black_level_dn: f64,
     max_dn: f64,
     nonlinearity: Option<Nonlinearity>,
+}
+
+words! {
+    /// A converter, or one for each column.
+    DigitiserWords {
+        black_level_dn: u32,
+        max_dn: u32,
+        /// 1 where steps are not of equal width, else 0.
+        is_nonlinear: u32,
+        inl_dn: f32,
+        displacement_dn: f32,
+        /// 1 where every column has a converter of its own, else 0.
+        per_column: u32,
+        key_low: u32,
+        key_high: u32,
+    }
 }
 
 /// Steps that are not of equal width.
@@ -100,6 +117,22 @@ impl Digitiser {
     pub(crate) fn ideal(converter: &Converter, gain: Decibels) -> Self {
         let (black_level_dn, max_dn) = (converter.black_level_dn(gain).into(), converter.max_dn().into());
         Self { black_level_dn, max_dn, nonlinearity: None }
+    }
+
+    /// Words of the converter.
+    pub(crate) fn words(&self) -> DigitiserWords {
+        // Both are whole numbers of at most 16 bits.
+        let [black_level_dn, max_dn] = [self.black_level_dn, self.max_dn].map(|number| number as u32);
+        let equal = DigitiserWords { black_level_dn, max_dn, ..DigitiserWords::default() };
+        self.nonlinearity.map_or(equal, |steps| DigitiserWords {
+            is_nonlinear: 1,
+            inl_dn: steps.inl_dn as f32,
+            displacement_dn: steps.displacement_dn as f32,
+            per_column: steps.per_column.into(),
+            key_low: steps.key as u32,
+            key_high: (steps.key >> 32) as u32,
+            ..equal
+        })
     }
 
     /// round(y + black level), clamped to 0 … 2^bits − 1. Noise that goes below zero is kept by the black level.

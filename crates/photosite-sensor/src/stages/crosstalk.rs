@@ -10,6 +10,7 @@ use crate::SensorModel;
 use crate::model::Kernel;
 use crate::signal::charge_plane::ChargePlane;
 use crate::signal::effects::{Stage, Stages};
+use crate::signal::words::{NONE, Tables, words};
 
 impl SensorModel {
     /// Columns and rows of pixels that crosstalk reaches over.
@@ -37,9 +38,57 @@ impl SensorModel {
     }
 }
 
+words! {
+    /// Crosstalk: displacements, and the tile of channels.
+    CrosstalkWords {
+        /// Place of channel, columns, rows and part of each displacement.
+        displacements: u32,
+        count: u32,
+        /// Place of the channels of the tile, row by row.
+        tile: u32,
+        tile_width: u32,
+        tile_height: u32,
+    }
+}
+
+/// Kernels of the sensor's channels; `None` where each pixel collects its own electrons.
+fn kernels(sensor: &SensorModel, stages: Stages) -> Option<&[Kernel]> {
+    sensor.crosstalk.as_deref().filter(|_| stages.has(Stage::Crosstalk))
+}
+
+/// Words of the crosstalk of a sensor.
+pub(crate) fn crosstalk_words(sensor: &SensorModel, stages: Stages, tables: &mut Tables) -> CrosstalkWords {
+    let Some(kernels) = kernels(sensor, stages) else {
+        return CrosstalkWords { displacements: NONE, ..CrosstalkWords::default() };
+    };
+    let cfa = &sensor.cfa;
+    let displacements = displacements(kernels, cfa.samples_per_pixel() as isize);
+    let words = displacements
+        .iter()
+        .flat_map(|&(channel, dx, dy, part)| [channel as u32, dx as i32 as u32, dy as i32 as u32, part.to_bits()]);
+    let (tile_width, tile_height) = cfa.tile_size();
+    let channels = (0..tile_height).flat_map(|y| (0..tile_width).map(move |x| cfa.channel_at(x, y) as u32));
+    CrosstalkWords {
+        count: displacements.len() as u32,
+        displacements: tables.add(words),
+        tile: tables.add(channels),
+        tile_width: tile_width as u32,
+        tile_height: tile_height as u32,
+    }
+}
+
+/// Displacements of all channels' electrons with the parts that go there. Where each pixel has a number of every channel,
+/// the next one of the same channel is `step` values further.
+fn displacements(kernels: &[Kernel], step: isize) -> Vec<(usize, isize, isize, f32)> {
+    let of_channel = |(channel, kernel): (usize, &'_ Kernel)| -> Vec<_> {
+        kernel.displacements().map(|(dx, dy, part)| (channel, dx * step, dy, part)).collect()
+    };
+    kernels.iter().enumerate().flat_map(of_channel).collect()
+}
+
 /// Spreads mean electrons to neighbours.
 pub(crate) fn spread(charge: &mut ChargePlane, sensor: &SensorModel, stages: Stages) {
-    if let (Some(kernels), true) = (&sensor.crosstalk, stages.has(Stage::Crosstalk)) {
+    if let Some(kernels) = kernels(sensor, stages) {
         *charge = spread_by(charge, kernels, &sensor.cfa);
     }
 }
@@ -47,13 +96,7 @@ pub(crate) fn spread(charge: &mut ChargePlane, sensor: &SensorModel, stages: Sta
 /// Spreads charge by the kernels of the channels, one for each of the CFA's.
 fn spread_by(charge: &ChargePlane, kernels: &[Kernel], cfa: &Cfa) -> ChargePlane {
     let (width, height) = (charge.width as isize, charge.height as isize);
-    // Where each pixel has a number of every channel, the next one of the same channel is so many further.
-    let step = charge.samples as isize;
-    let displacements: Vec<(usize, isize, isize, f32)> = kernels
-        .iter()
-        .enumerate()
-        .flat_map(|(channel, kernel)| kernel.displacements().map(move |(dx, dy, part)| (channel, dx * step, dy, part)))
-        .collect();
+    let displacements = displacements(kernels, charge.samples as isize);
     let inside = |x: isize, y: isize| (0..width).contains(&x) && (0..height).contains(&y);
     let at = |x: isize, y: isize| charge.electrons[(y * width + x) as usize];
     let mut spread = ChargePlane::empty(charge.width, charge.height, charge.samples);

@@ -12,6 +12,7 @@ use crate::model::{DarkCurrentLaw, DefectivePixels, Noise, PixelDefect};
 use crate::signal::charge_plane::{Row, RowStage};
 use crate::signal::effects::{NoiseMap, Stage};
 use crate::signal::noise_key::Streams;
+use crate::signal::words::{LogNormalWords, StreamWords, Tables, Wide, words};
 
 impl DarkCurrentLaw {
     /// Factor by which the dark current rises from one temperature to another. With temperatures T, in K where they are
@@ -90,6 +91,18 @@ pub(crate) struct DarkCurrent {
     streams: Option<Streams>,
 }
 
+words! {
+    /// Dark current: its mean electrons, the same in all pixels but for a factor of each.
+    DarkCurrentWords {
+        streams: StreamWords,
+        mean: Wide,
+        /// e^(−mean) in parts of 2⁶⁴.
+        e_to_minus_mean_low: u32,
+        e_to_minus_mean_high: u32,
+        factors: LogNormalWords,
+    }
+}
+
 /// Pixels whose dark current is the mean times exp(s·n − s²/2), n standard normal: log-normal, as the concentrations of
 /// impurities are that cause it ([Konnik14](photosite_core::references#konnik14), dark current fixed pattern noise).
 /// The mean of the factor is 1, its standard deviation √(exp(s²) − 1).
@@ -106,6 +119,12 @@ impl Nonuniformity {
         Some(Self { s: (ratio * ratio).ln_1p().sqrt(), streams })
     }
 
+    /// Words of the factors.
+    fn words(&self) -> LogNormalWords {
+        let shift = 0.5 * self.s * self.s;
+        LogNormalWords { streams: self.streams.words(), scale: Wide::new(self.s), shift: Wide::new(shift) }
+    }
+
     #[inline]
     fn factor(&self, x: usize, y: usize) -> f64 {
         let normal: f64 = self.streams.pixel(x, y).sample(StandardNormal);
@@ -119,6 +138,20 @@ impl DarkCurrent {
         let mean = electrons.mean.0;
         // More than the distribution can take fills any well; without any dark current there is none.
         (mean > 0.0).then(|| Self { electrons, alike: Counts::new(mean.min(Poisson::<f64>::MAX_LAMBDA)), streams })
+    }
+
+    /// Words of the stage, which draws random numbers.
+    pub(crate) fn words(&self) -> DarkCurrentWords {
+        let mean = self.electrons.mean.0;
+        // Rounding up to 1 ends at the largest number below it.
+        let e_to_minus_mean = ((-mean).exp() * 2f64.powi(64)) as u64;
+        DarkCurrentWords {
+            streams: self.streams.map(|streams| streams.words()).unwrap_or_default(),
+            mean: Wide::new(mean),
+            e_to_minus_mean_low: e_to_minus_mean as u32,
+            e_to_minus_mean_high: (e_to_minus_mean >> 32) as u32,
+            factors: self.electrons.nonuniformity.map(|factors| factors.words()).unwrap_or_default(),
+        }
     }
 }
 
@@ -181,6 +214,18 @@ impl HotPixels {
             (x, rate * self.mean.0)
         }))
     }
+
+    /// Electrons that a pixel has more in this frame, of a mean.
+    fn electrons(&self, x: usize, y: usize, mean: f64) -> f32 {
+        self.electrons.map_or(mean, |streams| poisson(mean, &mut streams.pixel(x, y))) as f32
+    }
+
+    /// Place of the pixels and their electrons in the tables.
+    pub(crate) fn words(&self, frame: &Frame<'_>, tables: &mut Tables) -> u32 {
+        let [width, height] = frame.size;
+        let of_row = |y| self.of_row(y, width).map(move |(x, mean)| (x, self.electrons(x, y, mean).to_bits()));
+        tables.add_pixels(height, of_row)
+    }
 }
 
 impl RowStage for HotPixels {
@@ -189,8 +234,7 @@ impl RowStage for HotPixels {
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
         for (x, mean) in self.of_row(row.y, row.values.len()) {
-            let electrons = self.electrons.map_or(mean, |streams| poisson(mean, &mut streams.pixel(x, row.y)));
-            row.values[x] += electrons as f32;
+            row.values[x] += self.electrons(x, row.y, mean);
         }
     }
 }

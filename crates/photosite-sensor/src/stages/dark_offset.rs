@@ -1,10 +1,11 @@
 //! Dark signal non-uniformity (DSNU): every pixel's read-out starts from an offset of its own. A fixed pattern, the
 //! same in every frame.
 
-use super::fixed_pattern::Deviations;
+use super::fixed_pattern::{Deviations, PatternWords};
 use super::frame::Frame;
 use crate::signal::charge_plane::{Row, RowStage};
 use crate::signal::effects::{NoiseMap, Stage};
+use crate::signal::words::Tables;
 
 /// The offset pattern of a sensor.
 #[derive(Clone, Debug)]
@@ -17,6 +18,11 @@ impl DarkOffset {
         let streams = frame.fixed(Stage::DarkOffset)?;
         let (pattern, measured) = (frame.read_out_noise().dsnu, frame.sensor.noise.dsnu_map.as_ref());
         Some(Self { deviations: Deviations::new(&pattern, measured, frame.size[0], streams)? })
+    }
+
+    /// Words of the pattern in the columns and rows of a frame.
+    pub(crate) fn words(&self, frame: &Frame<'_>, tables: &mut Tables) -> PatternWords {
+        self.deviations.words(frame.size, tables)
     }
 }
 

@@ -6,13 +6,14 @@
 
 use photosite_core::units::{Decibels, Electrons};
 
-use super::converter::Digitiser;
+use super::converter::{Digitiser, DigitiserWords};
 use super::frame::Frame;
 use super::read_noise::ReadNoiseSpread;
 use crate::model::{Converter, DualGain};
 use crate::signal::charge_plane::Row;
 use crate::signal::effects::Stage;
 use crate::signal::noise_key::Streams;
+use crate::signal::words::{LogNormalWords, StreamWords, Tables, Wide, words};
 
 impl DualGain {
     /// Threshold, DN: from this number on the high gain does not count.
@@ -24,6 +25,28 @@ impl DualGain {
     pub(crate) fn is_clipped(&self, charge_e: f64, gain: Decibels) -> bool {
         let level = f64::from(self.high.black_level_dn(gain)) + self.high.system_gain(gain) * charge_e;
         level >= self.threshold_dn().into()
+    }
+}
+
+words! {
+    /// Branch of one amplifier and its converter.
+    BranchWords {
+        streams: StreamWords,
+        read_noise_e: f32,
+        factors: LogNormalWords,
+        system_gain: Wide,
+        digitiser: DigitiserWords,
+        /// Place of the merged number of each of its numbers.
+        merged: u32,
+    }
+
+    /// Two gains, whose numbers are merged.
+    DualGainWords {
+        /// 1 for a sensor with two gains, else 0.
+        is_there: u32,
+        threshold_dn: u32,
+        high: BranchWords,
+        low: BranchWords,
     }
 }
 
@@ -79,6 +102,34 @@ impl DualGainDigitiser {
         })
     }
 
+    /// Words of both branches.
+    pub(crate) fn words(&self, tables: &mut Tables) -> DualGainWords {
+        let mut branch = |branch: &Branch| {
+            let digitiser = branch.digitiser.words();
+            let merged = |number: u32| self.merged(branch.electrons(number as u16), 0).into();
+            BranchWords {
+                streams: branch.streams.map(|streams| streams.words()).unwrap_or_default(),
+                read_noise_e: branch.read_noise_e,
+                factors: branch.spread.map(|spread| spread.words()).unwrap_or_default(),
+                system_gain: Wide::new(branch.system_gain),
+                digitiser,
+                merged: tables.add((0..=digitiser.max_dn).map(merged)),
+            }
+        };
+        DualGainWords {
+            is_there: 1,
+            threshold_dn: self.threshold_dn.into(),
+            high: branch(&self.high),
+            low: branch(&self.low),
+        }
+    }
+
+    /// The merged number of a charge; its converter is ideal, and the same for all columns.
+    #[inline]
+    fn merged(&self, estimate_e: f64, x: usize) -> u16 {
+        self.merged.number(self.system_gain * estimate_e, x)
+    }
+
     /// Converts a row of charges twice and merges the numbers. The charges are left with the noise of the amplifier
     /// that counts; mean charge ends where their numbers do.
     pub(crate) fn convert(&self, row: &mut Row<'_>, numbers: &mut Row<'_, u16>) {
@@ -92,7 +143,7 @@ impl DualGainDigitiser {
                 *charge_e = self.low.with_noise(*charge_e, x, row.y);
                 self.low.electrons(self.low.convert(*charge_e, x))
             };
-            *number = self.merged.number(self.system_gain * estimate_e, x);
+            *number = self.merged(estimate_e, x);
             if let Some([least_e, most_e]) = self.range_of_mean_e {
                 *charge_e = charge_e.clamp(least_e, most_e);
             }

@@ -6,6 +6,7 @@ use rand_distr::StandardNormal;
 use crate::model::{FixedPattern, MeasuredPattern};
 use crate::signal::charge_plane::Row;
 use crate::signal::noise_key::Streams;
+use crate::signal::words::{NONE, StreamWords, Tables, words};
 
 /// A pattern, normally distributed in each of its parts.
 #[derive(Clone, Debug)]
@@ -17,6 +18,20 @@ pub(crate) struct Deviations {
     /// Deviations that were measured, in place of random ones.
     measured: Option<MeasuredPattern>,
     streams: Streams,
+}
+
+words! {
+    /// A pattern: deviations that rows and columns share, and those of each pixel, or measured ones in place of all.
+    PatternWords {
+        streams: StreamWords,
+        pixel: f32,
+        /// Place of a deviation for each row.
+        rows: u32,
+        /// Place of a deviation for each column, or none.
+        columns: u32,
+        /// Place of a deviation for each pixel, or none.
+        measured: u32,
+    }
 }
 
 /// Parts of the streams of a pattern.
@@ -37,6 +52,34 @@ impl Deviations {
         (pattern.total() > 0.0).then_some(Self { pixel, row, columns, measured, streams })
     }
 
+    /// Deviation that the pixels of a row share.
+    #[inline]
+    fn of_row(&self, y: usize) -> f32 {
+        let normal: f32 = self.streams.part(ROWS).row(y).sample(StandardNormal);
+        self.row * normal
+    }
+
+    /// Words of the deviations of so many columns and rows.
+    pub(crate) fn words(&self, [width, height]: [usize; 2], tables: &mut Tables) -> PatternWords {
+        if let Some(measured) = &self.measured {
+            let all: Vec<f32> = (0..height).flat_map(|y| &measured.row(y)[..width]).copied().collect();
+            return PatternWords {
+                rows: NONE,
+                columns: NONE,
+                measured: tables.add_numbers(&all),
+                ..PatternWords::default()
+            };
+        }
+        let rows: Vec<f32> = (0..height).map(|y| self.of_row(y)).collect();
+        PatternWords {
+            streams: if self.pixel > 0.0 { self.streams.words() } else { StreamWords::default() },
+            pixel: self.pixel,
+            rows: tables.add_numbers(&rows),
+            columns: tables.add_numbers(&self.columns),
+            measured: NONE,
+        }
+    }
+
     /// Hands each value of a row to `apply` with the deviation of its pixel.
     #[inline]
     pub(crate) fn apply(&self, row: &mut Row<'_>, apply: impl Fn(f32, f32) -> f32) {
@@ -44,8 +87,8 @@ impl Deviations {
             let deviations = measured.row(row.y);
             return row.values.iter_mut().zip(deviations).for_each(|(value, own)| *value = apply(*value, *own));
         }
-        let normal: f32 = self.streams.part(ROWS).row(row.y).sample(StandardNormal);
-        let shared = |x: usize| self.row * normal + self.columns.get(x).unwrap_or(&0.0);
+        let of_row = self.of_row(row.y);
+        let shared = |x: usize| of_row + self.columns.get(x).unwrap_or(&0.0);
         if self.pixel > 0.0 {
             self.streams.normals(row, |x, value, n| apply(value, self.pixel * n + shared(x)));
         } else {

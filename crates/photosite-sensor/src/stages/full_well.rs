@@ -17,6 +17,11 @@ impl FullWell {
 }
 
 impl FullWell {
+    /// Capacity of a stage, e⁻: without it more than any charge.
+    pub(crate) fn word(stage: Option<&Self>) -> f32 {
+        stage.map_or(f32::MAX, |full_well| full_well.capacity_e)
+    }
+
     #[inline]
     pub(crate) fn is_full(&self, charge: f32) -> bool {
         charge >= self.capacity_e

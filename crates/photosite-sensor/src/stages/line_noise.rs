@@ -8,6 +8,7 @@ use super::frame::Frame;
 use crate::signal::charge_plane::{Row, RowStage};
 use crate::signal::effects::{NoiseMap, Stage};
 use crate::signal::noise_key::Streams;
+use crate::signal::words::Tables;
 
 /// Adds to every row a number of its own.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +23,19 @@ impl RowNoise {
         let streams = frame.temporal(Stage::RowNoise).filter(|_| standard_deviation_e > 0.0)?;
         Some(Self { standard_deviation_e, streams })
     }
+
+    /// Noise that a row gets, e⁻.
+    #[inline]
+    fn of_row(&self, y: usize) -> f32 {
+        let normal: f32 = self.streams.row(y).sample(StandardNormal);
+        self.standard_deviation_e * normal
+    }
+
+    /// Place of the noise of each row in the tables.
+    pub(crate) fn words(&self, frame: &Frame<'_>, tables: &mut Tables) -> u32 {
+        let rows: Vec<f32> = (0..frame.size[1]).map(|y| self.of_row(y)).collect();
+        tables.add_numbers(&rows)
+    }
 }
 
 impl RowStage for RowNoise {
@@ -29,8 +43,7 @@ impl RowStage for RowNoise {
 
     #[inline]
     fn apply(&self, row: &mut Row<'_>) {
-        let normal: f32 = self.streams.row(row.y).sample(StandardNormal);
-        let noise = self.standard_deviation_e * normal;
+        let noise = self.of_row(row.y);
         row.values.iter_mut().for_each(|charge| *charge += noise);
     }
 }
@@ -46,6 +59,11 @@ impl ColumnNoise {
         let standard_deviation_e = frame.read_out_noise().column.0;
         let streams = frame.temporal(Stage::ColumnNoise).filter(|_| standard_deviation_e > 0.0)?;
         Some(Self { of_columns: streams.normals_of_columns(standard_deviation_e, frame.size[0]) })
+    }
+
+    /// Place of the noise of each column in the tables.
+    pub(crate) fn words(&self, tables: &mut Tables) -> u32 {
+        tables.add_numbers(&self.of_columns)
     }
 }
 

@@ -1,10 +1,11 @@
 //! Photo response non-uniformity (PRNU): pixels differ in size, thickness and filter, so each turns a little more or
 //! less of the light into charge. A fixed pattern, the same in every frame.
 
-use super::fixed_pattern::Deviations;
+use super::fixed_pattern::{Deviations, PatternWords};
 use super::frame::Frame;
 use crate::signal::charge_plane::{Row, RowStage};
 use crate::signal::effects::{NoiseMap, Stage};
+use crate::signal::words::Tables;
 
 /// The response pattern of a sensor.
 #[derive(Clone, Debug)]
@@ -17,6 +18,11 @@ impl PhotoResponse {
         let streams = frame.fixed(Stage::PhotoResponse)?;
         let noise = &frame.sensor.noise;
         Some(Self { deviations: Deviations::new(&noise.prnu, noise.prnu_map.as_ref(), frame.size[0], streams)? })
+    }
+
+    /// Words of the pattern in the columns and rows of a frame.
+    pub(crate) fn words(&self, frame: &Frame<'_>, tables: &mut Tables) -> PatternWords {
+        self.deviations.words(frame.size, tables)
     }
 }
 

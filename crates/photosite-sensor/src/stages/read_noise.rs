@@ -7,6 +7,7 @@ use super::frame::Frame;
 use crate::signal::charge_plane::{Row, RowStage};
 use crate::signal::effects::{NoiseMap, Stage};
 use crate::signal::noise_key::Streams;
+use crate::signal::words::{LogNormalWords, StreamWords, Wide, words};
 
 /// Adds noise of a stated standard deviation: normally distributed, or heavy-tailed as of pixels whose amplifiers are
 /// of very different quality, with Student's t distribution of ν degrees of freedom times σ·√((ν − 2)/ν). Pixels may
@@ -17,6 +18,16 @@ pub(crate) struct ReadNoise {
     tails: Option<Tails>,
     spread: Option<ReadNoiseSpread>,
     streams: Streams,
+}
+
+words! {
+    /// Normal read noise, the same in all pixels but for a factor of each.
+    ReadNoiseWords {
+        streams: StreamWords,
+        standard_deviation_e: f32,
+        standard_deviation: Wide,
+        factors: LogNormalWords,
+    }
 }
 
 /// Read noise of each pixel over the root mean square of all, always the same: exp(t·n − t²), n standard normal, with
@@ -32,6 +43,12 @@ impl ReadNoiseSpread {
         let spread = frame.sensor.noise.read_spread;
         let streams = frame.fixed(Stage::ReadNoise).filter(|_| spread > 0.0)?;
         Some(Self { t: (spread * spread).ln_1p().sqrt(), streams })
+    }
+
+    /// Words of the factors.
+    pub(crate) fn words(&self) -> LogNormalWords {
+        let shift = self.t * self.t;
+        LogNormalWords { streams: self.streams.words(), scale: Wide::new(self.t), shift: Wide::new(shift) }
     }
 
     #[inline]
@@ -58,6 +75,16 @@ impl ReadNoise {
             Some(Tails { distribution, scale: ((freedom - 2.0) / freedom).sqrt() })
         });
         Some(Self { standard_deviation_e, tails, spread: ReadNoiseSpread::new(frame), streams })
+    }
+
+    /// Words of noise that is normally distributed.
+    pub(crate) fn words(&self) -> ReadNoiseWords {
+        ReadNoiseWords {
+            streams: self.streams.words(),
+            standard_deviation_e: self.standard_deviation_e as f32,
+            standard_deviation: Wide::new(self.standard_deviation_e),
+            factors: self.spread.map(|spread| spread.words()).unwrap_or_default(),
+        }
     }
 }
 

@@ -7,6 +7,7 @@ use crate::model::Reset;
 use crate::signal::charge_plane::{Row, RowStage};
 use crate::signal::effects::{NoiseMap, Stage};
 use crate::signal::noise_key::Streams;
+use crate::signal::words::NormalWords;
 
 impl Reset {
     /// Standard deviation at a temperature, σ = √(k·T·C)/q with T in K, the capacitance C in F and the charge q of an
@@ -35,6 +36,11 @@ impl ResetNoise {
         let noise = frame.sensor.noise.reset.standard_deviation(frame.exposure.temperature);
         let streams = frame.temporal(Stage::ResetNoise).filter(|_| noise.0 > 0.0)?;
         Some(Self { standard_deviation_e: noise.0 as f32, streams })
+    }
+
+    /// Words of the stage.
+    pub(crate) fn words(&self) -> NormalWords {
+        NormalWords { streams: self.streams.words(), standard_deviation_e: self.standard_deviation_e }
     }
 }
 

@@ -10,6 +10,7 @@ use super::frame::Frame;
 use crate::signal::charge_plane::{Row, RowStage};
 use crate::signal::effects::{NoiseMap, Stage};
 use crate::signal::noise_key::Streams;
+use crate::signal::words::StreamWords;
 
 /// Turns mean electrons into counted ones.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +21,11 @@ pub(crate) struct ShotNoise {
 impl ShotNoise {
     pub(crate) fn new(frame: &Frame<'_>) -> Option<Self> {
         frame.temporal(Stage::ShotNoise).map(|streams| Self { streams })
+    }
+
+    /// Words of the stage.
+    pub(crate) fn words(&self) -> StreamWords {
+        self.streams.words()
     }
 }
 
