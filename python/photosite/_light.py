@@ -118,6 +118,7 @@ class Light:
         frames: None = ...,
         set: "Optional[Mapping[str, Any]]" = ...,
         threads: Optional[int] = ...,
+        device: str = ...,
     ) -> Shot: ...
     @overload
     def expose(
@@ -129,6 +130,7 @@ class Light:
         frames: int,
         set: "Optional[Mapping[str, Any]]" = ...,
         threads: Optional[int] = ...,
+        device: str = ...,
     ) -> "list[Shot]": ...
     def expose(
         self,
@@ -139,6 +141,7 @@ class Light:
         frames: Optional[int] = None,
         set: "Optional[Mapping[str, Any]]" = None,
         threads: Optional[int] = None,
+        device: str = "cpu",
     ) -> "Union[Shot, list[Shot]]":
         """Exposes the sensor to this light.
 
@@ -154,15 +157,18 @@ class Light:
                 ``{"sensor.noise.read_noise_e": 3}``. A sensor with other filters or quantum efficiency needs light that
                 was traced with ``output.irradiance``.
             threads: threads to use; as many as there are cores unless said.
+            device: what exposes, as for :func:`trace`: pays for series of many frames, whose light stays on the card. What
+                a card lacks of a sensor the processor does, with a warning.
 
         Returns:
             A shot, or with ``frames`` a list of them.
 
         Raises:
             InputError: an exposure that the sensor cannot make, a key that light transport has used already.
+            ResourceError: a device that is not there.
         """
         changes = exposure_changes(self._capture, time_s=time_s, gain_db=gain_db, seed=seed, set=set)
-        shots = self._compiled.expose(changes, count("frames", frames), count("threads", threads, None))
+        shots = self._compiled.expose(changes, count("frames", frames), count("threads", threads, None), device)
         made = [Shot(shot, self._capture) for shot in shots]
         return made[0] if frames is None else made
 

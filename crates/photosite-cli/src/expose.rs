@@ -12,7 +12,7 @@ use photosite_capture::FileKind;
 use photosite_capture::report::REPORT;
 use photosite_core::sandbox::trust;
 use photosite_core::{Error, Result, Sandbox};
-use photosite_pipeline::{ImageScale, Light, OutputFolder};
+use photosite_pipeline::{DeviceChoice, ImageScale, Light, OutputFolder};
 use photosite_sensor::ImageUnit;
 
 const EXAMPLES: &str = "\
@@ -50,6 +50,10 @@ pub(super) struct ExposeArgs {
     /// The codes of the image are proportional to light, whatever its file says of them.
     #[arg(long, requires = "unit")]
     linear: bool,
+    /// Device that exposes and develops: cpu; gpu, the first graphics card; gpu:1 or gpu:NAME, one of `photosite
+    /// devices`; auto, a graphics card where there is one. What a card lacks of a sensor, the processor does.
+    #[arg(long, value_name = "DEVICE", default_value = "cpu")]
+    device: DeviceChoice,
     #[command(flatten)]
     outcome: OutcomeArgs,
 }
@@ -107,6 +111,7 @@ pub(super) fn run(args: &ExposeArgs, sandbox: &Sandbox) -> Result<()> {
         }
         Some(scale) => Light::of_image(sandbox, &args.input, &scale, &overrides)?,
     };
+    let light = light.on_card(args.device.sensor_card(&args.outcome.monitor())?);
     let folder = args.common.output.clone().unwrap_or_else(|| default_folder(&args.input));
     trust(&folder);
     refuse_own_folder(&folder, &args.input)?;

@@ -60,8 +60,8 @@ pub(super) struct ViewArgs {
     /// Maximum memory for the film, GiB.
     #[arg(long, value_name = "GIB", default_value = "4")]
     film_memory: FilmMemory,
-    /// Device that traces the light: cpu; gpu, the first graphics card; gpu:1 or gpu:NAME, one of `photosite devices`;
-    /// auto, a graphics card where there is one.
+    /// Device that traces light, exposes and develops: cpu; gpu, the first graphics card; gpu:1 or gpu:NAME, one of
+    /// `photosite devices`; auto, a graphics card where there is one.
     #[arg(long, value_name = "DEVICE", default_value = "cpu")]
     device: DeviceChoice,
     #[command(flatten)]
@@ -84,14 +84,21 @@ pub(super) fn run(args: &ViewArgs, sandbox: &Sandbox) -> Result<()> {
     };
     let inputs: Vec<(String, Input)> = args.inputs.iter().enumerate().map(open).collect::<Result<_>>()?;
     let traced: Vec<&Capture> = inputs.iter().filter_map(|(_, input)| input.traced()).collect();
-    if args.device != DeviceChoice::Cpu && traced.is_empty() {
-        let help = Some("leave --device out, or give a capture file or a scene".into());
-        return Err(Error::Usage { message: "--device: no light of these inputs is traced".into(), help });
+    if args.device != DeviceChoice::Cpu && !inputs.iter().any(|(_, input)| input.is_exposed()) {
+        let help = Some("leave --device out, or give a capture file, a scene or the folder of a render".into());
+        return Err(Error::Usage { message: "--device: no light of these inputs is traced or exposed".into(), help });
     }
     // One device for both, which is opened once.
-    let device = args.device.device_for(traced, &*monitor)?;
+    let (device, card) = if traced.is_empty() {
+        (None, args.device.sensor_card(&*monitor)?)
+    } else {
+        let device = args.device.device_for(traced, &*monitor)?;
+        let card = device.is_some().then(|| args.device.sensor_card(&*monitor)).transpose()?;
+        (device, card.flatten())
+    };
     let view = View {
         inputs: inputs.into_iter().map(|(name, input)| (name, input.on_device(device.clone()))).collect(),
+        card,
         host: args.host,
         port: args.port,
         film_memory: args.film_memory,

@@ -88,6 +88,11 @@ struct Numbers {
 }
 
 impl HeldLight {
+    /// Whether an exposure is of light of this layout.
+    pub fn suits(&self, exposure: &PackedExposure<'_>) -> bool {
+        *exposure.layout() == self.layout
+    }
+
     /// Exposes the light once.
     ///
     /// # Errors
@@ -95,7 +100,7 @@ impl HeldLight {
     /// Exposures of another layout of light, in size, colour filter array or image circle; images that the card has no room for; words of its driver, such as that the device is
     /// lost.
     pub fn expose(&mut self, exposure: &PackedExposure<'_>) -> Result<RawImage, Invalid> {
-        if *exposure.layout() != self.layout {
+        if !self.suits(exposure) {
             let [[columns, rows], [width, height]] = [exposure.layout(), &self.layout].map(LightLayout::image);
             let message = format!(
                 "an exposure of {columns} × {rows} pixels does not suit light of {width} × {height}, or its sensor has other \

@@ -6,11 +6,12 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use photosite_capture::Capture;
-use photosite_core::Result;
+use photosite_core::{Error, Result};
 use photosite_transport::integrator::Device;
 use serde::Serialize;
 
-use crate::monitor::Monitor;
+use crate::expose::sensor_card::SensorCard;
+use crate::monitor::{Event, Monitor};
 
 /// Choice of a device.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -116,18 +117,28 @@ impl DeviceChoice {
         _: impl IntoIterator<Item = &'a Capture>,
         monitor: &dyn Monitor,
     ) -> Result<Option<Arc<dyn Device>>> {
-        use crate::monitor::Event;
-        use photosite_core::Error;
+        self.without_cards("traces", monitor).map(|()| None)
+    }
+
+    /// The chosen card, for sensors; `None` for the processor.
+    #[cfg(not(feature = "gpu"))]
+    pub fn sensor_card(&self, monitor: &dyn Monitor) -> Result<Option<Arc<SensorCard>>> {
+        self.without_cards("exposes", monitor).map(|()| None)
+    }
+
+    /// Refuses a card, or warns that the processor does the work where the choice was left open.
+    #[cfg(not(feature = "gpu"))]
+    fn without_cards(&self, does: &str, monitor: &dyn Monitor) -> Result<()> {
         let words = BUILT_WITHOUT.unwrap_or_default();
         match self {
-            Self::Cpu => Ok(None),
+            Self::Cpu => Ok(()),
             Self::Gpu(_) => {
-                let help = Some("render with the device cpu".into());
+                let help = Some("take the device cpu".into());
                 Err(Error::Usage { message: format!("device: {words}"), help })
             }
             Self::Auto => {
-                monitor.report(Event::Warning(&format!("the processor traces: {words}")));
-                Ok(None)
+                monitor.report(Event::Warning(&format!("the processor {does}: {words}")));
+                Ok(())
             }
         }
     }
@@ -140,28 +151,44 @@ impl DeviceChoice {
         captures: impl IntoIterator<Item = &'a Capture>,
         monitor: &dyn Monitor,
     ) -> Result<Option<Arc<dyn Device>>> {
-        use crate::monitor::Event;
-        use photosite_core::Error;
-        use photosite_gpu::support::unsupported;
-        let (which, is_open) = match self {
-            Self::Cpu => return Ok(None),
-            Self::Gpu(which) => (which.as_deref(), false),
-            Self::Auto => (None, true),
-        };
-        let keep = |words: String| {
-            monitor.report(Event::Warning(&format!("the processor traces: {words}")));
-            Ok(None)
-        };
         for capture in captures {
-            match unsupported(capture.render()) {
-                Some(refused) if is_open => return keep(refused.to_string()),
-                Some(refused) => return Err(capture.source().error(refused)),
-                None => {}
+            match photosite_gpu::support::unsupported(capture.render()) {
+                Some(refused) if *self == Self::Auto => {
+                    monitor.report(Event::Warning(&format!("the processor traces: {refused}")));
+                    return Ok(None);
+                }
+                Some(refused) if *self != Self::Cpu => return Err(capture.source().error(refused)),
+                Some(_) | None => {}
             }
         }
+        Ok(self.card("traces", monitor)?.map(|card| -> Arc<dyn Device> { card }))
+    }
+
+    /// The chosen card, for sensors; `None` for the processor. What it lacks of a sensor the processor does, as warnings of
+    /// the exposure say.
+    ///
+    /// # Errors
+    ///
+    /// A card that is not there, or cannot be used.
+    #[cfg(feature = "gpu")]
+    pub fn sensor_card(&self, monitor: &dyn Monitor) -> Result<Option<Arc<SensorCard>>> {
+        Ok(self.card("exposes", monitor)?.map(|card| Arc::new(SensorCard::new(card))))
+    }
+
+    /// The chosen card; `None` for the processor, with a warning that it does the work where the choice was left open.
+    #[cfg(feature = "gpu")]
+    fn card(&self, does: &str, monitor: &dyn Monitor) -> Result<Option<Arc<photosite_gpu::Card>>> {
+        let which = match self {
+            Self::Cpu => return Ok(None),
+            Self::Gpu(which) => which.as_deref(),
+            Self::Auto => None,
+        };
         match opened(which) {
             Ok(card) => Ok(Some(card)),
-            Err(words) if is_open => keep(words),
+            Err(words) if *self == Self::Auto => {
+                monitor.report(Event::Warning(&format!("the processor {does}: {words}")));
+                Ok(None)
+            }
             Err(words) => {
                 let help = Some("photosite devices lists what there is; the device cpu is always there".into());
                 Err(Error::Resources { message: format!("device: {words}"), help })

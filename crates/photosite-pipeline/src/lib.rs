@@ -38,6 +38,7 @@ pub use camera::focusing::{place_camera, standalone_camera, standalone_recording
 pub use camera::lens_corrections::{LensSeen, Resampled, image_grid};
 pub use device_choice::{BUILT_WITHOUT, DeviceChoice, DeviceFacts, devices};
 pub use expose::chain::SensorSettings;
+pub use expose::sensor_card::SensorCard;
 pub use expose::shot::Shot;
 pub use light::{ImageScale, Light, LightPlane, Shots, StoredPlanes, render};
 pub use monitor::go_on;

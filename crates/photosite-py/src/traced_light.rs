@@ -164,9 +164,19 @@ impl Light {
         serde_json::to_string(&self.0.prepared().expect(TRACED).camera_report()).expect("plain values")
     }
 
-    /// Exposes to the light as often as is said, with changes to what light leaves open.
-    fn expose(&self, py: Python<'_>, changes: Vec<String>, frames: u32, threads: Option<usize>) -> PyResult<Vec<Shot>> {
-        work(py, How { threads, progress: None }, |monitor| Shot::series(&self.0.with(&changes)?, frames, monitor))
+    /// Exposes to the light as often as is said, on a device, with changes to what light leaves open.
+    fn expose(
+        &self,
+        py: Python<'_>,
+        changes: Vec<String>,
+        frames: u32,
+        threads: Option<usize>,
+        device: &str,
+    ) -> PyResult<Vec<Shot>> {
+        work(py, How { threads, progress: None }, |monitor| {
+            let card = device_choice(device)?.sensor_card(monitor)?;
+            Shot::series(&self.0.with(&changes)?.on_card(card), frames, monitor)
+        })
     }
 
     /// Layers of ground truth by their names, each (rows, columns) or (rows, columns, components).

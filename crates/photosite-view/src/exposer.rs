@@ -17,9 +17,9 @@ use super::source::{ImageSource, NumberedLight, OpenFile};
 use photosite_core::image::Planes;
 use photosite_core::locked::locked;
 use photosite_core::{Error, Result};
-use photosite_develop::{DevelopSettings, EncodedImage, develop};
+use photosite_develop::{DevelopSettings, EncodedImage};
 use photosite_files::developable::Developable;
-use photosite_pipeline::{Light, LightPlane, Shot};
+use photosite_pipeline::{Light, LightPlane, SensorCard, Shot};
 use photosite_raw::RawImage;
 use photosite_sensor::{NoiseMap, Stage, presets};
 
@@ -41,6 +41,8 @@ pub(super) struct Exposer {
 
 /// Results that the next request is likely to need.
 struct Kept {
+    /// Card that exposes and develops; `None` for the processor.
+    card: Option<Arc<SensorCard>>,
     /// Light with changes to its sensor, which take longest, and with all.
     lights: Recent<OfTrace, Light>,
     develop: Recent<OfTrace, Arc<DevelopSettings>>,
@@ -73,13 +75,14 @@ struct ExposedShot {
 
 impl Exposer {
     /// Exposer with as many threads as the rest of the program has.
-    pub(super) fn new() -> Result<Self> {
+    pub(super) fn new(card: Option<Arc<SensorCard>>) -> Result<Self> {
         let threads = rayon::ThreadPoolBuilder::new().num_threads(rayon::current_num_threads()).build();
         let threads = threads.map_err(|reason| Error::Resources {
             message: format!("cannot start threads: {reason}"),
             help: Some("lower --threads".into()),
         })?;
         let kept = Kept {
+            card,
             lights: Recent::new(SETTINGS),
             develop: Recent::new(SETTINGS),
             shots: Recent::new(IMAGES),
@@ -253,7 +256,8 @@ impl ExposedShot {
 impl Kept {
     /// Light on the sensor that is asked for.
     fn exposable(&mut self, lit: &NumberedLight, query: &Query) -> Result<Exposable, Failure> {
-        let &NumberedLight { light: ref newest, number, trace } = lit;
+        let &NumberedLight { ref light, number, trace } = lit;
+        let newest = &light.clone().on_card(self.card.clone());
         let input = query.input;
         self.lights.retain(|(of, kept, _)| *of != input || *kept == trace);
         self.lights.each(|(of, ..), light| {
@@ -328,10 +332,7 @@ impl Kept {
     fn developed(&mut self, made: &ExposedShot, query: &Query) -> Result<Arc<EncodedImage>, Failure> {
         let Exposable { light, key, develop: settings, .. } = &made.of;
         let key = (key.clone(), query.develop.clone());
-        let developed = self.developed.get_or_make(key, || {
-            let developed = develop(&made.shot.raw, settings);
-            developed.map(Arc::new).map_err(|invalid| light.settings().source.error(invalid.within("develop")))
-        });
+        let developed = self.developed.get_or_make(key, || light.develop(&made.shot.raw, settings).map(Arc::new));
         developed.map_err(Failure::from)
     }
 

@@ -34,7 +34,7 @@ use super::tracer::{Outside, Tracer, Wanted};
 use super::{events, page};
 use photosite_capture::Capture;
 use photosite_core::{Error, Result};
-use photosite_pipeline::FilmMemory;
+use photosite_pipeline::{FilmMemory, SensorCard};
 
 /// Most connections at the same time; those that have not shown the token give way to others.
 const CONNECTIONS: usize = 64;
@@ -51,6 +51,8 @@ const POSTED: usize = 64 << 10;
 pub struct View {
     /// Inputs with the name that the page shows, and that of a command line; of scenes at most one.
     pub inputs: Vec<(String, Input)>,
+    /// Card that exposes and develops; `None` for the processor.
+    pub card: Option<Arc<SensorCard>>,
     /// The address to listen at: this machine's own unless others shall see it.
     pub host: IpAddr,
     /// The port; 0 for any that is free.
@@ -111,7 +113,7 @@ enum Order {
 ///
 /// An address that cannot be listened at; that the program was asked to end, with how the work goes on.
 pub fn serve(view: View, outside: &Outside, ready: impl FnOnce(&str)) -> Result<()> {
-    let View { inputs, host, port, film_memory, checkpoint, token } = view;
+    let View { card, inputs, host, port, film_memory, checkpoint, token } = view;
     let status = watch::Sender::new(Status::new(Phase::Stored));
     let (mut scene, mut sheet) = (None, None);
     let mut viewed = Vec::new();
@@ -152,7 +154,7 @@ pub fn serve(view: View, outside: &Outside, ready: impl FnOnce(&str)) -> Result<
         controls: controls::all(),
         tracer: tracer.clone(),
         status,
-        exposer: Exposer::new()?,
+        exposer: Exposer::new(card)?,
         images: Arc::new(Semaphore::new(IMAGES)),
         name: names.join(" and "),
         sheet,

@@ -41,6 +41,14 @@ impl Input {
         if let Self::Scene(capture) = self { Some(capture) } else { None }
     }
 
+    /// Whether light is exposed, which is traced or was stored.
+    pub fn is_exposed(&self) -> bool {
+        match self {
+            Self::Scene(_) | Self::Light(_) => true,
+            Self::File(_) | Self::DataSet(_) => false,
+        }
+    }
+
     /// The input, whose light a device traces in place of the processor where it is traced at all.
     #[must_use]
     pub fn on_device(self, device: Option<Arc<dyn Device>>) -> Self {

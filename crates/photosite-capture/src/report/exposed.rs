@@ -74,6 +74,9 @@ pub struct ExposureReport {
     /// Index of the image in its series, from 0, where it is a later one that was written alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<u32>,
+    /// Graphics card that exposed, with its interface and driver; left out for the processor.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub device: Option<String>,
     /// Exposure times of a bracket, s; `null` for none.
     pub bracket_s: Option<Vec<f64>>,
 }

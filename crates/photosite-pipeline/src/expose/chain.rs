@@ -15,13 +15,14 @@ use photosite_develop::{DevelopSettings, EncodedImage, Resampling, SensorCalibra
 use photosite_files::formats::PNG;
 use photosite_raw::RawImage;
 use photosite_sensor::{
-    Exposure, LeftCharge, LightNoise, Metering, Neighbours, NoiseKey, NoiseMap, NoiseMaps, RegionOfInterest,
-    SensorModel, auto_exposure, expose_after, samples_needed, sensor_noise, smoothed_mean,
+    ExposedFrame, Exposure, LeftCharge, LightNoise, Metering, Neighbours, NoiseKey, NoiseMap, NoiseMaps,
+    RegionOfInterest, SensorModel, auto_exposure, expose_after, samples_needed, sensor_noise, smoothed_mean,
 };
 use photosite_transport::integrator::WavelengthChoice;
 use photosite_transport::scene::Scene;
 
 use crate::camera::lens_corrections::{LensSeen, SeenLens};
+use crate::expose::sensor_card::SensorCard;
 use photosite_capture::report::{ExposureReport, ImageReport, NoiseReport, PixelGridReport, SensorReport};
 use photosite_core::image_grid::ImageGrid;
 
@@ -97,6 +98,8 @@ pub(crate) struct Chain<'a> {
     colours: &'a SensorColours,
     /// Lens from which raw files state falloff and distortion.
     lens: Option<SeenLens<'a, 'a>>,
+    /// Card that exposes and develops what it has; `None` for the processor.
+    card: Option<&'a SensorCard>,
 }
 
 /// Mean electrons that the sensor collects during an exposure.
@@ -160,7 +163,29 @@ impl<'a> Chain<'a> {
         colours: &'a SensorColours,
         lens: Option<SeenLens<'a, 'a>>,
     ) -> Self {
-        Self { settings, optics, colours, lens }
+        Self { settings, optics, colours, lens, card: None }
+    }
+
+    /// The chain with a card that exposes and develops.
+    pub(crate) fn on(self, card: Option<&'a SensorCard>) -> Self {
+        Self { card, ..self }
+    }
+
+    /// Name of the card that exposes, or the warning that it does not and the processor does; `None` without a card.
+    pub(crate) fn exposing_device(&self, exposure: &Exposure) -> Option<Result<String, String>> {
+        let card = self.exposing_card(exposure, &self.settings.output.noise.maps)?;
+        Some(card.map(SensorCard::name).map_err(|lacks| format!("the processor exposes: {lacks}")))
+    }
+
+    /// The card, where it has all of sensor and exposure; within, what it lacks by its key.
+    fn exposing_card(&self, exposure: &Exposure, maps: &[NoiseMap]) -> Option<Result<&'a SensorCard, Invalid>> {
+        let card = self.card?;
+        let SensorSettings { sensor, exposure: ExposureSettings { stages, .. }, .. } = self.settings;
+        if !maps.is_empty() {
+            let message = "noise maps cannot be drawn on a graphics card yet";
+            return Some(Err(Invalid::new("output.noise.maps", message)));
+        }
+        Some(card.lacks(sensor, exposure, *stages).map_or(Ok(card), Err))
     }
 
     /// Warnings about what images and raw files do not show of the lens, and what images do not hold. `has_targets` is
@@ -300,8 +325,14 @@ impl<'a> Chain<'a> {
         let CollectedElectrons { exposure, electrons, .. } = exposed;
         let exposure = &Exposure { gain, ..*exposure };
         let key = NoiseKey { seed, frame: u64::from(frame) };
-        let shot = expose_after(&electrons.mean, sensor, exposure, *stages, key, maps, left.as_ref());
-        let shot = shot.map_err(|e| self.in_exposure(e))?;
+        let card = self.exposing_card(exposure, maps).and_then(Result::ok).filter(|_| left.is_none());
+        let on_card = card.map(|card| {
+            let raw = card.expose(electrons, sensor, exposure, *stages, key)?;
+            let maps = NoiseMaps::none(sensor, exposure, &raw)?;
+            Ok(ExposedFrame { raw, maps, left: None })
+        });
+        let on_processor = || expose_after(&electrons.mean, sensor, exposure, *stages, key, maps, left.as_ref());
+        let shot = on_card.unwrap_or_else(on_processor).map_err(|e| self.in_exposure(e))?;
         *left = shot.left;
         let (mut raw, maps) = (shot.raw, shot.maps);
         raw.metadata.f_number = self.optics.f_number;
@@ -330,10 +361,22 @@ impl<'a> Chain<'a> {
         self.settings.source.error(invalid.within("exposure"))
     }
 
-    /// Develops a raw image for display.
-    pub(crate) fn develop(&self, raw: &RawImage) -> Result<EncodedImage> {
-        let developed = develop(raw, self.settings.develop);
-        developed.map_err(|invalid| self.settings.source.error(invalid.within("develop")))
+    /// Develops a raw image for display with settings of development, and tells why a card does not.
+    pub(crate) fn develop_with(
+        &self,
+        raw: &RawImage,
+        settings: &DevelopSettings,
+    ) -> Result<(EncodedImage, Option<String>)> {
+        let in_develop = |invalid: Invalid| self.settings.source.error(invalid.within("develop"));
+        let on_card = self.card.map(|card| card.develop(raw, settings)).transpose().map_err(in_develop)?;
+        match on_card {
+            Some(Ok(image)) => Ok((image, None)),
+            Some(Err(lacking)) => {
+                let image = develop(raw, settings).map_err(in_develop)?;
+                Ok((image, Some(format!("the processor develops: {lacking}"))))
+            }
+            None => Ok((develop(raw, settings).map_err(in_develop)?, None)),
+        }
     }
 
     /// Develops the light of a bracket to linear planes, whose pixels have the aspect that comes with them.
@@ -417,6 +460,7 @@ impl<'a> Chain<'a> {
             temperature_c: temperature.0,
             frames: self.settings.exposure.frames,
             frame: None,
+            device: None,
             bracket_s: self
                 .settings
                 .exposure

@@ -5,4 +5,5 @@ pub(crate) mod chain;
 pub(crate) mod frame_series;
 pub(crate) mod ideal_image;
 pub(crate) mod light_reuse;
+pub(crate) mod sensor_card;
 pub(crate) mod shot;

@@ -23,11 +23,14 @@ use photosite_capture::relative_path;
 use photosite_capture::report::Report;
 use photosite_core::Result;
 use photosite_core::image::Planes;
+use photosite_develop::{DevelopSettings, EncodedImage};
+use photosite_raw::RawImage;
 use photosite_sensor::{Exposure, SensorModel};
 use photosite_transport::optics::LensKind;
 
 use super::expose::chain::{Chain, CollectedElectrons, SensorSettings};
 use super::expose::frame_series::Carried;
+use super::expose::sensor_card::SensorCard;
 use super::expose::shot::Shot;
 use super::monitor::{Monitor, Silent};
 use super::prepare::prepared::Prepared;
@@ -45,6 +48,8 @@ use stored_light::StoredLight;
 #[derive(Clone)]
 pub struct Light {
     origin: Origin,
+    /// Card that exposes and develops; `None` for the processor.
+    card: Option<Arc<SensorCard>>,
 }
 
 /// Sensor and light, by what is known of where the light comes from.
@@ -55,11 +60,32 @@ enum Origin {
 }
 
 impl Light {
+    fn new(origin: Origin) -> Self {
+        Self { origin, card: None }
+    }
+
     fn chain(&self) -> Chain<'_> {
-        match &self.origin {
+        let chain = match &self.origin {
             Origin::Traced(prepared, _) => prepared.chain(),
             Origin::Stored(stored, _) => stored.chain(),
-        }
+        };
+        chain.on(self.card.as_deref())
+    }
+
+    /// The light, to which a card exposes its sensor. What the card does not have, the processor does, as the warnings of an
+    /// exposure say.
+    #[must_use]
+    pub fn on_card(self, card: Option<Arc<SensorCard>>) -> Self {
+        Self { card, ..self }
+    }
+
+    /// Develops a raw image of this light for display, on its card if that has all of the settings.
+    ///
+    /// # Errors
+    ///
+    /// Settings that do not fit the image; a card that fails.
+    pub fn develop(&self, raw: &RawImage, settings: &DevelopSettings) -> Result<EncodedImage> {
+        Ok(self.chain().develop_with(raw, settings)?.0)
     }
 
     /// Sensor, exposure, output, development, and the seed of the sensor's noise.
@@ -88,11 +114,11 @@ impl Light {
                 None => {
                     let overrides = [&stored.facts.overrides[..], changes].concat();
                     let sandbox = stored.facts.capture.source.sandbox();
-                    return Self::read(sandbox, &stored.facts.input, &overrides);
+                    return Ok(Self::read(sandbox, &stored.facts.input, &overrides)?.on_card(self.card.clone()));
                 }
             },
         };
-        Ok(Self { origin })
+        Ok(Self { origin, card: self.card.clone() })
     }
 
     /// The light through the lens at another f-number; `None` where it [has to be traced anew](Self::f_number_is_open).
@@ -103,7 +129,10 @@ impl Light {
     pub fn at_f_number(&self, f_number: f64) -> Result<Option<Self>> {
         let Origin::Traced(prepared, light) = &self.origin else { return Ok(None) };
         let changed = prepared.at_f_number(f_number, light.plan.as_ref())?;
-        Ok(changed.map(|changed| Self { origin: Origin::Traced(Arc::new(changed), Arc::clone(light)) }))
+        Ok(changed.map(|changed| {
+            let origin = Origin::Traced(Arc::new(changed), Arc::clone(light));
+            Self { origin, card: self.card.clone() }
+        }))
     }
 
     /// Whether the opening of the lens changes the level of this light alone, as that of a pinhole does.
@@ -236,14 +265,16 @@ impl Light {
 
     /// Exposes to the light of the frame of that number.
     fn expose_for(&self, number: u32) -> Result<CollectedElectrons> {
-        match &self.origin {
+        let mut exposed = match &self.origin {
             Origin::Traced(prepared, light) => prepared.expose_light(&prepared.at_level(light)),
             Origin::Stored(stored, light) => {
                 stored.check_memory()?;
                 let own = stored.own_light(number)?;
                 stored.expose(own.unwrap_or_else(|| light.clone()))
             }
-        }
+        }?;
+        exposed.warnings.extend(self.chain().exposing_device(&exposed.exposure).and_then(Result::err));
+        Ok(exposed)
     }
 
     /// Report of a shot in memory: there are no files.
@@ -258,6 +289,7 @@ impl Light {
                 stored.report(&Taken::of(shot), stored.warnings_and(&shot.warnings), Path::new("."))?
             }
         };
+        report.exposure.device = self.chain().exposing_device(&shot.exposure).and_then(Result::ok);
         // Of a bracket it is one time.
         report.exposure.bracket_s = None;
         Ok(report)
@@ -287,7 +319,8 @@ impl Light {
         match self.origin {
             Origin::Traced(prepared, light) => {
                 let input = prepared.capture.source().path();
-                let given = Given { light: &prepared.at_level(&light), frame: one.unwrap_or_default() };
+                let (light, frame) = (&prepared.at_level(&light), one.unwrap_or_default());
+                let given = Given { light, frame, card: self.card.as_deref() };
                 let request = Request {
                     input,
                     named: relative_path(input, folder.path()),
@@ -301,7 +334,7 @@ impl Light {
                     Rendered::Part(_) => unreachable!("no part was asked for"),
                 }
             }
-            Origin::Stored(stored, light) => stored.write_into(light, one, folder, monitor),
+            Origin::Stored(stored, light) => stored.write_into(light, one, folder, (monitor, self.card.as_deref())),
         }
     }
 }

@@ -77,6 +77,6 @@ impl Light {
 
     fn stored(mut facts: StoredFacts, file: LightFile, start: Instant) -> Result<Self> {
         facts.load_s = start.elapsed().as_secs_f64();
-        Ok(Self { origin: Origin::Stored(Arc::new(StoredLight::new(facts, None)?), file) })
+        Ok(Self::new(Origin::Stored(Arc::new(StoredLight::new(facts, None)?), file)))
     }
 }

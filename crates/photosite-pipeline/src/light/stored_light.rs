@@ -12,12 +12,13 @@ use crate::camera::capture_camera::camera_of;
 use crate::camera::lens_corrections::KnownCorrections;
 use crate::expose::chain::{Chain, CollectedElectrons, Optics, SensorColours, SensorSettings};
 use crate::expose::frame_series::{Carried, FrameSeries};
+use crate::expose::sensor_card::SensorCard;
 use crate::monitor::{Event, Monitor};
 use crate::prepare::memory_needs::Needs;
 use crate::render::image_report::{Taken, report_of};
 use crate::render::results::{Frames, Results};
 use crate::write::output_folder::OutputFolder;
-use photosite_capture::report::{LensReport, LightReport, Report, Timings, TracedReport};
+use photosite_capture::report::{ExposureReport, LensReport, LightReport, Report, Timings, TracedReport};
 use photosite_capture::{StoredCapture, relative_path};
 use photosite_core::Result;
 use photosite_core::image::{Estimate, Planes};
@@ -178,17 +179,17 @@ impl StoredLight {
     }
 
     /// Reads out and develops into a folder as many frames as the capture asks for, or one that comes after others, the
-    /// report last, which is returned.
+    /// report last, which is returned. A card exposes and develops what it has.
     pub(crate) fn write_into(
         &self,
         light: LightFile,
         one: Option<(u32, Carried)>,
         folder: &mut OutputFolder,
-        monitor: &dyn Monitor,
+        (monitor, card): (&dyn Monitor, Option<&SensorCard>),
     ) -> Result<Report> {
         let start = Instant::now();
         self.check_memory()?;
-        let chain = self.chain();
+        let chain = self.chain().on(card);
         let frames = match (&one, self.own_lights()) {
             (Some((number, _)), _) => Frames::One { number: *number, of: 1 },
             (None, Some(of)) => Frames::One { number: 0, of },
@@ -196,7 +197,9 @@ impl StoredLight {
         };
         let own = self.own_light(frames.first())?;
         let exposed = self.expose(own.unwrap_or(light))?;
-        let warnings = self.warnings_and(&exposed.warnings);
+        let device = chain.exposing_device(&exposed.exposure);
+        let lacking = device.as_ref().and_then(|device| device.as_ref().err().cloned());
+        let warnings = self.warnings_and(&[&exposed.warnings[..], lacking.as_slice()].concat());
         warnings.iter().for_each(|warning| monitor.report(Event::Warning(warning)));
         let mut timings = Timings { load_s: self.facts.load_s, ..Timings::default() };
         timings.expose_s = start.elapsed().as_secs_f64();
@@ -223,6 +226,7 @@ impl StoredLight {
             files: folder.files(),
             sums: folder.sums().clone(),
             timings: Some(timings),
+            exposure: ExposureReport { device: device.and_then(Result::ok), ..report.exposure },
             ..report
         };
         folder.write_report(&report)?;

@@ -63,7 +63,7 @@ impl Prepared {
     }
 
     fn lit(&self, light: TracedLight) -> Light {
-        Light { origin: Origin::Traced(Arc::new(self.clone()), Arc::new(light)) }
+        Light::new(Origin::Traced(Arc::new(self.clone()), Arc::new(light)))
     }
 
     /// Columns and rows of the image.

@@ -98,7 +98,11 @@ impl ImageSeries<'_> {
         let objects: &[TruthObject] = &self.prepared.objects;
         let count = capture.exposure().frames;
         let begin = self.request.light.begin();
-        let series = FrameSeries::new(self.prepared.chain(), &capture.output().noise.maps, begin.clone());
+        let series = FrameSeries::new(
+            self.prepared.chain().on(self.request.light.card()),
+            &capture.output().noise.maps,
+            begin.clone(),
+        );
         let results = &mut Results { series, folder, timings, monitor: self.request.monitor };
         if let LightSource::Given(_) = self.request.light {
             let first = FirstViews::new(self.prepared, &self.views)?;
@@ -184,7 +188,8 @@ impl ImageSeries<'_> {
         results: &mut Results<'_>,
     ) -> Result<Recorded> {
         let prepared = self.prepared;
-        let (capture, chain, monitor) = (&prepared.capture, prepared.chain(), self.request.monitor);
+        let (capture, chain, monitor) =
+            (&prepared.capture, prepared.chain().on(self.request.light.card()), self.request.monitor);
         let folder = &mut *results.folder;
         let mut settings = settings_of_frame(capture.render(), frames.first());
         if let LightSource::Part(samples) = &self.request.light {

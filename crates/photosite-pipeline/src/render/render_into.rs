@@ -123,8 +123,10 @@ impl<'a> ReadyRender<'a> {
         let ExposedSeries { exposure, gains, first, reached } = series;
         let (frame, _) = request.light.begin();
         let taken = Taken { exposure: &exposure, raw: &first, gains: &gains, frame };
+        let device = prepared.chain().on(request.light.card()).exposing_device(taken.exposure);
         let mut report = prepared.report_of(&taken, (reached, paths), (&warnings, &not_found), folder.path())?;
         report.input.clone_from(&request.named);
+        report.exposure.device = device.and_then(Result::ok);
         // Of a later frame alone, its capture is not all that decides it.
         report.fingerprint =
             provenance.get(FINGERPRINT).and_then(Value::as_str).filter(|_| frame == 0).map(str::to_owned);

@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use crate::expose::frame_series::Carried;
+use crate::expose::sensor_card::SensorCard;
 use crate::monitor::Monitor;
 use crate::prepare::strips::FilmMemory;
 use crate::trace::parts::Parts;
@@ -26,6 +27,8 @@ pub struct Given<'a> {
     pub(crate) light: &'a TracedLight,
     /// The number of the frame, and the state after those before it.
     pub(crate) frame: (u32, Carried),
+    /// Card that exposes and develops; `None` for the processor.
+    pub(crate) card: Option<&'a SensorCard>,
 }
 
 /// Request of a render into a folder: what does not stand in its capture.
@@ -45,6 +48,15 @@ pub struct Request<'a> {
 }
 
 impl LightSource<'_> {
+    /// Card that exposes and develops; `None` for the processor, also of light that a card traces: its images then have the
+    /// bytes that `photosite expose` makes of it.
+    pub(crate) fn card(&self) -> Option<&SensorCard> {
+        match self {
+            Self::Given(given) => given.card,
+            Self::Traced | Self::Part(_) | Self::Merged(_) => None,
+        }
+    }
+
     /// The number of the first frame that is made, and the state after those before it.
     pub(crate) fn begin(&self) -> (u32, Carried) {
         match self {

@@ -9,7 +9,7 @@ use photosite_raw::RawImage;
 
 use crate::expose::chain::CollectedElectrons;
 use crate::expose::frame_series::FrameSeries;
-use crate::monitor::{Monitor, go_on};
+use crate::monitor::{Event, Monitor, go_on};
 use crate::write::output_folder::OutputFolder;
 use photosite_capture::report::Timings;
 
@@ -122,7 +122,8 @@ impl Results<'_> {
         let start = Instant::now();
         let raw = kept.swap_remove(shown);
         if output.image {
-            let image = chain.develop(&raw)?;
+            let (image, warning) = chain.develop_with(&raw, chain.settings.develop)?;
+            warning.iter().for_each(|words| monitor.report(Event::Warning(words)));
             timings.develop_s += start.elapsed().as_secs_f64();
             let start = Instant::now();
             folder.write_image(frames.light_number(), &image)?;

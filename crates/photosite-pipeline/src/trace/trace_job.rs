@@ -375,7 +375,7 @@ impl<'a> Interim<'a> {
         let Ok(exposed) = chain.expose(Estimate { mean, variance }, Seconds(1.0), None) else { return Ok(()) };
         let raw = chain.read_out(&exposed, 0)?;
         drop(exposed);
-        let written = folder.write_preview(&chain.develop(&raw)?);
+        let written = folder.write_preview(&chain.develop_with(&raw, chain.settings.develop)?.0);
         self.preview.done_since(start);
         written
     }

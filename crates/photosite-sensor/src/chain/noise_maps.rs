@@ -13,7 +13,7 @@ use std::sync::{Mutex, MutexGuard};
 
 use photosite_core::Invalid;
 use photosite_core::image::{Channel, Planes};
-use photosite_raw::{Cfa, PixelArea};
+use photosite_raw::{Cfa, PixelArea, RawImage};
 
 use crate::signal::charge_plane::{ChargePlane, Row, RowStage};
 use crate::signal::effects::{MapUnit, NoiseMap};
@@ -21,7 +21,7 @@ use crate::stages::dark_current::DarkCurrent;
 use crate::stages::digital_gain::DigitalGain;
 use crate::stages::frame::Frame;
 use crate::stages::frame_grabber::Sampling;
-use crate::{Binning, BinningMethod};
+use crate::{Binning, BinningMethod, Exposure, SensorModel};
 
 /// The maps of an image.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +33,21 @@ pub struct NoiseMaps {
     pub system_gain: f64,
     /// Black level of the sum, DN.
     pub black_level_dn: f64,
+}
+
+impl NoiseMaps {
+    /// No maps of a raw image of that exposure.
+    ///
+    /// # Errors
+    ///
+    /// None: there are no planes of another size.
+    pub fn none(sensor: &SensorModel, exposure: &Exposure, raw: &RawImage) -> Result<Self, Invalid> {
+        Ok(Self {
+            planes: Planes::new(raw.width, raw.height, Vec::new())?,
+            system_gain: sensor.system_gain(exposure),
+            black_level_dn: sensor.converter.black_level_dn(exposure.gain).into(),
+        })
+    }
 }
 
 /// Takes down what each stage does, if anybody wants to know.
