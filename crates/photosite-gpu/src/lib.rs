@@ -1,9 +1,9 @@
-//! Light transport and exposure on graphics cards: the paths of [`integrator`](photosite_transport::integrator), traced by kernels in
-//! WGSL through wgpu, on Vulkan, Metal and DirectX, and the stages of [`expose`](photosite_sensor::expose()).
+//! Light transport and exposure on graphics cards, by kernels in WGSL through wgpu, on Vulkan, Metal and DirectX: the
+//! paths of [`integrator`](photosite_transport::integrator), and the stages of `photosite_sensor::expose`.
 //!
 //! In: a scene as plain data ([`scene::packed`](photosite_transport::scene::packed)), starts of paths whose rays the
-//! camera has made on the processor. Out: what arrives along each. Lenses and films stay where they are. Or in:
-//! light and an exposure as plain data ([`packed`](photosite_sensor::packed)). Out: digital numbers.
+//! camera has made on the processor. Out: what arrives along each. Or in: mean electrons and an exposure as plain data
+//! (`photosite_sensor::packed`). Out: digital numbers. Lenses and films stay where they are.
 //!
 //! | file | holds |
 //! |---|---|
