@@ -97,8 +97,8 @@ impl HeldLight {
     ///
     /// # Errors
     ///
-    /// Exposures of another layout of light, in size, colour filter array or image circle; images that the card has no room for; words of its driver, such as that the device is
-    /// lost.
+    /// Exposures of another layout of light, in size, colour filter array or image circle; images that the card has no
+    /// room for; words of its driver, such as that the device is lost.
     pub fn expose(&mut self, exposure: &PackedExposure<'_>) -> Result<RawImage, Invalid> {
         if !self.suits(exposure) {
             let [[columns, rows], [width, height]] = [exposure.layout(), &self.layout].map(LightLayout::image);

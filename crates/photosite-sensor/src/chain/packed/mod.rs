@@ -83,7 +83,7 @@ words! {
     }
 }
 
-/// Declarations of all structs of words in WGSL, and the word [`NONE`].
+/// Declarations in WGSL of all structs of words, and of the word `NONE` that stands for no list.
 pub fn declarations() -> String {
     let structs = [
         Wide::WGSL,
