@@ -64,7 +64,7 @@ fn wide_of(m: vec2<u32>, exponent: i32) -> Wide {
     return Wide(raised.y, raised.x, exponent - i32(zeros));
 }
 
-/// The number that an f32 holds: 0 or more; those below its normal range are 0.
+/// The magnitude of an f32; one below its normal range is 0.
 fn wide_of_f32(x: f32) -> Wide {
     let bits = bitcast<u32>(x);
     let exponent = (bits >> 23u) & 0xffu;
