@@ -21,10 +21,10 @@ const STRIP_VALUES: usize = 1 << 22;
 const SOFTWARE_STRIP_VALUES: usize = 1 << 14;
 
 impl Card {
-    /// Exposes a sensor as [`photosite_sensor::expose`] does, with the same random numbers, each operation in the same order and
-    /// rounded alike. Digital numbers are the same, but for two kinds of exceptions: of ten million counts of electrons
-    /// one or a few are drawn otherwise, where single precision decides whether a candidate is taken; and where amplifiers
-    /// or converters bend, signals within their rounding of a threshold differ by 1 DN.
+    /// Exposes a sensor as [`photosite_sensor::expose`] does, with the same random numbers, each operation in the same
+    /// order and rounded alike. Digital numbers are the same, but for two kinds of exceptions: of ten million counts of
+    /// electrons one or a few are drawn otherwise, where single precision decides whether a candidate is taken; and
+    /// where amplifiers or converters bend, signals within their rounding of a threshold differ by 1 DN.
     ///
     /// For several exposures of the same light see [`Self::hold_light`].
     ///

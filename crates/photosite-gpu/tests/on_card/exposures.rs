@@ -94,8 +94,8 @@ fn presets_are_exposed_as_on_the_processor() {
         match compare(card, &light, &sensor, &exposure_of(&sensor), Stages::ALL) {
             Ok((different, most)) => {
                 println!("{}: {different} of 65536 pixels differ, by {most} DN at most", sensor.name);
-                // All numbers are rounded alike, so that a digital number differs where a count of electrons does: by the
-                // numbers of an electron or more, and in one of ten millions (`sensor_numbers`), 0.013 of these for
+                // All numbers are rounded alike, so that a digital number differs where a count of electrons does: by
+                // the numbers of an electron or more, and in one of ten millions (`sensor_numbers`), 0.013 of these for
                 // light and heat.
                 assert!(different <= 1, "{}: {different} differ, by {most} DN at most", sensor.name);
                 exposed.push(sensor.name.clone());
@@ -189,11 +189,11 @@ fn amplifiers_and_converters_that_bend_differ_by_rounding_alone() {
     let sensor = with_keys("generic-cmos-color", bent);
     let light = ramp(&sensor, [512, 256]);
     let (different, most) = compare(card, &light, &sensor, &exposure_of(&sensor), Stages::ALL).expect("an exposure");
-    // Where the processor has f64, a card has f32: a signal of up to 2¹² DN is 2⁻¹² DN apart at most (an ulp), and bow and
-    // displacement, of up to 4 DN, three roundings of 2⁻²³ more. A threshold lies in such a gap of both sides, on average
-    // over the ramp with half of that signal.
+    // Where the processor has f64, a card has f32: a signal of up to 2¹² DN is 2⁻¹¹ DN apart at most (an ulp), and bow
+    // and displacement, of up to 4 DN, three roundings of 2⁻²³ more. A threshold lies in such a gap of both sides, on
+    // average over the ramp with half of that signal.
     let pixels = (512 * 256) as f64;
-    let expected = pixels * (0.5 * 2f64.powi(-12) + 3.0 * 2f64.powi(-23));
+    let expected = pixels * (0.5 * 2f64.powi(-11) + 3.0 * 2f64.powi(-23));
     println!("{different} of {pixels} pixels differ, by {most} DN at most; {expected} could");
     assert!(most <= 1 && different as f64 <= expected + 4.0 * expected.sqrt(), "{different} by {most}");
 }

@@ -1,6 +1,6 @@
-// Integers of 64 bits as pairs, the lower half first, and what numbers of more bits than an f32 are made of: fixed-point
-// numbers with 56 bits behind the point, and `Wide` ones (photosite-sensor's signal/words.rs). Nothing here is left to how
-// a driver rounds.
+// Integers of 64 bits as pairs, the lower half first, and what numbers of more bits than an f32 are made of:
+// fixed-point numbers with 56 bits behind the point, and `Wide` ones (photosite-sensor's signal/words.rs). Nothing here
+// is left to how a driver rounds.
 
 /// A number of less than 128 with 56 bits behind the point, and its sign.
 struct Signed {

@@ -1,5 +1,6 @@
-// Random numbers of the sensor, bit for bit those of the processor: photosite-core's math/philox.rs and photosite-sensor's
-// signal/noise_key.rs; normal and exponential numbers are those of rand_distr's ziggurats, with 56 bits behind the point.
+// Random numbers of the sensor, bit for bit those of the processor: photosite-core's math/philox.rs and
+// photosite-sensor's signal/noise_key.rs; normal and exponential numbers are those of rand_distr's ziggurats, with 56
+// bits behind the point.
 
 /// Stream of numbers: its key, what is counted, and the half of a block that is left.
 struct Philox {
