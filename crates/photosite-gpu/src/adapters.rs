@@ -7,7 +7,7 @@ use photosite_core::Invalid;
 
 use crate::develop::kernels::DevelopKernels;
 use crate::develop::room::Room;
-use crate::exposure_kernel::ExposureCache;
+use crate::expose::kernel::ExposureCache;
 use crate::kernels::{KernelCache, Kernels};
 
 /// Card, or software that stands for one, as its driver describes it.

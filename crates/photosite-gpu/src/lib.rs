@@ -22,7 +22,7 @@
 //! | `device` | a card as a device of renders, and paths whose starts the processor has made |
 //! | `develop` | development of raw images, a file for each concept; `wgsl/develop` has its kernels |
 //! | `shaders` | the kernels in one text; numbers that Rust and WGSL share are made of Rust's constants |
-//! | `expose` | light on a card, and exposures of it: `wgsl/sensor` by `exposure_kernel` and `exposure_shaders` |
+//! | `expose` | light on a card, and exposures of it; `wgsl/sensor` has the kernel |
 //! | `wgsl` | the kernels, a file for each concept, each with the Rust file that it follows in its head |
 //!
 //! The processor is the reference: random numbers are the same bit for bit, and images differ by rounding and its
@@ -39,15 +39,11 @@ mod adapters;
 #[cfg(feature = "gpu")]
 mod buffers;
 #[cfg(feature = "gpu")]
-mod develop;
+pub mod develop;
 #[cfg(feature = "gpu")]
 mod device;
 #[cfg(feature = "gpu")]
-mod expose;
-#[cfg(feature = "gpu")]
-mod exposure_kernel;
-#[cfg(feature = "gpu")]
-pub mod exposure_shaders;
+pub mod expose;
 #[cfg(feature = "gpu")]
 mod film;
 #[cfg(feature = "gpu")]

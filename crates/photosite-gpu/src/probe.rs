@@ -12,8 +12,8 @@ use wgpu::util::DeviceExt;
 use crate::adapters::Card;
 use crate::buffers::{Layouts, READ, WRITE, bind, layout, scene_buffers};
 use crate::develop::Numbers;
-use crate::exposure_kernel::{facts_layout, random_tables_buffer};
-use crate::exposure_shaders;
+use crate::expose::kernel::{facts_layout, random_tables_buffer};
+use crate::expose::shaders as exposure_shaders;
 use crate::params;
 use crate::shaders::functions;
 

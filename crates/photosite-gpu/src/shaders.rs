@@ -13,7 +13,7 @@ use photosite_transport::scene::packed::{self, albedos, hierarchy, layers, light
 
 use crate::params::{SAMPLER_INDEPENDENT, SAMPLER_SOBOL};
 use crate::uniform::wgsl;
-use crate::{develop, film, params};
+use crate::{film, params};
 
 /// Threads of a workgroup.
 pub const WORKGROUP_SIZE: u32 = 64;
@@ -197,39 +197,4 @@ pub fn functions(features: u32) -> String {
 /// Text of all kernels of the wavefront, for scenes of these features.
 pub fn wavefront(features: u32) -> String {
     functions(features) + include_str!("wgsl/path.wgsl") + &wgsl("Film", film::FIELDS) + FILM
-}
-
-/// Side of the tiles of pixels that a workgroup of development has.
-pub(crate) const DEVELOP_TILE: u32 = 8;
-
-/// Files of development in the order of what they need.
-const DEVELOPMENT: [&str; 7] = [
-    include_str!("wgsl/develop/strip.wgsl"),
-    include_str!("wgsl/develop/signal.wgsl"),
-    include_str!("wgsl/develop/bilinear.wgsl"),
-    include_str!("wgsl/develop/malvar.wgsl"),
-    include_str!("wgsl/develop/menon.wgsl"),
-    include_str!("wgsl/develop/colour.wgsl"),
-    include_str!("wgsl/develop/encode.wgsl"),
-];
-
-/// Text of all kernels of development.
-pub fn development() -> String {
-    let mut text = String::new();
-    for (name, value) in [
-        ("PLACE_WORDS", develop::tables::PLACE_WORDS as u32),
-        ("LINE_WORDS", develop::tables::LINE_WORDS as u32),
-        ("MAP_WORDS", develop::tables::MAP_WORDS as u32),
-        ("TAP_WORDS", develop::tables::TAP_WORDS as u32),
-        ("NONE", develop::tables::NONE),
-        ("RED", 0),
-        ("GREEN", 1),
-        ("BLUE", 2),
-    ] {
-        let _ = writeln!(text, "const {name} = {value}u;");
-    }
-    text += &wgsl("Params", develop::params::FIELDS);
-    text += "@group(0) @binding(0) var<uniform> params: Params;\n";
-    DEVELOPMENT.iter().for_each(|file| text += file);
-    text
 }

@@ -1,8 +1,9 @@
 //! Kernels as text: naga accepts them for every card, and both sides lay out what they share alike.
 #![cfg(feature = "gpu")]
 
-use photosite_gpu::exposure_shaders::exposure;
-use photosite_gpu::shaders::{development, wavefront};
+use photosite_gpu::develop::shaders::development;
+use photosite_gpu::expose::shaders::exposure;
+use photosite_gpu::shaders::wavefront;
 use wgpu::naga;
 
 #[test]

@@ -2,9 +2,10 @@
 
 use photosite_develop::packed::{Demosaicking, PackedDevelopment};
 
+use super::shaders::{DEVELOP_TILE, development};
 use super::strips::Strip;
 use crate::buffers::{READ, WRITE, layout};
-use crate::shaders::{DEVELOP_TILE, WORKGROUP_SIZE, development};
+use crate::shaders::WORKGROUP_SIZE;
 
 /// Kernels of development, and the layout of what they read and write.
 pub(crate) struct DevelopKernels {

@@ -17,6 +17,7 @@
 pub(crate) mod kernels;
 pub(crate) mod params;
 pub(crate) mod room;
+pub mod shaders;
 pub(crate) mod strips;
 pub(crate) mod tables;
 

@@ -81,12 +81,12 @@ impl SensorCard {
         let image = [light.mean.width(), light.mean.height()];
         let packed = PackedExposure::new(image, sensor, exposure, stages, key)?;
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
-        // What is held is of a sensor with the same filters.
-        let is_held = |(of, on_card): &(Arc<Estimate>, photosite_gpu::HeldLight)| {
-            Arc::ptr_eq(of, light) && on_card.suits(&packed)
-        };
-        let (of, mut on_card) = match held.take().filter(is_held) {
-            Some(held) => held,
+        let (of, mut on_card) = match held.take().filter(|(_, on_card)| on_card.suits(packed.layout()).is_ok()) {
+            Some(held) if Arc::ptr_eq(&held.0, light) => held,
+            Some((_, mut on_card)) => {
+                on_card.replace(&PackedLight::new(&light.mean, sensor)?)?;
+                (Arc::clone(light), on_card)
+            }
             None => (Arc::clone(light), self.card.hold_light(&PackedLight::new(&light.mean, sensor)?)?),
         };
         let raw = on_card.expose(&packed)?;

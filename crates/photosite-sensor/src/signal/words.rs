@@ -56,8 +56,8 @@ macro_rules! words {
 pub(crate) use words;
 
 words! {
-    /// Number of 0 or more with 64 significant bits: (high·2³² + low)·2^(exponent − 64), whose highest bit is set unless it is
-    /// 0.
+    /// Number of 0 or more with 64 significant bits: (high·2³² + low)·2^(exponent − 64), whose highest bit is set
+    /// unless it is 0.
     Wide {
         high: u32,
         low: u32,

@@ -77,8 +77,8 @@ pub(crate) fn crosstalk_words(sensor: &SensorModel, stages: Stages, tables: &mut
     }
 }
 
-/// Displacements of all channels' electrons with the parts that go there. Where each pixel has a number of every channel,
-/// the next one of the same channel is `step` values further.
+/// Displacements of all channels' electrons with the parts that go there. Where each pixel has a number of every
+/// channel, the next one of the same channel is `step` values further.
 fn displacements(kernels: &[Kernel], step: isize) -> Vec<(usize, isize, isize, f32)> {
     let of_channel = |(channel, kernel): (usize, &'_ Kernel)| -> Vec<_> {
         kernel.displacements().map(|(dx, dy, part)| (channel, dx * step, dy, part)).collect()

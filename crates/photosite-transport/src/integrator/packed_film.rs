@@ -1,10 +1,9 @@
 //! Camera, wavelengths and responses of a render as plain data, for devices that start paths and sum samples themselves.
 
-use super::wavelengths::PixelWavelengths;
 use crate::film::FilmResponses;
 use crate::optics::PackedCamera;
 use crate::sampler::PixelOrder;
-use photosite_core::spectrum::Spectrum;
+use photosite_core::spectrum::{Spectrum, WavelengthSampler};
 
 /// Film of a render as plain data; see the module.
 #[derive(Clone, Debug)]
@@ -37,16 +36,15 @@ pub struct PackedFilm<'a> {
 pub const PIECES: usize = photosite_core::spectrum::TABLE_LEN;
 
 impl<'a> PackedFilm<'a> {
-    /// Packs the film of an image of `rows` rows. `None` where numbers of 32 bits do not tell its random numbers apart.
+    /// Packs the film of an image of `rows` rows, whose wavelengths are drawn by samplers that a tile of pixels names. `None` where numbers of 32 bits do not tell its random numbers apart.
     pub(super) fn new(
         camera: &'a PackedCamera,
         rows: u32,
         (order, seed): (&PixelOrder, u64),
-        (wavelengths, has_single_wavelengths): (&PixelWavelengths, bool),
+        ((samplers, tile, tile_width), has_single_wavelengths): ((&[WavelengthSampler], &[usize], usize), bool),
         transmittance: &Spectrum,
         responses: &FilmResponses,
     ) -> Option<Self> {
-        let (samplers, tile, tile_width) = wavelengths.tile();
         Some(Self {
             camera,
             seed,

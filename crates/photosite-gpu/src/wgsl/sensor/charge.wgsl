@@ -96,8 +96,9 @@ fn freed(mean: vec2<f32>, place: vec2<u32>) -> vec2<f32> {
                 own = dark_mean(i);
             }
             // Where pixels are alike in the dark it is known
-            var e_to_minus_mean = vec2<u32>(exposure.dark_current.e_to_minus_mean_low, exposure.dark_current.e_to_minus_mean_high);
-            if (is_few(own) && !(is_dark && exposure.dark_current.factors.streams.is_there == 0u)) {
+            let dark = exposure.dark_current;
+            var e_to_minus_mean = vec2<u32>(dark.e_to_minus_mean_low, dark.e_to_minus_mean_high);
+            if (is_few(own) && !(is_dark && dark.factors.streams.is_there == 0u)) {
                 e_to_minus_mean = e_to_minus(own);
             }
             var random = stream_of(streams, place, block, i);

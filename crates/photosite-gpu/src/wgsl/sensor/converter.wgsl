@@ -1,5 +1,5 @@
-// From signals to digital numbers; photosite-sensor's stages/converter.rs, dual_gain.rs, defective_numbers.rs, digital_gain.rs,
-// companding.rs.
+// From signals to digital numbers; photosite-sensor's stages/converter.rs, dual_gain.rs, defective_numbers.rs,
+// digital_gain.rs, companding.rs.
 
 /// A signal as a whole number below it and the rest, 0 to 1.
 struct Level {

@@ -1,5 +1,5 @@
-// Normal numbers that the stages of an exposure take, all drawn in one place: a driver copies a function to wherever it is
-// called, and this one is long.
+// Normal numbers that the stages of an exposure take, all drawn in one place: a driver copies a function to wherever it
+// is called, and this one is long.
 
 // Stages that take one
 const OF_PHOTO_RESPONSE = 0u;

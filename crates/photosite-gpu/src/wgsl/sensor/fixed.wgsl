@@ -1,6 +1,6 @@
-// Integers of 64 bits as pairs, the lower half first, and what numbers of more bits than an f32 are made of: fixed-point
-// numbers with 56 bits behind the point, and `Wide` ones (photosite-sensor's signal/words.rs). Nothing here is left to how
-// a driver rounds.
+// Integers of 64 bits as pairs, the lower half first, and what numbers of more bits than an f32 are made of:
+// fixed-point numbers with 56 bits behind the point, and `Wide` ones (photosite-sensor's signal/words.rs). Nothing here
+// is left to how a driver rounds.
 
 /// A number of less than 128 with 56 bits behind the point, and its sign.
 struct Signed {
@@ -64,7 +64,7 @@ fn wide_of(m: vec2<u32>, exponent: i32) -> Wide {
     return Wide(raised.y, raised.x, exponent - i32(zeros));
 }
 
-/// The number that an f32 holds: 0 or more; those below its normal range are 0.
+/// The magnitude of an f32; one below its normal range is 0.
 fn wide_of_f32(x: f32) -> Wide {
     let bits = bitcast<u32>(x);
     let exponent = (bits >> 23u) & 0xffu;

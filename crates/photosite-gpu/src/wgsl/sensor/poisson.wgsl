@@ -70,7 +70,8 @@ fn exponential_less_1(x: f32) -> f32 {
     if (abs(x) > 0.3) {
         return exp(x) - 1.0;
     }
-    return x * (1.0 + x * (1.0 / 2.0 + x * (1.0 / 6.0 + x * (1.0 / 24.0 + x * (1.0 / 120.0 + x * (1.0 / 720.0 + x / 5040.0))))));
+    let beyond_cubic = x * (1.0 / 24.0 + x * (1.0 / 120.0 + x * (1.0 / 720.0 + x / 5040.0)));
+    return x * (1.0 + x * (1.0 / 2.0 + x * (1.0 / 6.0 + beyond_cubic)));
 }
 
 fn densities_at(at: Candidate, mean: Wide) -> Densities {
@@ -162,7 +163,8 @@ fn many(mean: Wide, random: ptr<function, Philox>) -> f32 {
         if (signed_f32(t) > -0.6744) {
             let second = candidate(mean, root, t);
             let densities = densities_at(second, mean);
-            let size = densities.polynomial * exp(densities.exponent + signed_f32(Signed(e, false))) / sqrt(6.2831853f * lambda);
+            let power = exp(densities.exponent + signed_f32(Signed(e, false)));
+            let size = densities.polynomial * power / sqrt(6.2831853f * lambda);
             if (0.1069 / lambda * u <= size * densities.surplus) {
                 count = second.count;
                 break;

@@ -1,5 +1,6 @@
-// Random numbers of the sensor, bit for bit those of the processor: photosite-core's math/philox.rs and photosite-sensor's
-// signal/noise_key.rs; normal and exponential numbers are those of rand_distr's ziggurats, with 56 bits behind the point.
+// Random numbers of the sensor, bit for bit those of the processor: photosite-core's math/philox.rs and
+// photosite-sensor's signal/noise_key.rs; normal and exponential numbers are those of rand_distr's ziggurats, with 56
+// bits behind the point.
 
 /// Stream of numbers: its key, what is counted, and the half of a block that is left.
 struct Philox {
@@ -21,7 +22,7 @@ fn philox4x32_10(start: vec4<u32>, start_key: vec2<u32>) -> vec4<u32> {
     return counter;
 }
 
-/// Place of two neighbours: the number of their pair in its row, and the row.
+/// First block of two neighbours, whose place is the number of their pair in its row, and the row.
 fn first_block(streams: StreamWords, place: vec2<u32>) -> vec4<u32> {
     let key = vec2<u32>(streams.key_low, streams.key_high);
     return philox4x32_10(vec4<u32>(0u, 0u, place.x, place.y & streams.row_mask), key);
@@ -64,7 +65,8 @@ fn part_f32(x: vec2<u32>) -> f32 {
     return f32(x.y) * (1.0 / 4294967296.0) + f32(x.x >> 8u) * (1.0 / 72057594037927936.0);
 }
 
-/// Error of a density in single precision: that of the function exp, (3 + 2·8)·2⁻²⁴, and of a sum.
+/// Error of a density in single precision, of which drivers promise (3 + 2·x)·2⁻²³·e^(−x), at most 4e-7, and of what is
+/// compared with it, with room for drivers that promise less.
 const DENSITY_ERROR = 4e-6f;
 
 /// Whether a point of a layer lies under the density e^(−x) of a fixed-point x. What single precision cannot tell is

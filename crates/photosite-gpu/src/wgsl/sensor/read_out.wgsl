@@ -1,5 +1,5 @@
-// Stages from charge to signals; photosite-sensor's stages/reset_noise.rs, dark_offset.rs, line_noise.rs, amplifiers.rs,
-// read_noise.rs.
+// Stages from charge to signals; photosite-sensor's stages/reset_noise.rs, dark_offset.rs, line_noise.rs,
+// amplifiers.rs, read_noise.rs.
 
 /// Charge at the input of the amplifiers, with what the read-out adds to it.
 fn at_amplifiers(held_charge: vec2<f32>, place: vec2<u32>) -> vec2<f32> {
@@ -43,7 +43,8 @@ fn amplified(charge: vec2<f32>, place: vec2<u32>) -> vec2<f32> {
         var spread = vec2<f32>(noise.standard_deviation_e);
         if (noise.factors.streams.is_there == 1u) {
             for (var i = 0u; i < 2u; i += 1u) {
-                spread[i] = nearest_f32(wide_product_of(noise.standard_deviation, factor(noise.factors, OF_READ_NOISE_SPREAD, i)));
+                let own = factor(noise.factors, OF_READ_NOISE_SPREAD, i);
+                spread[i] = nearest_f32(wide_product_of(noise.standard_deviation, own));
             }
         }
         signal = rounded_sum(signal, rounded_product(spread, normals(OF_READ_NOISE)));

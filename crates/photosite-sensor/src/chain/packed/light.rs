@@ -37,8 +37,8 @@ impl LightLayout {
 }
 
 impl PackedLight {
-    /// Packs light that frees `mean_electrons` on average, as [`expose`](crate::expose()) takes it: each pixel takes the
-    /// channel that it sees. Of the sensor, its colour filter array and its image circle count alone.
+    /// Packs light that frees `mean_electrons` on average, as [`expose`](crate::expose()) takes it: each pixel takes
+    /// the channel that it sees. Of the sensor, its colour filter array and its image circle count alone.
     ///
     /// # Errors
     ///

@@ -117,7 +117,8 @@ impl<'a> PackedExposure<'a> {
     ///
     /// # Errors
     ///
-    /// What [`expose`](crate::expose()) refuses, and by its key the first fact of sensor or exposure that a card does not have.
+    /// What [`expose`](crate::expose()) refuses, and by its key the first fact of sensor or exposure that a card does
+    /// not have.
     pub fn new(
         image: [usize; 2],
         sensor: &'a SensorModel,
@@ -169,8 +170,8 @@ impl<'a> PackedExposure<'a> {
         self.frame.size
     }
 
-    /// Builds the raw image of digital numbers, row by row, of all that is read out ([`Self::size`]), with the metadata that
-    /// [`expose`](crate::expose()) gives it.
+    /// Builds the raw image of digital numbers, row by row, of all that is read out ([`Self::size`]), with the metadata
+    /// that [`expose`](crate::expose()) gives it.
     pub fn raw_image(&self, numbers: Vec<u16>) -> RawImage {
         let (whole, part) = raw_image(&self.frame, numbers, self.frame.size, self.layout.image());
         match part {

@@ -20,8 +20,8 @@ const POWER_BITS: i32 = 62;
 /// Powers e^(i/32) up to 3/4, which is beyond ln 2; and e^(i/1024) up to 1/32.
 const POWERS: [usize; 2] = [25, 32];
 
-/// Places of the tables by their names in WGSL: edges and densities of both ziggurats, and both tables of powers. Every number
-/// takes two words, the lower half first.
+/// Places of the tables by their names in WGSL: edges and densities of both ziggurats, and both tables of powers. Every
+/// number takes two words, the lower half first.
 pub const PLACES: [(&str, u32); 6] = {
     let list = 2 * (LAYERS as u32 + 1);
     [
@@ -102,8 +102,8 @@ mod tests {
 
     #[test]
     fn layers_have_the_same_area() {
-        // Marsaglia and Tsang 2000: x(i)·(f(x(i+1)) − f(x(i))) is the same for all layers, and for the base with its tail; to
-        // the rounding of differences of numbers near 1, 2⁻⁵³ of them for areas of 2⁻⁸.
+        // Marsaglia and Tsang 2000: x(i)·(f(x(i+1)) − f(x(i))) is the same for all layers, and for the base with its
+        // tail; to the rounding of differences of numbers near 1, 2⁻⁵³ of them for areas of 2⁻⁸.
         for (edges, right) in [(0, 3.654_152_885_361_009), (2, 7.697_117_470_131_05)] {
             assert_eq!(number(edges, 1, EDGE_BITS), right);
             let density = |i| number(edges + 1, i, DENSITY_BITS);

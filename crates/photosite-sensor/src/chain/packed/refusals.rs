@@ -4,8 +4,8 @@ use photosite_core::Invalid;
 
 use crate::{Architecture, Converter, Exposure, Noise, RegionOfInterest, SensorModel, Stage, Stages, Video};
 
-/// First fact of sensor or exposure that a card does not have; `None` where it has all. A fact that is new to sensors does not
-/// compile until it has its line here.
+/// First fact of sensor or exposure that a card does not have; `None` where it has all. A fact that is new to sensors
+/// does not compile until it has its line here.
 pub fn refusal(sensor: &SensorModel, exposure: &Exposure, stages: Stages) -> Option<Invalid> {
     let SensorModel {
         // What says nothing about digital numbers, or is in the light
@@ -96,8 +96,8 @@ fn of_stage(stage: Stage) -> Option<(&'static str, &'static str)> {
     }
 }
 
-/// Whether read noise takes part that follows Student's t distribution. A new fact of noise or converters does not compile until
-/// it is named here.
+/// Whether read noise takes part that follows Student's t distribution. A new fact of noise or converters does not
+/// compile until it is named here.
 fn has_tails(noise: &Noise, converter: &Converter, stages: Stages) -> bool {
     let Noise {
         read_degrees_of_freedom,

@@ -92,7 +92,7 @@ impl Tracer<'_> {
             return None;
         }
         let packed = self.packed_camera.get_or_init(|| camera.packed()).as_ref()?;
-        let wavelengths = (&self.wavelengths, self.has_single_wavelengths);
+        let wavelengths = (self.wavelengths.tile(), self.has_single_wavelengths);
         PackedFilm::new(packed, rows, (&self.order, self.seed), wavelengths, transmittance, film.responses())
     }
 

@@ -1,11 +1,13 @@
 //! Worker on one band of rows whose paths a device starts, and whose samples it sums.
 
 use super::band_worker::PATHS_PER_REPORT;
-use super::passes::MAX_PASS_SAMPLES;
 use super::tracer::Tracer;
 use crate::film::{FilmBand, ShiftedSums};
 use crate::integrator::LoadedDevice;
 use crate::integrator::path_tracer::{PixelRun, PixelTracer};
+
+/// Largest number of samples of a run: as many as a pass brings once passes do not double any more.
+const LONGEST_RUN: u32 = 16;
 
 /// Adds samples to a band.
 pub(super) struct PixelWorker<'a, 'f> {
@@ -55,7 +57,7 @@ impl<'a, 'f> PixelWorker<'a, 'f> {
         let (first_sample, first_pixel) = (self.tracer.job.settings.samples().start, self.first_pixel);
         let missing = |band: &FilmBand<'_>, pixel: usize| band.samples(pixel)..wanted(first_pixel + pixel);
         let longest = (0..self.band.pixels()).map(|pixel| missing(&self.band, pixel).len()).max().unwrap_or(0);
-        let longest = (longest as u32).clamp(1, MAX_PASS_SAMPLES);
+        let longest = (longest as u32).clamp(1, LONGEST_RUN);
         let together = self.pixels.batch_size(longest);
         for pixel in 0..self.band.pixels() {
             let missing = missing(&self.band, pixel);

@@ -6,7 +6,7 @@ use photosite_sensor::packed::random_tables;
 use wgpu::util::DeviceExt;
 
 use crate::buffers::{READ, WRITE, layout};
-use crate::exposure_shaders::exposure;
+use crate::expose::shaders::exposure;
 
 /// Kernel of a device, once it is compiled, or the words of a driver that refuses it.
 #[derive(Default)]

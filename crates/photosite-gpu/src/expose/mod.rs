@@ -1,5 +1,8 @@
 //! Exposure on a card: light that stays there, and digital numbers that come back.
 
+pub(crate) mod kernel;
+pub mod shaders;
+
 use std::sync::{Arc, Mutex, PoisonError};
 
 use photosite_core::Invalid;
@@ -11,17 +14,20 @@ use wgpu::util::DeviceExt;
 
 use crate::adapters::Card;
 use crate::buffers::bind;
-use crate::exposure_kernel::ExposureKernel;
+use crate::expose::kernel::ExposureKernel;
 use crate::shaders::WORKGROUP_SIZE;
 
 /// Values that are exposed by one submission: some milliseconds of a card, and some tens of a small one, so that
 /// others, a desktop among them, have their turns.
 const STRIP_VALUES: usize = 1 << 22;
+/// Values of a submission of software, which takes as long for them.
+const SOFTWARE_STRIP_VALUES: usize = 1 << 14;
 
 impl Card {
-    /// Exposes a sensor as [`photosite_sensor::expose`] does, with the same random numbers. Digital numbers are the same, but
-    /// for some in ten millions whose signal lies within its rounding of the threshold between two of them, which differ
-    /// by 1 DN, and for as few whose count of electrons does, which differ by the numbers of an electron.
+    /// Exposes a sensor as [`photosite_sensor::expose`] does, with the same random numbers, each operation in the same
+    /// order and rounded alike. Digital numbers are the same, but for two kinds of exceptions: of ten million counts of
+    /// electrons one or a few are drawn otherwise, where single precision decides whether a candidate is taken; and
+    /// where amplifiers or converters bend, signals within their rounding of a threshold differ by 1 DN.
     ///
     /// For several exposures of the same light see [`Self::hold_light`].
     ///
@@ -55,12 +61,14 @@ impl Card {
             .map_err(|words| refused(format!("{} does not take the kernel of an exposure: {words}", self.adapter())))?;
         let on_card = Buffers { device, name: self.adapter().to_string() };
         let contents = bytemuck::cast_slice(light.electrons());
-        let light_buffer = on_card.filled("light", contents, wgpu::BufferUsages::STORAGE)?;
+        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
+        let light_buffer = on_card.filled("light", contents, usage)?;
         Ok(HeldLight {
             on_card,
             queue: self.queue().clone(),
             fault: self.fault(),
             kernel,
+            strip_values: if self.adapter().is_software { SOFTWARE_STRIP_VALUES } else { STRIP_VALUES },
             layout: light.layout().clone(),
             light: light_buffer,
             numbers: None,
@@ -74,6 +82,8 @@ pub struct HeldLight {
     queue: wgpu::Queue,
     fault: Arc<Mutex<Option<String>>>,
     kernel: Arc<ExposureKernel>,
+    /// Values that one submission exposes.
+    strip_values: usize,
     layout: LightLayout,
     light: wgpu::Buffer,
     /// Those of the last exposure, which serve the next one of the same size.
@@ -88,9 +98,32 @@ struct Numbers {
 }
 
 impl HeldLight {
-    /// Whether an exposure is of light of this layout.
-    pub fn suits(&self, exposure: &PackedExposure<'_>) -> bool {
-        *exposure.layout() == self.layout
+    /// Puts other light of the same layout in the place of this, such as that of the next image of a live view.
+    ///
+    /// # Errors
+    ///
+    /// Light of another layout.
+    pub fn replace(&mut self, light: &PackedLight) -> Result<(), Invalid> {
+        self.suits(light.layout())?;
+        self.queue.write_buffer(&self.light, 0, bytemuck::cast_slice(light.electrons()));
+        Ok(())
+    }
+
+    /// Refuses another layout than that of the light.
+    ///
+    /// # Errors
+    ///
+    /// Another size, or a sensor with other colour filters or another image circle.
+    pub fn suits(&self, layout: &LightLayout) -> Result<(), Invalid> {
+        if *layout == self.layout {
+            return Ok(());
+        }
+        let [[columns, rows], [width, height]] = [layout, &self.layout].map(LightLayout::image);
+        let message = format!(
+            "{columns} × {rows} pixels do not suit the light of {width} × {height} on the card, or the sensor has other \
+             colour filters or another image circle"
+        );
+        Err(Invalid::new("", message).help("hold the light anew"))
     }
 
     /// Exposes the light once.
@@ -100,29 +133,22 @@ impl HeldLight {
     /// Exposures of another layout of light, in size, colour filter array or image circle; images that the card has no
     /// room for; words of its driver, such as that the device is lost.
     pub fn expose(&mut self, exposure: &PackedExposure<'_>) -> Result<RawImage, Invalid> {
-        if !self.suits(exposure) {
-            let [[columns, rows], [width, height]] = [exposure.layout(), &self.layout].map(LightLayout::image);
-            let message = format!(
-                "an exposure of {columns} × {rows} pixels does not suit light of {width} × {height}, or its sensor has other \
-                 colour filters or another image circle"
-            );
-            return Err(Invalid::new("", message).help("pack both for the same image and sensor"));
-        }
+        self.suits(exposure.layout())?;
         let [width, height] = exposure.size();
         let words_of_row = width.div_ceil(2);
         let numbers = match self.numbers.take() {
             Some(numbers) if numbers.bytes == (4 * words_of_row * height) as u64 => numbers,
             _ => self.on_card.numbers((4 * words_of_row * height) as u64)?,
         };
-        self.run(exposure, &numbers)?;
-        let read = self.read(&numbers, width);
+        let last = self.run(exposure, &numbers)?;
+        let read = self.read(&numbers, width, last);
         let data = read.map_err(|words| refused(format!("{} has failed: {words}", self.on_card.name)))?;
         self.numbers = Some(numbers);
         Ok(exposure.raw_image(data))
     }
 
-    /// Starts the kernel for all strips of rows, and brings the numbers on their way.
-    fn run(&self, exposure: &PackedExposure<'_>, numbers: &Numbers) -> Result<(), Invalid> {
+    /// Starts the kernel for all strips of rows, and brings the numbers on their way. Returns the last submission.
+    fn run(&self, exposure: &PackedExposure<'_>, numbers: &Numbers) -> Result<Option<wgpu::SubmissionIndex>, Invalid> {
         let device = &self.on_card.device;
         let storage = wgpu::BufferUsages::STORAGE;
         let fact = |what, words: &[u32]| {
@@ -133,7 +159,8 @@ impl HeldLight {
         let tables = fact("patterns and defective pixels", exposure.tables())?;
         let facts = bind(device, &self.kernel.facts, &[&words, &tables, &self.kernel.random_tables, &self.light]);
         let [width, height] = exposure.size();
-        let strip = (STRIP_VALUES / width).max(1);
+        let mut last = None;
+        let strip = (self.strip_values / width).max(1);
         for first in (0..height).step_by(strip) {
             let place = [first as u32, 0, 0, 0];
             let place =
@@ -151,15 +178,16 @@ impl HeldLight {
             if first + strip >= height {
                 encoder.copy_buffer_to_buffer(&numbers.on_card, 0, &numbers.returned, 0, numbers.bytes);
             }
-            self.queue.submit([encoder.finish()]);
+            last = Some(self.queue.submit([encoder.finish()]));
         }
-        Ok(())
+        Ok(last)
     }
 
     /// Waits for the numbers, and takes those of each row, whose words may hold one more.
-    fn read(&self, numbers: &Numbers, width: usize) -> Result<Vec<u16>, String> {
+    fn read(&self, numbers: &Numbers, width: usize, last: Option<wgpu::SubmissionIndex>) -> Result<Vec<u16>, String> {
         numbers.returned.map_async(wgpu::MapMode::Read, .., |_| {});
-        self.on_card.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| error.to_string())?;
+        let waited = self.on_card.device.poll(wgpu::PollType::Wait { submission_index: last, timeout: None });
+        waited.map_err(|error| error.to_string())?;
         if let Some(fault) = self.fault.lock().unwrap_or_else(PoisonError::into_inner).clone() {
             return Err(fault);
         }

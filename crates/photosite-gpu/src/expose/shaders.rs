@@ -6,18 +6,18 @@ use crate::shaders::WORKGROUP_SIZE;
 
 /// Files in the order of what they need.
 const FILES: [&str; 9] = [
-    include_str!("wgsl/hash.wgsl"),
-    include_str!("wgsl/sensor/fixed.wgsl"),
-    include_str!("wgsl/sensor/random.wgsl"),
-    include_str!("wgsl/sensor/poisson.wgsl"),
-    include_str!("wgsl/sensor/values.wgsl"),
-    include_str!("wgsl/sensor/draws.wgsl"),
-    include_str!("wgsl/sensor/charge.wgsl"),
-    include_str!("wgsl/sensor/read_out.wgsl"),
-    include_str!("wgsl/sensor/converter.wgsl"),
+    include_str!("../wgsl/hash.wgsl"),
+    include_str!("../wgsl/sensor/fixed.wgsl"),
+    include_str!("../wgsl/sensor/random.wgsl"),
+    include_str!("../wgsl/sensor/poisson.wgsl"),
+    include_str!("../wgsl/sensor/values.wgsl"),
+    include_str!("../wgsl/sensor/draws.wgsl"),
+    include_str!("../wgsl/sensor/charge.wgsl"),
+    include_str!("../wgsl/sensor/read_out.wgsl"),
+    include_str!("../wgsl/sensor/converter.wgsl"),
 ];
 
-/// What the kernel reads and writes, whose places are those of the layouts in `exposure_kernel`.
+/// What the kernel reads and writes, whose places are those of the layouts in `kernel`.
 const BINDINGS: &str = "\
 struct Strip { first_row: u32, padding_0: u32, padding_1: u32, padding_2: u32 }
 @group(0) @binding(0) var<storage, read> exposure: ExposureWords;
@@ -46,5 +46,5 @@ pub fn functions() -> String {
 
 /// Text of the kernel.
 pub fn exposure() -> String {
-    functions() + OF_KERNEL + include_str!("wgsl/sensor/expose.wgsl")
+    functions() + OF_KERNEL + include_str!("../wgsl/sensor/expose.wgsl")
 }
