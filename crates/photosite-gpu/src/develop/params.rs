@@ -1,5 +1,5 @@
-//! Numbers of a strip of an image that all kernels of development read: one table, from which both the WGSL and the bytes
-//! are made.
+//! Numbers of a strip of an image that all kernels of development read: one table, from which both the WGSL and the
+//! bytes are made.
 
 use photosite_develop::packed::{Demosaicking, PackedDevelopment};
 
