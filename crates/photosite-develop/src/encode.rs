@@ -111,8 +111,8 @@ fn placed(encoded: f32, largest: f32, rounding: f32) -> f32 {
     encoded * largest + rounding
 }
 
-/// Numbers of single precision between a level and the exact inverse of its code: about as many as straight lines between
-/// the entries of the curve's table are off by, 4e-8/0.05 where it begins.
+/// Numbers of single precision between a level and the exact inverse of its code: about as many as straight lines
+/// between the entries of the curve's table are off by, 4e-8/0.05 where it begins.
 const NEAR: u32 = 64;
 
 /// Least linear value of every code from 1 on: the code of a value is the number of these that it reaches. Found by

@@ -126,8 +126,8 @@ impl GainMap {
         mix(row(down.first), row(down.second), down.part)
     }
 
-    /// Points on both sides of a place along an axis, 0 for columns and 1 for rows, from 0 at the first edge of the active
-    /// area to 1 at the opposite one.
+    /// Points on both sides of a place along an axis, 0 for columns and 1 for rows, from 0 at the first edge of the
+    /// active area to 1 at the opposite one.
     #[inline]
     pub fn between(&self, axis: usize, place: f64) -> Between {
         let points = if axis == 0 { self.columns() } else { self.rows() };

@@ -1,5 +1,6 @@
-//! Development as plain data, for devices: what the steps of [`develop`](crate::develop()) find out about a raw image and its
-//! settings before they touch a pixel, by the same functions. What a device does not have is refused by its key.
+//! Development as plain data, for devices: what the steps of [`develop`](crate::develop()) find out about a raw image
+//! and its settings before they touch a pixel, by the same functions. What a device does not have is refused by its
+//! key.
 //!
 //! | step | numbers |
 //! |---|---|
@@ -123,8 +124,8 @@ pub enum Demosaicking {
     },
 }
 
-/// Neighbours of a pixel of a Bayer mosaic that a mean is taken of, nearest first: step to the right and down, pixels, and
-/// weight; for the four places of the tile, row by row, and in each for the three channels.
+/// Neighbours of a pixel of a Bayer mosaic that a mean is taken of, nearest first: step to the right and down, pixels,
+/// and weight; for the four places of the tile, row by row, and in each for the three channels.
 pub type Neighbours = [[Vec<([isize; 2], f32)>; 3]; 4];
 
 impl Demosaicking {
@@ -138,12 +139,14 @@ impl Demosaicking {
 }
 
 impl PackedDevelopment {
-    /// Packs the development of a raw image with these settings. The pixel values of `raw` do not count and may be missing.
+    /// Packs the development of a raw image with these settings. The pixel values of `raw` do not count and may be
+    /// missing.
     ///
     /// # Errors
     ///
-    /// The key of the first setting, or of the first fact about the raw image, that a device does not have; the image is
-    /// developed by [`develop`](crate::develop()) instead. Settings and facts that `develop` refuses are refused here, too.
+    /// The key of the first setting, or of the first fact about the raw image, that a device does not have; the image
+    /// is developed by [`develop`](crate::develop()) instead. Settings and facts that `develop` refuses are refused
+    /// here, too.
     pub fn new(raw: &RawImage, settings: &DevelopSettings) -> Result<Self, Invalid> {
         raw.validate_area()?;
         settings.validate().map_err(|invalid| invalid.within("develop"))?;

@@ -52,9 +52,9 @@ fn refused(message: String) -> Invalid {
 }
 
 impl Card {
-    /// Develops a raw image for display as [`develop`](photosite_develop::develop) does; `development` is that of this image
-    /// or of one that differs from it in its numbers alone. Kernels are compiled at the first call. The card keeps buffers
-    /// of 240 MB at most for the next.
+    /// Develops a raw image for display as [`develop`](photosite_develop::develop) does; `development` is that of this
+    /// image or of one that differs from it in its numbers alone. Kernels are compiled at the first call. The card
+    /// keeps buffers of 240 MB at most for the next.
     ///
     /// # Errors
     ///

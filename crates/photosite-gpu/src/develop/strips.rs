@@ -1,5 +1,5 @@
-//! Strips of rows that an image is developed in, one after the other, so that planes of any image have room on a card and
-//! no kernel runs long.
+//! Strips of rows that an image is developed in, one after the other, so that planes of any image have room on a card
+//! and no kernel runs long.
 
 use std::ops::Range;
 
@@ -51,8 +51,8 @@ impl Turn {
     }
 }
 
-/// Strips of an image, of so many pixels with their margin at most. `has_all` is whether all raw numbers are on the card,
-/// not those of a strip alone.
+/// Strips of an image, of so many pixels with their margin at most. `has_all` is whether all raw numbers are on the
+/// card, not those of a strip alone.
 ///
 /// # Errors
 ///

@@ -1,8 +1,8 @@
 //! Comparison of images that were developed on a card with the processor's.
 //!
 //! A code is right where it is that of a value within e of the processor's linear one. With u = 2⁻²⁴, the rounding of a
-//! sum or product in single precision, and values of up to M, that bound follows from the steps: a step of the signal has
-//! 10 operations, so that it is within s = 10uM. Values of methods whose weights have sums w of magnitudes, with n
+//! sum or product in single precision, and values of up to M, that bound follows from the steps: a step of the signal
+//! has 10 operations, so that it is within s = 10uM. Values of methods whose weights have sums w of magnitudes, with n
 //! operations on values of up to M, are within w·s + n·uM:
 //!
 //! | method | w | n |
@@ -13,14 +13,14 @@
 //! | Menon | 9 | 55 |
 //!
 //! For Menon's these are found step by step: green is within 10uM + 2s after the first pass, chroma beside it within
-//! 15uM + 3s, the other colour within 35uM + 7s; green after the second within 21uM + 3.5s, chroma within 26uM + 4.5s and
-//! the other colour within 55uM + 9s. The matrix multiplies that by the largest sum S of magnitudes in a row and adds
-//! 5uS·M, filmic's curve by its slope, which is below 2, and grey adds 3u. The processor's own value has as much.
+//! 15uM + 3s, the other colour within 35uM + 7s; green after the second within 21uM + 3.5s, chroma within 26uM + 4.5s
+//! and the other colour within 55uM + 9s. The matrix multiplies that by the largest sum S of magnitudes in a row and
+//! adds 5uS·M, filmic's curve by its slope, which is below 2, and grey adds 3u. The processor's own value has as much.
 //!
 //! Menon's method goes along rows where differences of colour change no more along them than along columns. Each sum of
-//! changes has 12 with weights up to 3, 18 in all, of differences within 10uM + 2s: it is within 18·2·30uM and some 170uM
-//! of its own. Where both sums are nearer than that on both machines, the other direction may be chosen, which changes
-//! pixels up to 5 away.
+//! changes has 12 with weights up to 3, 18 in all, of differences within 10uM + 2s: it is within 18·2·30uM and some
+//! 170uM of its own. Where both sums are nearer than that on both machines, the other direction may be chosen, which
+//! changes pixels up to 5 away.
 
 use photosite_core::Invalid;
 use photosite_develop::packed::{Demosaicking, Line, PackedDevelopment};

@@ -46,12 +46,12 @@ fn images_of_every_layout_and_size_are_those_of_the_processor() {
         }
     }
     println!("{all:?}");
-    // Roundings know nothing of each other, so that the bound of 145 and more is a dozen times as far as they reach, and
-    // of the values that are as near to a level a dozenth comes to lie beyond it at most.
+    // Roundings know nothing of each other, so that the bound of 145 and more is a dozen times as far as they reach,
+    // and of the values that are as near to a level a dozenth comes to lie beyond it at most.
     assert!((all.differing - all.by_ties) * 12 < all.near_levels, "{all:?}");
     // A sum of changes is near another by chance alone: both have a spread of the noise, 1e-2 and more, and are within
-    // 2e-4 of each other in some hundredths. Of those the processor's rounding decides one in ten, and 11 × 11 pixels lie
-    // around each.
+    // 2e-4 of each other in some hundredths. Of those the processor's rounding decides one in ten, and 11 × 11 pixels
+    // lie around each.
     assert!(all.by_ties * 10 < all.codes, "{all:?}");
 }
 

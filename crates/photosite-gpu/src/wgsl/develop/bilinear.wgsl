@@ -19,18 +19,18 @@ fn step_of(tap: u32) -> vec2<i32> {
 fn mean_of(first: u32, count: u32, x: u32, y: u32) -> f32 {
     let column = column_of(x);
     let row = row_of(y);
-    var all = 0.0;
+    var total = 0.0;
     var inside = 0u;
     for (var i = 0u; i < count; i++) {
         let tap = first + TAP_WORDS * i;
-        all += number_at(tap + 2u);
+        total += number_at(tap + 2u);
         inside += u32(stays(column, row, step_of(tap)));
     }
     var sum = 0.0;
     if (inside == count) {
         for (var i = 0u; i < count; i++) {
             let tap = first + TAP_WORDS * i;
-            sum += number_at(tap + 2u) / all * beside(x, y, step_of(tap));
+            sum += number_at(tap + 2u) / total * beside(x, y, step_of(tap));
         }
         return sum;
     }
@@ -42,31 +42,8 @@ fn mean_of(first: u32, count: u32, x: u32, y: u32) -> f32 {
             weights += number_at(tap + 2u);
         }
     }
-    if (inside > 0u) {
-        return sum / weights;
-    }
-    return nearest_tile(first, count, x, y);
-}
-
-/// Value at the same place of a neighbouring tile, where all neighbours of an image of one row or column lie outside; 0
-/// where an image smaller than a tile lacks a channel.
-fn nearest_tile(first: u32, count: u32, x: u32, y: u32) -> f32 {
-    let column = column_of(x);
-    let row = row_of(y);
-    var shifts = array<i32, 3>(0, 2, -2);
-    for (var i = 0u; i < 9u; i++) {
-        let shift = vec2<i32>(shifts[i % 3u], shifts[i / 3u]);
-        if (!stays(column, row, shift)) {
-            continue;
-        }
-        for (var k = 0u; k < count; k++) {
-            let step = shift + step_of(first + TAP_WORDS * k);
-            if (stays(column, row, step)) {
-                return beside(x, y, step);
-            }
-        }
-    }
-    return 0.0;
+    // An image of one row or column lacks the channels that it has no pixel of
+    return select(0.0, sum / weights, inside > 0u);
 }
 
 @compute @workgroup_size(8, 8)

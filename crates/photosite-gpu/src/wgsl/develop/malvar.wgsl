@@ -57,7 +57,8 @@ fn malvar(@builtin(global_invocation_id) id: vec3<u32>) {
         );
     } else {
         let other = other_at_coloured(i);
-        rgb = vec3<f32>(select(other, mosaic[i], own == RED), green_at_coloured(i), select(mosaic[i], other, own == RED));
+        let is_red = own == RED;
+        rgb = vec3<f32>(select(other, mosaic[i], is_red), green_at_coloured(i), select(mosaic[i], other, is_red));
     }
     planes[i] = rgb.x;
     planes[params.plane + i] = rgb.y;

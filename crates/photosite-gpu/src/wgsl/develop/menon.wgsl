@@ -21,8 +21,8 @@ fn row_pixel(id: vec3<u32>, is_green: bool, inset: u32) -> RowPixel {
     return RowPixel(select(NONE, index_of(x, id.y), is_inside), own * params.plane, (BLUE - own) * params.plane);
 }
 
-/// Green at coloured pixels along rows and along columns: the mean of its neighbours, corrected by the second difference
-/// of the pixel's colour.
+/// Green at coloured pixels along rows and along columns: the mean of its neighbours, corrected by the second
+/// difference of the pixel's colour.
 @compute @workgroup_size(8, 8)
 fn interpolate_green(@builtin(global_invocation_id) id: vec3<u32>) {
     let pixel = row_pixel(id, false, 2u);
