@@ -1,10 +1,10 @@
-//! Light transport, exposure and development on graphics cards: the paths of [`integrator`](photosite_transport::integrator),
-//! the stages of `photosite_sensor::expose` and the steps of `photosite_develop::develop`, by kernels in WGSL through wgpu,
-//! on Vulkan, Metal and DirectX.
+//! Light transport, exposure and development on graphics cards: the paths of
+//! [`integrator`](photosite_transport::integrator), the stages of `photosite_sensor::expose` and the steps of
+//! `photosite_develop::develop`, by kernels in WGSL through wgpu, on Vulkan, Metal and DirectX.
 //!
 //! In: a scene as plain data ([`scene::packed`](photosite_transport::scene::packed)), and either the film with its
-//! camera ([`PackedFilm`](photosite_transport::integrator::PackedFilm)) or starts of paths whose rays a camera that cards do not
-//! have has made on the processor. Out: sums of the samples of pixels, or what arrives along each path.
+//! camera ([`PackedFilm`](photosite_transport::integrator::PackedFilm)), or starts of paths, of cameras that cards do
+//! not have. Out: sums of the samples of pixels, or what arrives along each path.
 //!
 //! Of light and an exposure as plain data (`photosite_sensor::packed`) come the digital numbers of a raw image
 //! (`Card::expose`); of those, with the development as plain data (`photosite_develop::packed`), the codes of an image

@@ -21,8 +21,8 @@ macro_rules! uniform_block {
 }
 pub(crate) use uniform_block;
 
-/// Text of the struct of a block in WGSL. Sizes of uniform blocks are whole numbers of 16 bytes, so that numbers that mean
-/// nothing fill it up.
+/// Text of the struct of a block in WGSL. Sizes of uniform blocks are whole numbers of 16 bytes, so that numbers that
+/// mean nothing fill it up.
 pub(crate) fn wgsl(name: &str, fields: &[(&str, &str)]) -> String {
     let mut text = format!("struct {name} {{\n");
     for (name, kind) in fields {

@@ -74,8 +74,8 @@ pub struct PixelRun {
 
 /// Tracer of the samples of pixels, with the camera, the wavelengths and the responses of one film.
 pub trait PixelTracer: Send + Sync {
-    /// Traces runs of at most `longest` samples each, and puts the sums of each run in the place of `sums`, group by group of
-    /// four channels. The sums of a run are a function of it alone.
+    /// Traces runs of at most `longest` samples each, and puts the sums of each run in the place of `sums`, group by
+    /// group of four channels. The sums of a run are a function of it alone.
     ///
     /// # Errors
     ///

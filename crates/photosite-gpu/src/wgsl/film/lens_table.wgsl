@@ -8,8 +8,8 @@ fn node_weights(t: f32) -> vec4<f32> {
     return vec4<f32>(-a * b * c / 6.0, t * b * c / 2.0, -t * a * c / 2.0, t * a * b / 6.0);
 }
 
-/// What a place in a pixel sees: of a lens that is focused on a plane the point of the plane z = −1 and the solid angle over
-/// cos³θ, of others the direction and the solid angle.
+/// What a place in a pixel sees: of a lens that is focused on a plane the point of the plane z = −1 and the solid angle
+/// over cos³θ, of others the direction and the solid angle.
 fn table_sees(pixel: vec2<u32>, within: vec2<f32>) -> vec4<f32> {
     let last = vec2<u32>(film.lens_columns, film.lens_rows) - NODES_ALONG;
     let start = min(max(pixel / film.lens_step, vec2<u32>(1u)) - 1u, last);

@@ -1,5 +1,6 @@
-// Starts and ends of paths of whole pixels; photosite-transport's integrator/render/tracer.rs (`Tracer::draw`), sampler/pixel_order.rs
-// and film.rs. A run is of samples of one pixel that follow each other; paths of run r have the numbers from r · slots on.
+// Starts and ends of paths of whole pixels; photosite-transport's integrator/render/tracer.rs (`Tracer::draw`),
+// sampler/pixel_order.rs and film.rs. A run is of samples of one pixel that follow each other; paths of run r have the
+// numbers from r · slots on.
 
 /// Run as the host sends it.
 struct Run {
@@ -106,8 +107,8 @@ fn channel_values(path: u32, group: u32) -> vec4<f32> {
     return values;
 }
 
-/// Sums what arrives along the paths of each run, for four channels at a time: the first sample, and sums of differences from
-/// it and of their squares.
+/// Sums what arrives along the paths of each run, for four channels at a time: the first sample, and sums of
+/// differences from it and of their squares.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn update_film(@builtin(global_invocation_id) id: vec3<u32>) {
     let slots = atomicLoad(&control[SLOTS]);
