@@ -175,8 +175,8 @@ impl Tracer {
         self.is_idle.notify_one();
     }
 
-    /// Sends words of a batch and the numbers of its kernels, traces until no path goes on, and hands over the bytes of the
-    /// results.
+    /// Sends words of a batch and the numbers of its kernels, traces until no path goes on, and hands over the bytes of
+    /// the results.
     pub(crate) fn trace_words(
         &self,
         batch: &Batch,

@@ -143,8 +143,8 @@ impl DeviceChoice {
         }
     }
 
-    /// The chosen device, for the light of all these captures; `None` for the processor. What a card cannot render is an
-    /// error, or a warning where the choice was left open.
+    /// The chosen device, for the light of all these captures; `None` for the processor. What a card cannot render is
+    /// an error, or a warning where the choice was left open.
     #[cfg(feature = "gpu")]
     pub fn device_for<'a>(
         &self,
@@ -164,8 +164,8 @@ impl DeviceChoice {
         Ok(self.card("traces", monitor)?.map(|card| -> Arc<dyn Device> { card }))
     }
 
-    /// The chosen card, for sensors; `None` for the processor. What it lacks of a sensor the processor does, as warnings of
-    /// the exposure say.
+    /// The chosen card, for sensors; `None` for the processor. What it lacks of a sensor the processor does, as
+    /// warnings of the exposure say.
     ///
     /// # Errors
     ///

@@ -1,6 +1,6 @@
-// A wavefront of paths: generate, extend, shade, shadow, arrive; photosite-transport's integrator/path.rs is what each path
-// does. A kernel runs for all paths that go on, whose indices stand in one of two lists; those that go on after it are
-// added to the other. State k of path i is state[k · capacity + i].
+// A wavefront of paths: generate, extend, shade, shadow, arrive; photosite-transport's integrator/path.rs is what each
+// path does. A kernel runs for all paths that go on, whose indices stand in one of two lists; those that go on after it
+// are added to the other. State k of path i is state[k · capacity + i].
 
 /// Numbers that kernels and the host share: see the places below.
 @group(1) @binding(0) var<storage, read_write> state: array<vec4<u32>>;
@@ -41,7 +41,8 @@ const REST = 9u;
 const SHADOW_ORIGIN_TARGET = 10u;
 const SHADOW_DIRECTION_END = 11u;
 const SHADOW_LIGHT = 12u;
-/// Weights of the wavelengths times those of the camera and the transmittance of the lens, of paths that start on the card.
+/// Weights of the wavelengths times those of the camera and the transmittance of the lens, of paths that start on the
+/// card.
 const SENSOR_WEIGHT = 13u;
 
 fn place_of(kind: u32, path: u32) -> u32 {
@@ -136,8 +137,8 @@ fn emission_weight(i: u32, point: SurfacePoint, wo: vec3<f32>, distance: f32) ->
     return power_heuristic(last.w, area_light_pdf(light, ctx, point.time, distance, dot(wo, point.geometric_normal)));
 }
 
-/// Samples a light, and queues its shadow ray with what the path gathers if nothing is in the way. Returns the medium in which
-/// a ray sets out that is followed through panes.
+/// Samples a light, and queues its shadow ray with what the path gathers if nothing is in the way. Returns the medium
+/// in which a ray sets out that is followed through panes.
 fn sample_direct_light(i: u32, point: SurfacePoint, shading: Shading, wo: vec3<f32>, ctx: LightContext, u: vec2<f32>, throughput: vec4<f32>, medium: u32, lambda_nm: vec4<f32>) -> u32 {
     let choice = choose_light(ctx, u.x);
     if (choice.light == NONE) {
@@ -226,7 +227,8 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
     let wo = -direction;
     var medium = NONE;
     if (HAS_MEDIA) {
-        // Absorb along the segment: a volume seen from behind has been crossed, whether or not its front was met before.
+        // Absorb along the segment: a volume seen from behind has been crossed, whether or not its front was met
+        // before.
         let behind = absorption_behind(point, wo);
         medium = select(behind, medium_of(rest.y), behind == NONE);
         throughput *= transmittance(medium, hit.t, lambda_nm);

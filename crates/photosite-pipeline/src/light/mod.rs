@@ -72,8 +72,8 @@ impl Light {
         chain.on(self.card.as_deref())
     }
 
-    /// The light, to which a card exposes its sensor. What the card does not have, the processor does, as the warnings of an
-    /// exposure say.
+    /// The light, to which a card exposes its sensor. What the card does not have, the processor does, as the warnings
+    /// of an exposure say.
     #[must_use]
     pub fn on_card(self, card: Option<Arc<SensorCard>>) -> Self {
         Self { card, ..self }

@@ -48,8 +48,8 @@ pub struct Request<'a> {
 }
 
 impl LightSource<'_> {
-    /// Card that exposes and develops; `None` for the processor, also of light that a card traces: its images then have the
-    /// bytes that `photosite expose` makes of it.
+    /// Card that exposes and develops; `None` for the processor, also of light that a card traces: its images then have
+    /// the bytes that `photosite expose` makes of it.
     pub(crate) fn card(&self) -> Option<&SensorCard> {
         match self {
             Self::Given(given) => given.card,

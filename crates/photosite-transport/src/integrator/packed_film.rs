@@ -1,4 +1,5 @@
-//! Camera, wavelengths and responses of a render as plain data, for devices that start paths and sum samples themselves.
+//! Camera, wavelengths and responses of a render as plain data, for devices that start paths and sum samples
+//! themselves.
 
 use crate::film::FilmResponses;
 use crate::optics::PackedCamera;
@@ -36,7 +37,8 @@ pub struct PackedFilm<'a> {
 pub const PIECES: usize = photosite_core::spectrum::TABLE_LEN;
 
 impl<'a> PackedFilm<'a> {
-    /// Packs the film of an image of `rows` rows, whose wavelengths are drawn by samplers that a tile of pixels names. `None` where numbers of 32 bits do not tell its random numbers apart.
+    /// Packs the film of an image of `rows` rows, whose wavelengths are drawn by samplers that a tile of pixels names.
+    /// `None` where numbers of 32 bits do not tell its random numbers apart.
     pub(super) fn new(
         camera: &'a PackedCamera,
         rows: u32,

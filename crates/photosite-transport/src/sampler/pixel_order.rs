@@ -37,8 +37,8 @@ impl PixelOrder {
         Self { squares, log2_side, log2_samples: log2(samples) }
     }
 
-    /// Plain data: squares in a row of the image, binary logarithms of the pixels along a square and of the samples of a
-    /// pixel. `None` where an image of `rows` rows has more squares than numbers of 32 bits tell apart.
+    /// Plain data: squares in a row of the image, binary logarithms of the pixels along a square and of the samples of
+    /// a pixel. `None` where an image of `rows` rows has more squares than numbers of 32 bits tell apart.
     pub(crate) fn numbers(&self, rows: u32) -> Option<[u32; 3]> {
         let squares = self.squares * u64::from(rows).div_ceil(1 << self.log2_side);
         (squares <= 1 << 32).then_some([self.squares as u32, self.log2_side, self.log2_samples])

@@ -1,7 +1,7 @@
 //! Table of what the places of an image see, for devices: lenses with distortion, fisheyes and panoramas all alike.
 //!
-//! Nodes stand at every few pixels; between them what is seen is the polynomial of third degree in either direction that
-//! passes through four nodes. How far apart they may stand is measured, not assumed.
+//! Nodes stand at every few pixels; between them what is seen is the polynomial of third degree in either direction
+//! that passes through four nodes. How far apart they may stand is measured, not assumed.
 
 use rayon::prelude::*;
 

@@ -1,4 +1,5 @@
-//! Table of the poses of a moving camera, for devices: between two of them axes and origin are those of a straight line.
+//! Table of the poses of a moving camera, for devices: between two of them axes and origin are those of a straight
+//! line.
 
 use glam::DAffine3;
 
@@ -20,8 +21,8 @@ pub(super) fn packed(pose: &DAffine3) -> PackedPose {
     [axes.x_axis, axes.y_axis, axes.z_axis, pose.translation].map(|axis| axis.as_vec3().to_array())
 }
 
-/// Poses of a camera at equal distances of the image's time, from its begin to its end: as few as bring each pose in the
-/// middle between two close enough. `None` where none of these numbers does.
+/// Poses of a camera at equal distances of the image's time, from its begin to its end: as few as bring each pose in
+/// the middle between two close enough. `None` where none of these numbers does.
 pub(super) fn poses(camera: &Camera, recording: &Recording) -> Option<Vec<PackedPose>> {
     let pose = |part: f64| camera.pose_at(recording, recording.start_s + part * recording.duration_s).0;
     let pixels = camera.intrinsics.fx.abs().max(camera.intrinsics.fy.abs());
