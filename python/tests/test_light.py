@@ -290,6 +290,25 @@ def test_graphics_cards_see_what_the_processor_sees(room: Path, tmp_path: Path) 
         ps.render_into(room, tmp_path / "card")
 
 
+def test_graphics_cards_expose_as_the_processor_does(room: Path, tmp_path: Path) -> None:
+    light = ps.trace(room)
+    with pytest.raises(ps.InputError, match="write cpu, gpu, auto") as error:
+        light.expose(device="cuda")
+    assert error.value.key == "device"
+    cards = [row["device"] for row in ps.devices() if row["device"] != "cpu" and row["refusal"] is None]
+    if not cards:
+        pytest.skip("no graphics card, and no software that stands for one")
+    expected, seen = (light.expose(frames=2, seed=3, device=device) for device in ("cpu", cards[0]))
+    for ours, theirs in zip(expected, seen):
+        # Some in ten millions differ, and these are thousands.
+        assert np.count_nonzero(np.asarray(ours.raw) != np.asarray(theirs.raw)) <= 1
+        assert ours.report["exposure"].get("device") is None and theirs.report["exposure"]["device"]
+    # What a card lacks, the processor does.
+    with pytest.warns(ps.PhotositeWarning, match="the processor exposes: exposure.binning"):
+        binned = light.expose(set={"exposure.binning": 2}, device=cards[0])
+    assert "device" not in binned.report["exposure"]
+
+
 def test_series_that_move_say_that_light_is_of_the_first_picture(room: Path) -> None:
     capture = ps.load(room, set={"camera.motion.velocity_m_per_s": [0.5, 0, 0], "exposure.frames": 4})
     with pytest.warns(ps.PhotositeWarning, match="first of 4 images") as warned:

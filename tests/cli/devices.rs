@@ -1,4 +1,4 @@
-//! Devices that trace light: those that there are, and what is said where there is none.
+//! Devices that trace light, expose and develop: those that there are, and what is said where there is none.
 
 use crate::folder::Folder;
 use crate::room::room;
@@ -48,15 +48,39 @@ fn data_sets_take_devices_as_renders_do() {
     assert_eq!(identity("one"), identity("auto"));
 }
 
-/// The live view takes the device as a render does, and refuses it where no light is traced.
+/// Light that is there takes the device as a render does; the processor makes what it makes without being named.
 #[test]
-fn the_view_takes_a_device_for_what_it_traces() {
+fn exposures_take_devices_as_renders_do() {
+    let folder = room("[render]\nsamples_per_pixel = 2\n");
+    folder.succeed("render capture.toml -o light");
+    folder.succeed("expose light -o one");
+    folder.succeed("expose light --device cpu -o two");
+    assert_eq!(folder.results("one")["raw.dng"], folder.results("two")["raw.dng"]);
+    folder.fail("expose light --device cuda -o three", 2, &["photosite devices"]);
+    #[cfg(not(feature = "gpu"))]
+    {
+        let words = ["built without graphics cards", "--features gpu"];
+        folder.fail("expose light --device gpu -o card", 2, &words);
+        let done = folder.succeed("expose light --device auto -o auto");
+        assert!(
+            done.stderr.contains("the processor exposes: ") && words.iter().all(|words| done.stderr.contains(words))
+        );
+        assert_eq!(folder.results("one")["raw.dng"], folder.results("auto")["raw.dng"]);
+    }
+}
+
+/// The live view takes the device as a render does, and refuses it where no light is traced or exposed.
+#[test]
+fn the_view_takes_a_device_for_what_it_traces_and_exposes() {
     let folder = room("[render]\nsamples_per_pixel = 2\n");
     folder.succeed("render capture.toml -o one");
-    folder.fail("view one/raw.dng --device auto", 2, &["--device", "capture file or a scene"]);
+    folder.fail("view one/raw.dng --device auto", 2, &["--device", "capture file, a scene or the folder of a render"]);
     folder.fail("view capture.toml --device cuda", 2, &["photosite devices"]);
     #[cfg(not(feature = "gpu"))]
-    folder.fail("view capture.toml --device gpu", 2, &["built without graphics cards", "--features gpu"]);
+    for input in ["capture.toml", "one"] {
+        let words = ["built without graphics cards", "--features gpu"];
+        folder.fail(&format!("view {input} --device gpu"), 2, &words);
+    }
 }
 
 /// Parts of a device and of the processor are not of one render, by the device that stands in their provenance.
