@@ -305,7 +305,7 @@ def test_graphics_cards_expose_as_the_processor_does(room: Path, tmp_path: Path)
         assert ours.report["exposure"].get("device") is None and theirs.report["exposure"]["device"]
     # What a card lacks, the processor does.
     with pytest.warns(ps.PhotositeWarning, match="the processor exposes: exposure.binning"):
-        binned = light.expose(set={"exposure.binning": 2}, device=cards[0])
+        binned = light.expose(set={"exposure.binning": [2, 2]}, device=cards[0])
     assert "device" not in binned.report["exposure"]
 
 
