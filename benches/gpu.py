@@ -12,11 +12,15 @@ largest difference between the means of a channel on both devices, "spread" the 
 their standard deviations (`photosite compare`), both with independent numbers of other seeds, so that 1 is what
 noise alone gives. "same" says whether two
 runs on the card give the same bytes.
+
+A second table has the exposures of a sensor of 24 megapixels, by photosite expose: milliseconds of each frame after the first, with the
+way back of its numbers, and of one development, on the card with the time that its kernels take to compile.
 """
 
 import argparse
 import importlib.util
 import json
+import struct
 import subprocess
 import sys
 import tempfile
@@ -34,6 +38,7 @@ def arguments():
     parser.add_argument("--samples", type=int, default=1024, help="samples per pixel on the card (default: %(default)s)")
     parser.add_argument("--of-cpu", type=int, default=64, help="samples per pixel on the processor (default: %(default)s)")
     parser.add_argument("--size", type=int, default=512, help="pixels along each side (default: %(default)s)")
+    parser.add_argument("--megapixels", type=float, default=24, help="of the sensor that is exposed (default: %(default)s)")
     parser.add_argument("--mitsuba", action="store_true", help="beside Mitsuba's cuda_ad_spectral, independent sampler")
     return parser.parse_args()
 
@@ -82,6 +87,24 @@ def of_mitsuba(options, capture, folder):
     return options.size**2 * options.samples / seconds
 
 
+def exposed(options, folder, device):
+    """Milliseconds of a frame after the first, and of one development, of a sensor that light falls on evenly from the left to the right."""
+    ramp = folder / "ramp.pgm"
+    rows = round((options.megapixels * 1e6 / 1.5) ** 0.5)
+    columns = 3 * rows // 2
+    row = b"".join(struct.pack(">H", 65535 * i // columns) for i in range(columns))
+    ramp.write_bytes(f"P5 {columns} {rows} 65535\n".encode() + rows * row)
+    timings = []
+    for frames in (1, 9):
+        out = folder / f"exposed-{device.replace(':', '-')}-{frames}"
+        sets = ["exposure.time_s=0.01", f"exposure.frames={frames}", "output.raw=[]", "output.electrons=false"]
+        words = [str(options.photosite), "expose", str(ramp), "--unit", "electrons", "--one", "20000", "--linear", "--quiet", "--device", device]
+        words += ["-o", str(out), *(word for key in sets for word in ("--set", key))]
+        subprocess.run(words, check=True, stderr=subprocess.DEVNULL)
+        timings.append(json.loads((out / "capture.json").read_text())["timings"])
+    return 1e3 * (timings[1]["expose_s"] - timings[0]["expose_s"]) / 8, 1e3 * timings[1]["develop_s"]
+
+
 def main():
     options = arguments()
     if not options.photosite.is_file():
@@ -113,6 +136,10 @@ def main():
                 row += [f"{other / 1e6:.1f}", f"{rate / other:.2f}"]
             row += [f"{100 * means:.3f} %", f"{spread:.3f}", "yes" if same else "NO"]
             print("| " + " | ".join(row) + " |", flush=True)
+        print(f"\n| {options.megapixels:g} megapixels | a frame, ms | development, ms |\n|---|---|---|")
+        for device in (options.device, "cpu"):
+            frame, development = exposed(options, Path(temporary), device)
+            print(f"| {device} | {frame:.0f} | {development:.0f} |", flush=True)
 
 
 if __name__ == "__main__":
