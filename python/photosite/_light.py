@@ -157,8 +157,8 @@ class Light:
                 ``{"sensor.noise.read_noise_e": 3}``. A sensor with other filters or quantum efficiency needs light that
                 was traced with ``output.irradiance``.
             threads: threads to use; as many as there are cores unless said.
-            device: what exposes, as for :func:`trace`: pays for series of many frames, whose light stays on the card. What
-                a card lacks of a sensor the processor does, with a warning.
+            device: what exposes, as for :func:`trace`. A card pays for series of many frames, whose light stays there. What
+                it lacks of a sensor the processor does, with a warning.
 
         Returns:
             A shot, or with ``frames`` a list of them.

@@ -1,11 +1,11 @@
-//! `photosite devices`: who can trace light on this machine.
+//! `photosite devices`: what can trace light and expose on this machine.
 
 use clap::Args;
 use photosite_pipeline::{BUILT_WITHOUT, devices};
 
 use super::print::{print_json, println_out};
 
-/// List the devices that can trace light, for --device.
+/// List the devices that can trace light and expose, for --device.
 #[derive(Args)]
 pub(super) struct DevicesArgs {
     /// Print JSON instead of a table.

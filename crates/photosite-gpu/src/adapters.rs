@@ -111,23 +111,23 @@ pub struct Card {
     exposure: ExposureCache,
 }
 
-/// Opens the card of that number, or the first that is no software. `None` where there is none.
+/// Number of the first card that is no software; `None` where there is none.
+pub fn first() -> Option<usize> {
+    adapters().iter().position(|adapter| !adapter.is_software && adapter.refusal.is_none())
+}
+
+/// Opens the card of that number.
 ///
 /// # Errors
 ///
 /// Words on why it cannot be used.
-pub fn open(number: Option<usize>) -> Result<Option<Card>, String> {
+pub fn open(number: usize) -> Result<Card, String> {
     let mut all = sorted();
     let count = all.len();
-    let index = match number {
-        Some(number) if number < count => number,
-        Some(number) => return Err(format!("there is no device of the number {number}: there are {count}")),
-        None => match all.iter().position(|(adapter, _)| !adapter.is_software && adapter.refusal.is_none()) {
-            Some(index) => index,
-            None => return Ok(None),
-        },
-    };
-    let (description, adapter) = all.swap_remove(index);
+    if number >= count {
+        return Err(format!("there is no device of the number {number}: there are {count}"));
+    }
+    let (description, adapter) = all.swap_remove(number);
     if let Some(refusal) = &description.refusal {
         return Err(format!("{description} cannot be used: {refusal}"));
     }
@@ -145,7 +145,7 @@ pub fn open(number: Option<usize>) -> Result<Option<Card>, String> {
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| on_error(error.to_string())));
     let on_loss = said(&fault);
     device.set_device_lost_callback(move |reason, words| on_loss(format!("the device is lost ({reason:?}): {words}")));
-    Ok(Some(Card {
+    Ok(Card {
         adapter: description,
         device,
         queue,
@@ -154,7 +154,7 @@ pub fn open(number: Option<usize>) -> Result<Option<Card>, String> {
         develop_kernels: OnceLock::new(),
         room: Mutex::new(None),
         exposure: ExposureCache::default(),
-    }))
+    })
 }
 
 impl fmt::Debug for Card {

@@ -51,8 +51,8 @@ impl PathTracer for Tracer {
         self.capacity as usize
     }
 
-    fn pixels<'a>(&'a self, film: &PackedFilm<'_>) -> Result<Box<dyn PixelTracer + 'a>, String> {
-        Ok(Box::new(FilmTracer::new(self, film)?))
+    fn pixels<'a>(&'a self, film: &PackedFilm<'_>) -> Result<Option<Box<dyn PixelTracer + 'a>>, String> {
+        Ok(FilmTracer::new(self, film).map(|film| -> Box<dyn PixelTracer + 'a> { Box::new(film) }))
     }
 
     fn rays(&self) -> [u64; 2] {

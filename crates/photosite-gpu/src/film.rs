@@ -38,6 +38,7 @@ uniform_block! {
     lens: "u32" = |r| r.places.lens,
     is_flat: "u32" = |r| u32::from(r.film.camera.is_flat),
     reach_cos: "f32" = |r| r.film.camera.reach_cos.to_bits(),
+    reach_sin: "f32" = |r| r.film.camera.reach_sin.to_bits(),
     aperture_radius: "f32" = |r| r.film.camera.radius.to_bits(),
     has_aperture: "u32" = |r| u32::from(r.film.camera.has_aperture),
     blades: "u32" = |r| r.film.camera.corners.len().saturating_sub(1) as u32,

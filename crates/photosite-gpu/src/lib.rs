@@ -65,7 +65,7 @@ mod tracer;
 mod uniform;
 
 #[cfg(feature = "gpu")]
-pub use adapters::{Adapter, Card, adapters, open};
+pub use adapters::{Adapter, Card, adapters, first, open};
 #[cfg(feature = "gpu")]
 pub use expose::HeldLight;
 #[cfg(feature = "gpu")]

@@ -23,13 +23,14 @@ const SOFTWARE_BATCH: u64 = 1 << 16;
 const BATCHES: usize = 2;
 /// Segments that are traced between two looks at whether any path goes on.
 const SEGMENTS_TOGETHER: u32 = 16;
-/// Numbers in `control`, see `wgsl/path.wgsl`, and the places of three of them.
+/// Count of the numbers in `control`, see `wgsl/path.wgsl`, and the places of three of them.
 const CONTROL: u64 = 9;
 const ACTIVE: usize = 1;
 const SURFACE_RAYS: usize = 6;
 const LIGHT_RAYS: usize = 7;
 /// Numbers in `control`.
 pub(crate) type Control = [u32; CONTROL as usize];
+
 /// A scene on a card, with the kernels that trace paths through it.
 pub(crate) struct Tracer {
     pub(crate) device: wgpu::Device,

@@ -1,6 +1,7 @@
-//! Choice of the device that traces light: the processor, or a graphics card of this machine.
+//! Choice of the device that traces light or exposes: the processor, or a graphics card of this machine.
 //!
-//! In: what a user writes, `cpu`, `gpu`, `gpu:1`, `gpu:NAME` or `auto`. Out: a [`Device`] for captures, or none.
+//! In: what a user writes, `cpu`, `gpu`, `gpu:1`, `gpu:NAME` or `auto`. Out: a [`Device`] for captures, or a
+//! [`SensorCard`], or none.
 
 use std::str::FromStr;
 use std::sync::Arc;
@@ -200,19 +201,18 @@ impl DeviceChoice {
 /// The card of that number or name, or the first.
 #[cfg(feature = "gpu")]
 fn opened(which: Option<&str>) -> Result<Arc<photosite_gpu::Card>, String> {
-    let Some(which) = which else {
-        let none = "this machine has no graphics card that can be used; software is used where it is asked for by name";
-        return photosite_gpu::shared(None)?.ok_or_else(|| none.to_owned());
+    let named = |which: &str| {
+        let is_called = |name: &str| name.to_lowercase().contains(&which.to_lowercase());
+        let found = photosite_gpu::adapters().iter().position(|adapter| is_called(&adapter.name));
+        found.ok_or_else(|| format!("no device of this machine is called {which:?}"))
     };
-    let named = |name: &str| name.to_lowercase().contains(&which.to_lowercase());
-    let number = match which.parse::<usize>() {
-        Ok(number) => number,
-        Err(_) => photosite_gpu::adapters()
-            .iter()
-            .position(|adapter| named(&adapter.name))
-            .ok_or_else(|| format!("no device of this machine is called {which:?}"))?,
+    let number = match which {
+        Some(which) => which.parse().map_or_else(|_| named(which), Ok)?,
+        None => photosite_gpu::first().ok_or(
+            "this machine has no graphics card that can be used; software is used where it is asked for by name",
+        )?,
     };
-    photosite_gpu::shared(Some(number))?.ok_or_else(|| format!("there is no device {number}"))
+    photosite_gpu::shared(number)
 }
 
 #[cfg(test)]

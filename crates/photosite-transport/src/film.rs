@@ -328,36 +328,12 @@ impl FilmBand<'_> {
     }
 }
 
-/// Sums of four channels side by side over some samples v of a pixel. They are exact where samples are alike, as sums
-/// of squares would not be in 32 bits.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ShiftedSums {
-    /// First sample v₀.
-    pub first: [f32; 4],
-    /// Sum Σ (v − v₀).
-    pub differences: [f32; 4],
-    /// Sum Σ (v − v₀)².
-    pub squares: [f32; 4],
-}
-
 impl FilmBand<'_> {
-    /// Adds samples to a pixel, of each group of channels their sums.
-    pub fn add_sums(&mut self, pixel: usize, samples: u32, groups: &[ShiftedSums]) {
-        let (channels, n) = (self.responses.len(), f64::from(samples));
-        let of_pixel = &mut self.sums[pixel * channels..(pixel + 1) * channels];
-        for (sums, group) in of_pixel.chunks_mut(4).zip(groups) {
-            for (channel, sums) in sums.iter_mut().enumerate() {
-                let first = f64::from(group.first[channel]);
-                let differences = f64::from(group.differences[channel]);
-                // Σ v² = n·v₀² + 2·v₀·Σ (v − v₀) + Σ (v − v₀)²
-                sums.sum.add(n * first);
-                sums.sum.add(differences);
-                sums.squares.add(n * first * first);
-                sums.squares.add(2.0 * first * differences);
-                sums.squares.add(f64::from(group.squares[channel]));
-            }
-        }
-        self.counts[pixel] += samples;
+    /// Adds samples to a pixel, of each its values group by group of four channels.
+    pub fn add_values(&mut self, pixel: usize, values: &[Vec4]) {
+        let (channels, groups) = (self.responses.len(), self.responses.groups());
+        add_values(&mut self.sums[pixel * channels..(pixel + 1) * channels], groups, values);
+        self.counts[pixel] += (values.len() / groups) as u32;
     }
 }
 

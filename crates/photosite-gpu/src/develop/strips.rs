@@ -66,7 +66,8 @@ pub(crate) fn strips(
     let margin = of.demosaicking.margin();
     let columns = of.active.width + 2 * margin;
     let most_pixels = most_pixels.min((most_bytes / BYTES_PER_PIXEL) as usize);
-    let most_rows = (most_pixels / columns.max(1)).saturating_sub(2 * margin);
+    // Cards start no more workgroups along an axis, and each has a row at least.
+    let most_rows = (most_pixels / columns.max(1)).saturating_sub(2 * margin).min(65_535 - 2 * margin);
     if most_rows == 0 {
         let message =
             format!("rows of {columns} pixels are too long for a table of {most_bytes} bytes, the largest there");

@@ -160,7 +160,8 @@ impl HeldLight {
         let facts = bind(device, &self.kernel.facts, &[&words, &tables, &self.kernel.random_tables, &self.light]);
         let [width, height] = exposure.size();
         let mut last = None;
-        let strip = (self.strip_values / width).max(1);
+        // Cards start no more workgroups along an axis.
+        let strip = (self.strip_values / width).clamp(1, 65_535);
         for first in (0..height).step_by(strip) {
             let place = [first as u32, 0, 0, 0];
             let place =

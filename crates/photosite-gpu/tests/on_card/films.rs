@@ -54,7 +54,7 @@ impl PathTracer for PixelsOf {
         self.0.rays()
     }
 
-    fn pixels<'a>(&'a self, film: &PackedFilm<'_>) -> Result<Box<dyn PixelTracer + 'a>, String> {
+    fn pixels<'a>(&'a self, film: &PackedFilm<'_>) -> Result<Option<Box<dyn PixelTracer + 'a>>, String> {
         self.0.pixels(film)
     }
 }
@@ -207,4 +207,18 @@ fn samples_of_pixels_have_the_times_of_their_rows() {
         frame_interval_s: 1.0,
     });
     compare("a moment", &moving().build(), &still.at_row(40.0), &settings(), 80);
+}
+
+/// Parts have passes of their own, which cut samples into other runs: what they sum to is the same, bit for bit.
+#[test]
+fn parts_of_a_film_are_the_whole() {
+    let Some(card) = crate::card() else { return };
+    let (scene, camera, card) = (outdoors().build(), camera(&thin()), PixelsAlone(card));
+    let of = |part| film(&scene, &camera, &RenderSettings { samples_per_pixel: 21, part, ..settings() }, Some(&card));
+    let whole = of(None);
+    let mut parts = of(Some(0..5));
+    let rest = of(Some(5..21));
+    parts.add(rest.sums().iter().copied(), rest.counts().iter().copied());
+    assert_eq!(parts.counts(), whole.counts());
+    assert!(parts.sums() == whole.sums());
 }

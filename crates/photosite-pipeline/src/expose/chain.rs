@@ -102,6 +102,14 @@ pub(crate) struct Chain<'a> {
     card: Option<&'a SensorCard>,
 }
 
+/// Raw image that was read out.
+pub(crate) struct ReadOut {
+    pub(crate) raw: RawImage,
+    pub(crate) maps: NoiseMaps,
+    /// Name of the card that has exposed, or the warning that the processor has; `None` without a card.
+    pub(crate) device: Option<Result<String, String>>,
+}
+
 /// Mean electrons that the sensor collects during an exposure.
 #[derive(Clone)]
 pub(crate) struct CollectedElectrons {
@@ -169,23 +177,6 @@ impl<'a> Chain<'a> {
     /// The chain with a card that exposes and develops.
     pub(crate) fn on(self, card: Option<&'a SensorCard>) -> Self {
         Self { card, ..self }
-    }
-
-    /// Name of the card that exposes, or the warning that it does not and the processor does; `None` without a card.
-    pub(crate) fn exposing_device(&self, exposure: &Exposure) -> Option<Result<String, String>> {
-        let card = self.exposing_card(exposure, &self.settings.output.noise.maps)?;
-        Some(card.map(SensorCard::name).map_err(|lacks| format!("the processor exposes: {lacks}")))
-    }
-
-    /// The card, where it has all of sensor and exposure; within, what it lacks by its key.
-    fn exposing_card(&self, exposure: &Exposure, maps: &[NoiseMap]) -> Option<Result<&'a SensorCard, Invalid>> {
-        let card = self.card?;
-        let SensorSettings { sensor, exposure: ExposureSettings { stages, .. }, .. } = self.settings;
-        if !maps.is_empty() {
-            let message = "noise maps cannot be drawn on a graphics card yet";
-            return Some(Err(Invalid::new("output.noise.maps", message)));
-        }
-        Some(card.lacks(sensor, exposure, *stages).map_or(Ok(card), Err))
     }
 
     /// Warnings about what images and raw files do not show of the lens, and what images do not hold. `has_targets` is
@@ -308,7 +299,7 @@ impl<'a> Chain<'a> {
 
     /// Reads the sensor out; each frame has noise of its own.
     pub(crate) fn read_out(&self, exposed: &CollectedElectrons, frame: u32) -> Result<RawImage> {
-        self.read_out_with_maps(exposed, exposed.exposure.gain, frame, &[], &mut None).map(|(raw, _)| raw)
+        self.read_out_with_maps(exposed, exposed.exposure.gain, frame, &[], &mut None).map(|read| read.raw)
     }
 
     /// Reads out at an analogue gain, with maps of the effects that are asked for. `left` is the charge that the frame
@@ -320,19 +311,21 @@ impl<'a> Chain<'a> {
         frame: u32,
         maps: &[NoiseMap],
         left: &mut Option<LeftCharge>,
-    ) -> Result<(RawImage, NoiseMaps)> {
+    ) -> Result<ReadOut> {
         let SensorSettings { sensor, exposure: ExposureSettings { stages, .. }, seed, .. } = self.settings;
         let CollectedElectrons { exposure, electrons, .. } = exposed;
         let exposure = &Exposure { gain, ..*exposure };
         let key = NoiseKey { seed, frame: u64::from(frame) };
-        let card = self.exposing_card(exposure, maps).and_then(Result::ok).filter(|_| left.is_none());
-        let on_card = card.map(|card| {
-            let raw = card.expose(electrons, sensor, exposure, *stages, key)?;
-            let maps = NoiseMaps::none(sensor, exposure, &raw)?;
-            Ok(ExposedFrame { raw, maps, left: None })
+        let on_card = self.card.map(|card| card.expose((electrons, maps), sensor, exposure, *stages, key));
+        let device = on_card.as_ref().zip(self.card).map(|(raw, card)| match raw {
+            Ok(_) => Ok(card.name()),
+            Err(lacking) => Err(format!("the processor exposes: {lacking}")),
         });
-        let on_processor = || expose_after(&electrons.mean, sensor, exposure, *stages, key, maps, left.as_ref());
-        let shot = on_card.unwrap_or_else(on_processor).map_err(|e| self.in_exposure(e))?;
+        let shot = match on_card.and_then(Result::ok) {
+            Some(raw) => NoiseMaps::none(sensor, exposure, &raw).map(|maps| ExposedFrame { raw, maps, left: None }),
+            None => expose_after(&electrons.mean, sensor, exposure, *stages, key, maps, left.as_ref()),
+        };
+        let shot = shot.map_err(|e| self.in_exposure(e))?;
         *left = shot.left;
         let (mut raw, maps) = (shot.raw, shot.maps);
         raw.metadata.f_number = self.optics.f_number;
@@ -344,7 +337,7 @@ impl<'a> Chain<'a> {
         if let Some(lens @ (_, _, known)) = self.lens {
             LensSeen::knowing(lens, sensor, &exposure.region, *stages).write_to(&mut raw.metadata, known);
         }
-        Ok((raw, maps))
+        Ok(ReadOut { raw, maps, device })
     }
 
     /// The times of the bracket that is asked for, if one is.
@@ -367,16 +360,13 @@ impl<'a> Chain<'a> {
         raw: &RawImage,
         settings: &DevelopSettings,
     ) -> Result<(EncodedImage, Option<String>)> {
-        let in_develop = |invalid: Invalid| self.settings.source.error(invalid.within("develop"));
-        let on_card = self.card.map(|card| card.develop(raw, settings)).transpose().map_err(in_develop)?;
-        match on_card {
-            Some(Ok(image)) => Ok((image, None)),
-            Some(Err(lacking)) => {
-                let image = develop(raw, settings).map_err(in_develop)?;
-                Ok((image, Some(format!("the processor develops: {lacking}"))))
-            }
-            None => Ok((develop(raw, settings).map_err(in_develop)?, None)),
-        }
+        let warning = match self.card.map(|card| card.develop(raw, settings)) {
+            Some(Ok(image)) => return Ok((image, None)),
+            Some(Err(lacking)) => Some(format!("the processor develops: {lacking}")),
+            None => None,
+        };
+        let developed = develop(raw, settings);
+        developed.map(|image| (image, warning)).map_err(|invalid| self.settings.source.error(invalid.within("develop")))
     }
 
     /// Develops the light of a bracket to linear planes, whose pixels have the aspect that comes with them.

@@ -8,7 +8,7 @@ use photosite_core::units::{Decibels, Seconds};
 use photosite_raw::RawImage;
 use photosite_sensor::{Exposure, LeftCharge, NoiseMap, NoiseMaps, Stage};
 
-use super::chain::{Chain, CollectedElectrons};
+use super::chain::{Chain, CollectedElectrons, ReadOut};
 
 /// State that a frame hands on to the one after it: charge left in the sensor (image lag), and the gain that
 /// `exposure.gain_control` chooses for it. The default is the state of a sensor that has been in the dark.
@@ -41,6 +41,8 @@ pub(crate) struct Frame {
     /// Noise maps of the frame.
     pub(crate) maps: NoiseMaps,
     pub(crate) exposure: Exposure,
+    /// Name of the card that has exposed, or the warning that the processor has; `None` without a card.
+    pub(crate) device: Option<Result<String, String>>,
 }
 
 impl<'a> FrameSeries<'a> {
@@ -80,13 +82,13 @@ impl Iterator for FrameSeries<'_> {
         let exposed = of_bracket.as_ref().unwrap_or(light);
         let gain = self.carried.gain.unwrap_or(exposed.exposure.gain);
         let read = self.chain.read_out_with_maps(exposed, gain, number, self.maps, &mut self.carried.left);
-        Some(read.map(|(raw, maps)| {
+        Some(read.map(|ReadOut { raw, maps, device }| {
             if let Some(control) = &self.chain.settings.exposure.gain_control {
                 self.gains.push(gain);
                 self.carried.gain = Some(control.next(gain, &raw));
             }
             self.number += 1;
-            Frame { number, raw, maps, exposure: Exposure { gain, ..exposed.exposure } }
+            Frame { number, raw, maps, exposure: Exposure { gain, ..exposed.exposure }, device }
         }))
     }
 }

@@ -8,7 +8,7 @@ use photosite_core::Invalid;
 use photosite_core::image::Estimate;
 use photosite_develop::{DevelopSettings, EncodedImage};
 use photosite_raw::RawImage;
-use photosite_sensor::{Exposure, NoiseKey, SensorModel, Stages};
+use photosite_sensor::{Exposure, NoiseKey, NoiseMap, SensorModel, Stages};
 
 /// Graphics card for sensors; without the feature `gpu` there is none.
 pub struct SensorCard {
@@ -27,13 +27,9 @@ impl SensorCard {
         match self.none {}
     }
 
-    pub(crate) fn lacks(&self, _: &SensorModel, _: &Exposure, _: Stages) -> Option<Invalid> {
-        match self.none {}
-    }
-
     pub(crate) fn expose(
         &self,
-        _: &Arc<Estimate>,
+        _: (&Arc<Estimate>, &[NoiseMap]),
         _: &SensorModel,
         _: &Exposure,
         _: Stages,
@@ -42,7 +38,7 @@ impl SensorCard {
         match self.none {}
     }
 
-    pub(crate) fn develop(&self, _: &RawImage, _: &DevelopSettings) -> Result<Result<EncodedImage, Invalid>, Invalid> {
+    pub(crate) fn develop(&self, _: &RawImage, _: &DevelopSettings) -> Result<EncodedImage, Invalid> {
         match self.none {}
     }
 }
@@ -59,25 +55,25 @@ impl SensorCard {
         self.card.adapter().to_string()
     }
 
-    /// First fact of sensor or exposure that the card does not have, by its key.
-    pub(crate) fn lacks(&self, sensor: &SensorModel, exposure: &Exposure, stages: Stages) -> Option<Invalid> {
-        photosite_sensor::packed::refusal(sensor, exposure, stages)
-    }
-
-    /// Exposes a sensor that the card does not [lack](Self::lacks) anything of.
+    /// Exposes a sensor, without noise maps.
     ///
     /// # Errors
     ///
-    /// What the processor refuses, too; light that the card has no room for; words of its driver.
+    /// The first fact of sensor or exposure that the card does not have, by its key; light that it has no room for; words
+    /// of its driver. The processor may expose then.
     pub(crate) fn expose(
         &self,
-        light: &Arc<Estimate>,
+        (light, maps): (&Arc<Estimate>, &[NoiseMap]),
         sensor: &SensorModel,
         exposure: &Exposure,
         stages: Stages,
         key: NoiseKey,
     ) -> Result<RawImage, Invalid> {
         use photosite_sensor::packed::{PackedExposure, PackedLight};
+        if !maps.is_empty() {
+            let message = "noise maps cannot be drawn on a graphics card yet";
+            return Err(Invalid::new("output.noise.maps", message));
+        }
         let image = [light.mean.width(), light.mean.height()];
         let packed = PackedExposure::new(image, sensor, exposure, stages, key)?;
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
@@ -94,19 +90,14 @@ impl SensorCard {
         Ok(raw)
     }
 
-    /// Develops a raw image; within, the first setting that the card does not have, by its key.
+    /// Develops a raw image.
     ///
     /// # Errors
     ///
-    /// Images that the card has no room for, and words of its driver.
-    pub(crate) fn develop(
-        &self,
-        raw: &RawImage,
-        settings: &DevelopSettings,
-    ) -> Result<Result<EncodedImage, Invalid>, Invalid> {
-        match photosite_develop::packed::PackedDevelopment::new(raw, settings) {
-            Ok(packed) => self.card.develop(raw, &packed).map(Ok),
-            Err(lacks) => Ok(Err(lacks)),
-        }
+    /// The first setting that the card does not have, by its key; an image that it has no room for; words of its driver.
+    /// The processor may develop then.
+    pub(crate) fn develop(&self, raw: &RawImage, settings: &DevelopSettings) -> Result<EncodedImage, Invalid> {
+        let packed = photosite_develop::packed::PackedDevelopment::new(raw, settings)?;
+        self.card.develop(raw, &packed)
     }
 }

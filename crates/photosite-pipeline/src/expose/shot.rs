@@ -23,6 +23,8 @@ pub struct Shot {
     pub electrons: Arc<Estimate>,
     /// Noise maps that were asked for: the contribution of an effect to each digital number.
     pub noise_maps: NoiseMaps,
+    /// Graphics card that has exposed; `None` for the processor.
+    pub device: Option<String>,
     /// Warnings about the exposure.
     pub warnings: Vec<String>,
     /// State after the frames before it.

@@ -265,16 +265,14 @@ impl Light {
 
     /// Exposes to the light of the frame of that number.
     fn expose_for(&self, number: u32) -> Result<CollectedElectrons> {
-        let mut exposed = match &self.origin {
+        match &self.origin {
             Origin::Traced(prepared, light) => prepared.expose_light(&prepared.at_level(light)),
             Origin::Stored(stored, light) => {
                 stored.check_memory()?;
                 let own = stored.own_light(number)?;
                 stored.expose(own.unwrap_or_else(|| light.clone()))
             }
-        }?;
-        exposed.warnings.extend(self.chain().exposing_device(&exposed.exposure).and_then(Result::err));
-        Ok(exposed)
+        }
     }
 
     /// Report of a shot in memory: there are no files.
@@ -289,7 +287,7 @@ impl Light {
                 stored.report(&Taken::of(shot), stored.warnings_and(&shot.warnings), Path::new("."))?
             }
         };
-        report.exposure.device = self.chain().exposing_device(&shot.exposure).and_then(Result::ok);
+        report.exposure.device.clone_from(&shot.device);
         // Of a bracket it is one time.
         report.exposure.bracket_s = None;
         Ok(report)

@@ -82,15 +82,16 @@ impl Shots<'_> {
             series.see(light.expose_for(series.number)?)?;
         }
         let before = series.carried.clone();
-        let Some(Frame { number, raw, maps, exposure }) = series.next().transpose()? else { return Ok(None) };
+        let Some(Frame { number, raw, maps, exposure, device }) = series.next().transpose()? else { return Ok(None) };
         let Some(seen) = &series.light else { return Ok(None) };
         let electrons = if exposure.time == seen.exposure.time {
             Arc::clone(&seen.electrons)
         } else {
             Arc::new(Estimate::clone(&seen.electrons).scaled(exposure.time.0 / seen.exposure.time.0))
         };
-        let (frame, noise_maps, warnings) = (number, maps, seen.warnings.clone());
-        Ok(Some(Shot { frame, raw, exposure, electrons, noise_maps, warnings, before }))
+        let (frame, noise_maps, mut warnings) = (number, maps, seen.warnings.clone());
+        let device = device.and_then(|device| device.map_err(|warning| warnings.push(warning)).ok());
+        Ok(Some(Shot { frame, raw, exposure, electrons, noise_maps, device, warnings, before }))
     }
 }
 

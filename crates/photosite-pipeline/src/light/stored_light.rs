@@ -197,16 +197,14 @@ impl StoredLight {
         };
         let own = self.own_light(frames.first())?;
         let exposed = self.expose(own.unwrap_or(light))?;
-        let device = chain.exposing_device(&exposed.exposure);
-        let lacking = device.as_ref().and_then(|device| device.as_ref().err().cloned());
-        let warnings = self.warnings_and(&[&exposed.warnings[..], lacking.as_slice()].concat());
+        let mut warnings = self.warnings_and(&exposed.warnings);
         warnings.iter().for_each(|warning| monitor.report(Event::Warning(warning)));
         let mut timings = Timings { load_s: self.facts.load_s, ..Timings::default() };
         timings.expose_s = start.elapsed().as_secs_f64();
         let mut exposure = exposed.exposure;
         let maps = &self.facts.capture.output.noise.maps;
         let series = FrameSeries::new(chain, maps, one.unwrap_or_default());
-        let mut results = Results { series, folder, timings: &mut timings, monitor };
+        let mut results = Results { series, folder, timings: &mut timings, monitor, device: None };
         let first = results.write(exposed, frames, |_, _| Ok(()))?;
         if let Frames::One { number: 0, of } = frames {
             for number in 1..of {
@@ -219,6 +217,7 @@ impl StoredLight {
             }
         }
         let gains = results.series.gains.clone();
+        let device = results.device.take().and_then(|device| device.map_err(|warning| warnings.push(warning)).ok());
         let taken = Taken { exposure: &exposure, raw: &first, gains: &gains, frame: frames.first() };
         let report = self.report(&taken, warnings, folder.path())?;
         let report = Report {
@@ -226,7 +225,7 @@ impl StoredLight {
             files: folder.files(),
             sums: folder.sums().clone(),
             timings: Some(timings),
-            exposure: ExposureReport { device: device.and_then(Result::ok), ..report.exposure },
+            exposure: ExposureReport { device, ..report.exposure },
             ..report
         };
         folder.write_report(&report)?;

@@ -62,6 +62,8 @@ pub(crate) struct ExposedSeries {
     pub(crate) gains: Vec<Decibels>,
     pub(crate) first: RawImage,
     pub(crate) reached: Reached,
+    /// Name of the card that has exposed, or the warning that the processor has; `None` without a card.
+    pub(crate) device: Option<Result<String, String>>,
 }
 
 /// Samples and paths that tracing has reached.
@@ -103,7 +105,7 @@ impl ImageSeries<'_> {
             &capture.output().noise.maps,
             begin.clone(),
         );
-        let results = &mut Results { series, folder, timings, monitor: self.request.monitor };
+        let results = &mut Results { series, folder, timings, monitor: self.request.monitor, device: None };
         if let LightSource::Given(_) = self.request.light {
             let first = FirstViews::new(self.prepared, &self.views)?;
             let next = self.views.next(capture, first_scene, first.next(self.prepared));
@@ -312,7 +314,7 @@ impl ImageSeries<'_> {
         })?;
         let gains = results.series.gains.clone();
         Ok(Recorded {
-            exposed: Some(ExposedSeries { exposure, gains, first, reached }),
+            exposed: Some(ExposedSeries { exposure, gains, first, reached, device: results.device.clone() }),
             paths: all_paths,
             plan,
             warnings,

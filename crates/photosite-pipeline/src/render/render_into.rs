@@ -108,7 +108,7 @@ impl<'a> ReadyRender<'a> {
         let (strips, provenance) = (&strips, provenance(capture)?);
         let all = ImageSeries { request, provenance: &provenance, prepared, strips, views, not_found: &not_found };
         let recorded = all.record(folder, &mut timings).map_err(|error| folder.since_claimed(error))?;
-        let Recorded { exposed, paths, plan, warnings } = recorded;
+        let Recorded { exposed, paths, plan, mut warnings } = recorded;
         let Some(series) = exposed else {
             let part = PartReport { plan, ..part_report(request, prepared, provenance, folder, timings.trace_s) };
             folder.write_part(&part)?;
@@ -120,13 +120,13 @@ impl<'a> ReadyRender<'a> {
             LightSource::Traced | LightSource::Part(_) => {}
         }
 
-        let ExposedSeries { exposure, gains, first, reached } = series;
+        let ExposedSeries { exposure, gains, first, reached, device } = series;
+        let device = device.and_then(|device| device.map_err(|warning| warnings.push(warning)).ok());
         let (frame, _) = request.light.begin();
         let taken = Taken { exposure: &exposure, raw: &first, gains: &gains, frame };
-        let device = prepared.chain().on(request.light.card()).exposing_device(taken.exposure);
         let mut report = prepared.report_of(&taken, (reached, paths), (&warnings, &not_found), folder.path())?;
         report.input.clone_from(&request.named);
-        report.exposure.device = device.and_then(Result::ok);
+        report.exposure.device = device;
         // Of a later frame alone, its capture is not all that decides it.
         report.fingerprint =
             provenance.get(FINGERPRINT).and_then(Value::as_str).filter(|_| frame == 0).map(str::to_owned);

@@ -54,6 +54,8 @@ pub(crate) struct Results<'a> {
     pub(crate) folder: &'a mut OutputFolder,
     pub(crate) timings: &'a mut Timings,
     pub(crate) monitor: &'a dyn Monitor,
+    /// Name of the card that has exposed the first frame, or the warning that the processor has; `None` without a card.
+    pub(crate) device: Option<Result<String, String>>,
 }
 
 impl Results<'_> {
@@ -69,7 +71,7 @@ impl Results<'_> {
         frames: Frames,
         write_light: impl FnOnce(&mut OutputFolder, Option<u32>) -> Result<()>,
     ) -> Result<RawImage> {
-        let Self { series, folder, timings, monitor } = self;
+        let Self { series, folder, timings, monitor, device } = self;
         let chain = series.chain;
         let output = chain.settings.output;
         series.see(exposed)?;
@@ -86,6 +88,12 @@ impl Results<'_> {
             let start = Instant::now();
             let frame = series.next().expect("there is light for all")?;
             timings.expose_s += start.elapsed().as_secs_f64();
+            if device.is_none() {
+                if let Some(Err(warning)) = &frame.device {
+                    monitor.report(Event::Warning(warning));
+                }
+                device.clone_from(&frame.device);
+            }
             let start = Instant::now();
             if kept.is_empty() && frames.begin() {
                 folder.remove_earlier()?;

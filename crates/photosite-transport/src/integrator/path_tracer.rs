@@ -5,10 +5,11 @@ use std::fmt::Debug;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
+use glam::Vec4;
+
 use super::packed_film::PackedFilm;
 use super::path::PathLimits;
 use super::settings::RenderSettings;
-use crate::film::ShiftedSums;
 use crate::geometry::Ray;
 use crate::sampler::{SamplePosition, Sampler, SamplerKind};
 use crate::scene::Scene;
@@ -53,12 +54,13 @@ pub trait PathTracer: Send + Sync {
     /// Numbers of rays that were traced to surfaces and to lights so far, where the tracer counts them.
     fn rays(&self) -> [u64; 2];
 
-    /// Takes the film of a render, to start the paths of its pixels and to sum their samples by itself.
+    /// Takes the film of a render, to start the paths of its pixels and to respond to what they bring by itself; `None`
+    /// where it has no room for it.
     ///
     /// # Errors
     ///
-    /// Words on why the device does not take it.
-    fn pixels<'a>(&'a self, film: &PackedFilm<'_>) -> Result<Box<dyn PixelTracer + 'a>, String>;
+    /// Words on why the device does not go on.
+    fn pixels<'a>(&'a self, film: &PackedFilm<'_>) -> Result<Option<Box<dyn PixelTracer + 'a>>, String>;
 }
 
 /// Samples of one pixel that follow each other.
@@ -74,13 +76,13 @@ pub struct PixelRun {
 
 /// Tracer of the samples of pixels, with the camera, the wavelengths and the responses of one film.
 pub trait PixelTracer: Send + Sync {
-    /// Traces runs of at most `longest` samples each, and puts the sums of each run in the place of `sums`, group by
-    /// group of four channels. The sums of a run are a function of it alone.
+    /// Traces runs of at most `longest` samples each, and puts the values of their samples in the place of `values`, of each
+    /// sample group by group of four channels. They are a function of the sample alone, whatever is traced beside it.
     ///
     /// # Errors
     ///
     /// Words on why the device does not go on; nothing of these runs is to be used then.
-    fn trace(&self, runs: &[PixelRun], longest: u32, sums: &mut Vec<ShiftedSums>) -> Result<(), String>;
+    fn trace(&self, runs: &[PixelRun], longest: u32, values: &mut Vec<Vec4>) -> Result<(), String>;
 
     /// Number of runs of at most that many samples that are traced together.
     fn batch_size(&self, longest: u32) -> usize;
@@ -122,9 +124,9 @@ impl LoadedDevice {
         self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone()
     }
 
-    /// Tracer of the samples of a film's pixels; `None` where the device has failed.
+    /// Tracer of the samples of a film's pixels; `None` where the device has no room for it, or has failed.
     pub(super) fn pixels(&self, film: &PackedFilm<'_>) -> Option<Box<dyn PixelTracer + '_>> {
-        self.tracer.pixels(film).map_err(|words| self.fail(words)).ok()
+        self.tracer.pixels(film).map_err(|words| self.fail(words)).ok().flatten()
     }
 
     /// Number of paths that are traced together.
@@ -134,7 +136,8 @@ impl LoadedDevice {
 
     /// Notes words on why the device has ended a render.
     pub(super) fn fail(&self, words: String) {
-        *self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(words);
+        // What went wrong first says most.
+        self.failure.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(words);
     }
 }
 

@@ -53,7 +53,7 @@ struct SeenPlace {
 /// What a place in a pixel sees.
 fn seen_place(pixel: vec2<u32>, within: vec2<f32>) -> SeenPlace {
     if (film.lens_step == 0u) {
-        // The whole part goes first, so that the place within a pixel keeps its bits.
+        // The whole part goes first, so that large images lose as little as can be of the place within a pixel.
         let about_centre = (vec2<f32>(pixel) - vec2<f32>(film.cx, film.cy)) + within;
         let y = about_centre.y / film.fy;
         let chief = vec3<f32>((about_centre.x - film.skew * y) / film.fx, -y, -1.0);
@@ -105,14 +105,15 @@ fn sees_light(pixel: vec2<u32>) -> bool {
     return dot(at, at) <= 1.0;
 }
 
-/// Part of the image's time that has gone by when a row sees light.
+/// Part of the image's time that has gone by when a row sees light. Of an odd number of rows from the middle on, the
+/// middle one begins half a row before it.
 fn time_of_row(row: u32, u: f32) -> f32 {
     if (film.has_times == 0u) {
         return film.time;
     }
     let below_first = f32(row) + 0.5 - film.first_row;
     let before = select(below_first, abs(below_first), film.first_row > 0.0) - 0.5;
-    return clamp(before * film.row_time + u * film.exposure, 0.0, 1.0);
+    return before * film.row_time + u * film.exposure;
 }
 
 /// Axes of the camera in the world, and its origin.
@@ -149,7 +150,7 @@ fn camera_ray(pixel: vec2<u32>, within: vec2<f32>, u: vec2<f32>, time: f32) -> C
         return ray;
     }
     let seen = seen_place(pixel, within);
-    if (-seen.direction.z < film.reach_cos) {
+    if (-seen.direction.z < film.reach_cos || length(seen.direction.xy) > film.reach_sin) {
         return ray;
     }
     var opening = vec2<f32>(0.0);

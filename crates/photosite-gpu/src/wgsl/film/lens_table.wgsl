@@ -13,7 +13,7 @@ fn node_weights(t: f32) -> vec4<f32> {
 fn table_sees(pixel: vec2<u32>, within: vec2<f32>) -> vec4<f32> {
     let last = vec2<u32>(film.lens_columns, film.lens_rows) - NODES_ALONG;
     let start = min(max(pixel / film.lens_step, vec2<u32>(1u)) - 1u, last);
-    // Whole pixels go first, so that the place within one keeps its bits.
+    // Whole pixels go first, and are few.
     let at = (vec2<f32>(vec2<i32>(pixel - start * film.lens_step)) + within) / f32(film.lens_step);
     let across = node_weights(at.x);
     let down = node_weights(at.y);

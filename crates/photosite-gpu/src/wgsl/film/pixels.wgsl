@@ -72,7 +72,7 @@ fn generate_camera_rays(@builtin(global_invocation_id) id: vec3<u32>) {
     store_f32(LIGHT, i, vec4<f32>(0.0));
     store_f32(LAMBDA, i, drawn.lambda_nm);
     store_f32(SENSOR_WEIGHT, i, drawn.weights * lens_transmittance(drawn.lambda_nm) * ray.weight);
-    store(REST, i, vec4<u32>(bitcast<u32>(1.0f), film.has_single_wavelengths, 0u, bitcast<u32>(time)));
+    store(REST, i, vec4<u32>(bitcast<u32>(1.0f), film.has_single_wavelengths, 0u, bitcast<u32>(clamp(time, 0.0, 1.0))));
     if (ray.weight == 0.0) {
         return;
     }
@@ -107,26 +107,13 @@ fn channel_values(path: u32, group: u32) -> vec4<f32> {
     return values;
 }
 
-/// Sums what arrives along the paths of each run, for four channels at a time: the first sample, and sums of
-/// differences from it and of their squares.
+/// Responds to what arrives along each path, for four channels at a time.
 @compute @workgroup_size(WORKGROUP_SIZE)
 fn update_film(@builtin(global_invocation_id) id: vec3<u32>) {
+    let path = id.x / film.groups;
     let slots = atomicLoad(&control[SLOTS]);
-    if (id.x >= atomicLoad(&control[STARTED]) / slots * film.groups) {
+    if (path >= atomicLoad(&control[STARTED]) || path % slots >= run_of(path / slots).count) {
         return;
     }
-    let number = id.x / film.groups;
-    let group = id.x % film.groups;
-    let count = run_of(number).count;
-    let first = channel_values(number * slots, group);
-    var differences = vec4<f32>(0.0);
-    var squares = vec4<f32>(0.0);
-    for (var place = 1u; place < count; place++) {
-        let difference = channel_values(number * slots + place, group) - first;
-        differences += difference;
-        squares += difference * difference;
-    }
-    arrivals[3u * id.x] = bitcast<vec4<u32>>(first);
-    arrivals[3u * id.x + 1u] = bitcast<vec4<u32>>(differences);
-    arrivals[3u * id.x + 2u] = bitcast<vec4<u32>>(squares);
+    arrivals[id.x] = bitcast<vec4<u32>>(channel_values(path, id.x % film.groups));
 }

@@ -10,7 +10,7 @@ use super::tracer::Tracer;
 use crate::film::{Film, FilmBand};
 use crate::integrator::light_paths::Splats;
 use crate::integrator::packed_film::PackedFilm;
-use crate::integrator::path_tracer::{DevicePaths, Paths};
+use crate::integrator::path_tracer::{DevicePaths, Paths, PixelTracer};
 use crate::integrator::{LoadedDevice, RenderJob};
 
 /// Number of paths of a pass so short that smaller ones are pointless.
@@ -74,8 +74,10 @@ impl Tracer<'_> {
             None => self.fill_bands(film, 1, wanted, splats, || self.wavefront()),
             Some(device) => {
                 let rows = self.rows_of_batch(film, wanted, device.batch_size());
-                match self.packed_film(film) {
-                    Some(packed) => self.fill_pixels(device, &packed, film, rows, wanted),
+                let pixels = self.packed_film(film).and_then(|packed| device.pixels(&packed));
+                match pixels {
+                    Some(pixels) => self.fill_pixels((device, &*pixels), film, rows, wanted),
+                    None if device.failure().is_some() => self.stop(),
                     None => {
                         let paths = || (DevicePaths::new(device), device.batch_size() as u32);
                         self.fill_bands(film, rows, wanted, splats, paths);
@@ -96,19 +98,17 @@ impl Tracer<'_> {
         PackedFilm::new(packed, rows, (&self.order, self.seed), wavelengths, transmittance, film.responses())
     }
 
-    /// Fills bands of `rows` rows side by side, with samples that a device sums.
+    /// Fills bands of `rows` rows side by side, with samples that a device responds to.
     fn fill_pixels(
         &self,
-        device: &LoadedDevice,
-        packed: &PackedFilm<'_>,
+        device: (&LoadedDevice, &dyn PixelTracer),
         film: &mut Film,
         rows: usize,
         wanted: &(dyn Fn(usize) -> u32 + Sync),
     ) {
-        let Some(pixels) = device.pixels(packed) else { return self.stop() };
         let size = [film.width(), film.image_rows().start];
         let fill = |(index, band): (usize, FilmBand<'_>)| {
-            PixelWorker::new(self, (device, &*pixels), band, index * rows * size[0], size).fill(wanted);
+            PixelWorker::new(self, device, band, index * rows * size[0], size).fill(wanted);
         };
         film.bands(rows).into_par_iter().with_max_len(1).enumerate().for_each(fill);
     }

@@ -1,8 +1,12 @@
-//! Worker on one band of rows whose paths a device starts, and whose samples it sums.
+//! Worker on one band of rows whose paths a device starts, and to which it responds.
+
+use std::ops::ControlFlow;
+
+use glam::Vec4;
 
 use super::band_worker::PATHS_PER_REPORT;
 use super::tracer::Tracer;
-use crate::film::{FilmBand, ShiftedSums};
+use crate::film::FilmBand;
 use crate::integrator::LoadedDevice;
 use crate::integrator::path_tracer::{PixelRun, PixelTracer};
 
@@ -23,7 +27,7 @@ pub(super) struct PixelWorker<'a, 'f> {
     runs: Vec<PixelRun>,
     /// Pixels of the band that the runs are of.
     of_band: Vec<usize>,
-    sums: Vec<ShiftedSums>,
+    values: Vec<Vec4>,
     /// Number of paths since the last report.
     paths: u64,
 }
@@ -47,7 +51,7 @@ impl<'a, 'f> PixelWorker<'a, 'f> {
             first_row,
             runs: Vec::new(),
             of_band: Vec::new(),
-            sums: Vec::new(),
+            values: Vec::new(),
             paths: 0,
         }
     }
@@ -68,33 +72,36 @@ impl<'a, 'f> PixelWorker<'a, 'f> {
                 self.runs.push(PixelRun { pixel: position, first: first_sample + start, count });
                 self.of_band.push(pixel);
             }
-            if self.runs.len() >= together {
-                self.flush(longest);
-                self.tracer.report_paths(&mut self.paths, PATHS_PER_REPORT);
-                // What is not traced is a smaller number of samples.
-                if self.tracer.go_on().is_break() {
-                    return;
-                }
+            if self.runs.len() >= together && self.flush(longest).is_break() {
+                return;
             }
         }
-        self.flush(longest);
+        // What is not traced is a smaller number of samples.
+        let _ = self.flush(longest);
         self.tracer.report_paths(&mut self.paths, 1);
     }
 
-    /// Traces the runs, and adds what arrives to their pixels.
-    fn flush(&mut self, longest: u32) {
-        let Self { pixels, band, runs, of_band, sums, .. } = self;
-        if let Err(words) = pixels.trace(runs, longest, sums) {
+    /// Traces the runs, and adds what arrives to their pixels, unless the render has been stopped.
+    fn flush(&mut self, longest: u32) -> ControlFlow<()> {
+        self.tracer.go_on()?;
+        let Self { pixels, band, runs, of_band, values, .. } = self;
+        if let Err(words) = pixels.trace(runs, longest, values) {
             self.device.fail(words);
             self.tracer.stop();
-        } else if !runs.is_empty() {
-            let groups = sums.len() / runs.len();
-            for ((run, &pixel), sums) in runs.iter().zip(of_band.iter()).zip(sums.chunks(groups)) {
-                band.add_sums(pixel, run.count, sums);
-                self.paths += u64::from(run.count);
-            }
+            return ControlFlow::Break(());
+        }
+        let traced: u32 = runs.iter().map(|run| run.count).sum();
+        let groups = values.len() / traced.max(1) as usize;
+        let mut values = values.as_slice();
+        for (run, &pixel) in runs.iter().zip(of_band.iter()) {
+            let (of_run, others) = values.split_at(run.count as usize * groups);
+            band.add_values(pixel, of_run);
+            values = others;
         }
         runs.clear();
         of_band.clear();
+        self.paths += u64::from(traced);
+        self.tracer.report_paths(&mut self.paths, PATHS_PER_REPORT);
+        ControlFlow::Continue(())
     }
 }

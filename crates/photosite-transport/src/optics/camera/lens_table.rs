@@ -11,7 +11,7 @@ use super::Camera;
 use super::turned;
 use crate::optics::Reach;
 
-/// Largest error of the direction that a place sees, in pixels: 32-bit numbers round those of large images as much.
+/// Largest error of the direction that a place sees, in pixels, before numbers are rounded to 32 bits.
 pub(super) const LARGEST_ERROR_PX: f64 = 1e-5;
 
 /// Largest error of the solid angle that a place sees, as a part of it.
@@ -50,30 +50,36 @@ impl LensTable {
         let seen_at = |node: [u32; 2]| numbers_at(camera, &reach, DVec2::from_array(node.map(|n| f64::from(n * step))));
         let nodes: Option<Vec<DVec4>> =
             (0..rows * columns).into_par_iter().map(|i| seen_at([i % columns, i / columns])).collect();
-        let nodes: Vec<[f32; 4]> = nodes?.into_iter().map(|node| node.as_vec4().to_array()).collect();
-        let table = Self { step, columns, rows, nodes };
-        let is_exact = (0..(rows - 1) * (columns - 1)).into_par_iter().all(|i| {
+        let exact = ExactTable { step, columns, rows, nodes: nodes? };
+        let is_close = (0..(rows - 1) * (columns - 1)).into_par_iter().all(|i| {
             let middle = DVec2::new(f64::from(i % (columns - 1)), f64::from(i / (columns - 1))) + 0.5;
             let pixel = middle * f64::from(step);
-            numbers_at(camera, &reach, pixel).is_some_and(|exact| table.is_close(camera, pixel, exact))
+            numbers_at(camera, &reach, pixel).is_some_and(|seen| exact.is_close(camera, pixel, seen))
         });
-        is_exact.then_some(table)
+        let nodes = exact.nodes.into_iter().map(|node| node.as_vec4().to_array()).collect();
+        is_close.then_some(Self { step, columns, rows, nodes })
     }
+}
 
+/// Table before its numbers are rounded to 32 bits.
+struct ExactTable {
+    step: u32,
+    columns: u32,
+    rows: u32,
+    nodes: Vec<DVec4>,
+}
+
+impl ExactTable {
     /// Whether the table sees at a place what the camera does.
-    fn is_close(&self, camera: &Camera, pixel: DVec2, exact: DVec4) -> bool {
-        let found = self.interpolated(pixel);
-        let error = found - exact;
+    fn is_close(&self, camera: &Camera, pixel: DVec2, seen: DVec4) -> bool {
+        let error = self.interpolated(pixel) - seen;
         let (of_direction, of_angle, angle) = if camera.projection.is_flat() {
-            (error.truncate().truncate().length(), error.z, exact.z)
+            (error.truncate().truncate().length(), error.z, seen.z)
         } else {
-            (error.truncate().length(), error.w, exact.w)
+            (error.truncate().length(), error.w, seen.w)
         };
-        // Nodes are numbers of 32 bits.
-        let rounding = 4.0 * f64::from(f32::EPSILON);
         let pixels = camera.intrinsics.fx.abs().max(camera.intrinsics.fy.abs());
-        of_direction <= LARGEST_ERROR_PX / pixels + rounding * exact.abs().max_element()
-            && of_angle.abs() <= (LARGEST_PART + rounding) * angle.abs()
+        of_direction * pixels <= LARGEST_ERROR_PX && of_angle.abs() <= LARGEST_PART * angle.abs()
     }
 
     /// What a place sees by the polynomial through the nodes about it.
@@ -86,8 +92,7 @@ impl LensTable {
         let mut sum = DVec4::ZERO;
         for (j, down) in down.into_iter().enumerate() {
             for (i, across) in across.into_iter().enumerate() {
-                let node = self.nodes[(row + j) * self.columns as usize + column + i];
-                sum += DVec4::from_array(node.map(f64::from)) * (across * down);
+                sum += self.nodes[(row + j) * self.columns as usize + column + i] * (across * down);
             }
         }
         sum

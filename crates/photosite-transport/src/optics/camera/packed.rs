@@ -1,5 +1,7 @@
 //! Camera as plain data, for devices that make its rays: a lens that is the same at all wavelengths.
 
+use std::f64::consts::{FRAC_PI_4, PI};
+
 use super::pose_table::{packed, poses};
 use super::{Camera, LensTable};
 use crate::optics::{Falloff, Intrinsics, LensKind, Projection, Recording, Stop};
@@ -17,8 +19,10 @@ pub struct PackedCamera {
     pub table: Option<LensTable>,
     /// Whether the lens is focused on a plane, with a pupil across the axis.
     pub is_flat: bool,
-    /// Cosine of the largest angle from the axis that the lens sees.
+    /// Cosine of the largest angle from the axis that the lens sees; −2 of one that sees all round.
     pub reach_cos: f32,
+    /// Sine of that angle, by which narrow ones are told; 2 beyond 45°.
+    pub reach_sin: f32,
     /// Whether rays need samples of the opening.
     pub has_aperture: bool,
     /// Radius of the opening; 0 of a pinhole.
@@ -134,7 +138,8 @@ impl Camera {
             intrinsics: [fx, fy, cx, cy, skew].map(|number| number as f32),
             table,
             is_flat: projection.is_flat(),
-            reach_cos: reach.angle.cos() as f32,
+            reach_cos: if reach.angle < PI { reach.angle.cos() as f32 } else { -2.0 },
+            reach_sin: if reach.angle < FRAC_PI_4 { reach.angle.sin() as f32 } else { 2.0 },
             has_aperture: has_opening,
             radius: if has_opening { aperture.radius() as f32 } else { 0.0 },
             corners: if has_opening { aperture.corners() } else { Vec::new() },
