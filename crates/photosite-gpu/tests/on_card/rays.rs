@@ -97,7 +97,7 @@ fn compare(scene: &Scene, count: usize, size: f32) -> Option<Counts> {
 
 #[test]
 fn rays_meet_triangles_instances_and_quadrics_where_they_do_on_the_processor() {
-    let Some(counts) = compare(&everything().build(), 1 << 17, 2.5) else { return };
+    let Some(counts) = compare(&everything().build(), 1 << 19, 2.5) else { return };
     counts.check(3000);
 }
 
@@ -105,7 +105,7 @@ fn rays_meet_triangles_instances_and_quadrics_where_they_do_on_the_processor() {
 fn rays_meet_a_large_mesh_where_they_do_on_the_processor() {
     let scene =
         Stage::default().add("ball", diffuse([0.5; 3]), ball(128, 0.1, false), &[placed([0.2, 0.1, 0.0], 1.7)]).build();
-    let Some(counts) = compare(&scene, 1 << 17, 2.5) else { return };
+    let Some(counts) = compare(&scene, 1 << 19, 2.5) else { return };
     counts.check(3000);
 }
 

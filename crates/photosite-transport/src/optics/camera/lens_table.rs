@@ -18,7 +18,7 @@ pub(super) const LARGEST_ERROR_PX: f64 = 1e-5;
 const LARGEST_PART: f64 = 1e-5;
 
 /// Steps that are tried, in pixels.
-const STEPS: [u32; 5] = [32, 16, 8, 4, 2];
+const STEPS: [u32; 6] = [32, 16, 8, 4, 2, 1];
 
 /// Number of nodes that an interpolation takes along a row, and along a column.
 pub const NODES_ALONG: usize = 4;
