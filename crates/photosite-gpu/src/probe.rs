@@ -11,7 +11,6 @@ use wgpu::util::DeviceExt;
 
 use crate::adapters::Card;
 use crate::buffers::{Layouts, READ, WRITE, bind, layout, scene_buffers};
-use crate::develop::Numbers;
 use crate::expose::kernel::{facts_layout, random_tables_buffer};
 use crate::expose::shaders as exposure_shaders;
 use crate::params;
@@ -130,27 +129,6 @@ fn ask<const IN: usize, const OUT: usize>(
     Ok(bytemuck::pod_collect_to_vec(view.as_ref()))
 }
 
-/// Develops raw numbers that lie on the card already, in strips of so many pixels at most.
-///
-/// # Errors
-///
-/// Those of [`Card::develop`].
-pub fn develop_on_card(
-    card: &Card,
-    numbers: &[u16],
-    development: &PackedDevelopment,
-    strip_pixels: usize,
-) -> Result<EncodedImage, Invalid> {
-    let mut words = numbers.to_vec();
-    words.resize(numbers.len().next_multiple_of(2), 0);
-    let buffer = card.device().create_buffer_init(&wgpu::util::BufferInitDescriptor {
-        label: None,
-        contents: bytemuck::cast_slice(&words),
-        usage: wgpu::BufferUsages::STORAGE,
-    });
-    card.develop_numbers(Numbers::OnCard(&buffer), development, strip_pixels)
-}
-
 /// Develops raw numbers in strips of so many pixels at most.
 ///
 /// # Errors
@@ -162,5 +140,5 @@ pub fn develop_in_strips(
     development: &PackedDevelopment,
     strip_pixels: usize,
 ) -> Result<EncodedImage, Invalid> {
-    card.develop_numbers(Numbers::Sent(numbers), development, strip_pixels)
+    card.develop_numbers(numbers, development, strip_pixels)
 }

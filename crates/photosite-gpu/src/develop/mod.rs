@@ -38,15 +38,6 @@ use strips::{Strip, strips};
 /// Pixels of a strip at most, with its margin: enough to keep a large card busy for a millisecond.
 const STRIP_PIXELS: usize = 1 << 22;
 
-/// Raw numbers of an image.
-#[derive(Clone, Copy)]
-pub(crate) enum Numbers<'a> {
-    /// Numbers of the whole image in the processor's memory.
-    Sent(&'a [u16]),
-    /// Those of the whole image on the card, two in a word, the first in its lower half.
-    OnCard(&'a wgpu::Buffer),
-}
-
 fn refused(message: String) -> Invalid {
     Invalid::new("develop", message).help("develop with --device cpu")
 }
@@ -68,13 +59,13 @@ impl Card {
             let message = format!("{columns} × {rows} pixels of {samples} values are developed as {width} × {height}");
             return Err(Invalid::new("", message).help("pack the development of this image"));
         }
-        self.develop_numbers(Numbers::Sent(&raw.data), development, STRIP_PIXELS)
+        self.develop_numbers(&raw.data, development, STRIP_PIXELS)
     }
 
     /// Develops raw numbers in strips of so many pixels at most.
     pub(crate) fn develop_numbers(
         &self,
-        numbers: Numbers<'_>,
+        numbers: &[u16],
         of: &PackedDevelopment,
         strip_pixels: usize,
     ) -> Result<EncodedImage, Invalid> {
@@ -98,21 +89,17 @@ impl Card {
     fn fill(
         &self,
         codes: &mut Codes,
-        numbers: Numbers<'_>,
+        numbers: &[u16],
         of: &PackedDevelopment,
         strip_pixels: usize,
     ) -> Result<(), Invalid> {
         let (device, limits) = (self.device(), self.device().limits());
         let kernels = self.develop_kernels()?;
         let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
-        let has_all = matches!(numbers, Numbers::OnCard(_));
-        let strips = strips(of, most, strip_pixels, has_all)?;
+        let strips = strips(of, most, strip_pixels)?;
         let (words, sections) = tables::words(of);
-        let bytes_of_image = match numbers {
-            Numbers::Sent(_) => 0,
-            Numbers::OnCard(buffer) => buffer.size(),
-        };
-        if let Some(bytes) = [words.len() as u64 * 4, bytes_of_image].into_iter().find(|bytes| *bytes > most) {
+        if words.len() as u64 * 4 > most {
+            let bytes = words.len() * 4;
             return Err(refused(format!("a table takes {bytes} bytes, and {most} are the most on this device")));
         }
 
@@ -120,16 +107,15 @@ impl Card {
         let scopes =
             [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation].map(|of| device.push_error_scope(of));
         let kept = self.room().lock().unwrap_or_else(PoisonError::into_inner).take();
-        let room = Room::fitting(kept, device, of, &strips, has_all);
+        let room = Room::fitting(kept, device, of, &strips);
         let tables = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
             label: Some("development"),
             contents: bytemuck::cast_slice(&words),
             usage: wgpu::BufferUsages::STORAGE,
         });
         let group = |slot: &Slot| {
-            let numbers = if let Numbers::OnCard(buffer) = numbers { buffer } else { &slot.numbers };
             let Room { mosaic, planes, differences, along_row, .. } = &room;
-            let all = [&slot.params, numbers, &tables, mosaic, planes, differences, along_row, &slot.codes];
+            let all = [&slot.params, &slot.numbers, &tables, mosaic, planes, differences, along_row, &slot.codes];
             bind(device, &kernels.layout, &all)
         };
         let groups = room.slots.each_ref().map(group);
@@ -150,9 +136,7 @@ impl Card {
             if let Some(strip) = strips.get(i) {
                 let params = params::values(&params::Row { of, strip, sections: &sections });
                 self.queue().write_buffer(&slot.params, 0, bytemuck::cast_slice(&params));
-                if let Numbers::Sent(all) = numbers {
-                    send(self.queue(), &slot.numbers, &all[strip.numbers.clone()]);
-                }
+                send(self.queue(), &slot.numbers, &numbers[strip.numbers.clone()]);
                 sent[i % SLOTS] = Some(self.develop_strip(kernels, slot, &groups[i % SLOTS], strip, of));
             }
         }

@@ -50,7 +50,7 @@ pub(crate) fn code_bytes(of: &PackedDevelopment, strip: &Strip) -> u64 {
 
 impl Sizes {
     /// Bytes that the largest strip needs.
-    fn new(of: &PackedDevelopment, strips: &[Strip], has_all: bool) -> Self {
+    fn new(of: &PackedDevelopment, strips: &[Strip]) -> Self {
         let most = |bytes: &dyn Fn(&Strip) -> u64| strips.iter().map(bytes).max().unwrap_or(0).max(SMALLEST);
         let pixels = |bytes: usize| most(&|strip: &Strip| (strip.padded[0] * strip.padded[1] * bytes) as u64);
         let [of_mosaic, of_differences, of_directions] = match of.demosaicking {
@@ -59,7 +59,7 @@ impl Sizes {
             Demosaicking::Menon { .. } => [4, 8, 4],
         };
         Self {
-            numbers: if has_all { SMALLEST } else { most(&|strip| (strip.numbers.len().div_ceil(2) * 4) as u64) },
+            numbers: most(&|strip| (strip.numbers.len().div_ceil(2) * 4) as u64),
             mosaic: pixels(of_mosaic),
             planes: pixels(4 * of.channels),
             differences: pixels(of_differences),
@@ -71,14 +71,8 @@ impl Sizes {
 
 impl Room {
     /// Room for the strips of an image: this one where it has the right size.
-    pub(crate) fn fitting(
-        kept: Option<Self>,
-        device: &wgpu::Device,
-        of: &PackedDevelopment,
-        strips: &[Strip],
-        has_all: bool,
-    ) -> Self {
-        let sizes = Sizes::new(of, strips, has_all);
+    pub(crate) fn fitting(kept: Option<Self>, device: &wgpu::Device, of: &PackedDevelopment, strips: &[Strip]) -> Self {
+        let sizes = Sizes::new(of, strips);
         if let Some(room) = kept.filter(|room| room.sizes == sizes) {
             return room;
         }

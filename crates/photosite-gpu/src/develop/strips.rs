@@ -51,18 +51,12 @@ impl Turn {
     }
 }
 
-/// Strips of an image, of so many pixels with their margin at most. `has_all` is whether all raw numbers are on the
-/// card, not those of a strip alone.
+/// Strips of an image, of so many pixels with their margin at most.
 ///
 /// # Errors
 ///
 /// Rows that are too long for a strip.
-pub(crate) fn strips(
-    of: &PackedDevelopment,
-    most_bytes: u64,
-    most_pixels: usize,
-    has_all: bool,
-) -> Result<Vec<Strip>, Invalid> {
+pub(crate) fn strips(of: &PackedDevelopment, most_bytes: u64, most_pixels: usize) -> Result<Vec<Strip>, Invalid> {
     let margin = of.demosaicking.margin();
     let columns = of.active.width + 2 * margin;
     let most_pixels = most_pixels.min((most_bytes / BYTES_PER_PIXEL) as usize);
@@ -80,13 +74,12 @@ pub(crate) fn strips(
             let rows = most_rows.min(y + height - top);
             let numbers = numbers(of, top.saturating_sub(margin)..(top + rows + margin).min(of.active.height));
             let active = of.samples * (of.active.y * of.stored_px[0] + of.active.x);
-            let first_on_card = if has_all { 0 } else { numbers.start };
             let turn = Turn::new(of.orientation, [width, rows], column);
             Strip {
                 top,
                 rows,
                 padded: [columns, rows + 2 * margin],
-                first_number: (active as u32).wrapping_sub(first_on_card as u32),
+                first_number: (active as u32).wrapping_sub(numbers.start as u32),
                 numbers,
                 turned: of.orientation.turned([width, rows]),
                 corner: corner(&turn, top - y, height - rows - (top - y)),
