@@ -1,7 +1,7 @@
 //! Development on cards: raw numbers to the codes of an image, by kernels that follow the steps of
 //! [`develop`](photosite_develop::develop).
 //!
-//! In: a raw image, or its numbers where they are on the card, and its development as plain data
+//! In: a raw image and its development as plain data
 //! ([`photosite_develop::packed`]), which refuses by key what a card does not have. Out: an image of 8 or 16 bits.
 //!
 //! | file | holds |
