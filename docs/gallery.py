@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Renders the images of docs/gallery.md, each from its capture in scenes/gallery.
 
-    docs/gallery.py                    all, in their full size, to docs/gallery: an hour on two cores
+    docs/gallery.py                    all, in their full size, to docs/gallery: some hours on two cores
     docs/gallery.py gem street         the named ones
     docs/gallery.py --check            all at 64 × 40 pixels, and compares them with the ones that are there: a minute
 
