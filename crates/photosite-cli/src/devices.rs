@@ -5,7 +5,7 @@ use photosite_pipeline::{BUILT_WITHOUT, devices};
 
 use super::print::{print_json, println_out};
 
-/// List the devices that can trace light and expose, for --device.
+/// List the devices that trace light and expose, for --device.
 #[derive(Args)]
 pub(super) struct DevicesArgs {
     /// Print JSON instead of a table.
