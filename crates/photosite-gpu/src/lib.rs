@@ -6,9 +6,8 @@
 //! camera ([`PackedFilm`](photosite_transport::integrator::PackedFilm)), or starts of paths, of cameras that cards do
 //! not have. Out: sums of the samples of pixels, or what arrives along each path.
 //!
-//! Of light and an exposure as plain data (`photosite_sensor::packed`) come the digital numbers of a raw image
-//! (`Card::expose`); of those, with the development as plain data (`photosite_develop::packed`), the codes of an image
-//! (`Card::develop`).
+//! Exposures take light and sensor as plain data (`photosite_sensor::packed`) to the digital numbers of a raw image
+//! (`Card::expose`); development takes those (`photosite_develop::packed`) to the codes of an image (`Card::develop`).
 //!
 //! | file | holds |
 //! |---|---|

@@ -133,7 +133,7 @@ fn ask<const IN: usize, const OUT: usize>(
 ///
 /// # Errors
 ///
-/// Those of [`Card::develop`].
+/// Errors of [`Card::develop`].
 pub fn develop_in_strips(
     card: &Card,
     numbers: &[u16],

@@ -86,7 +86,7 @@ pub struct HeldLight {
     strip_values: usize,
     layout: LightLayout,
     light: wgpu::Buffer,
-    /// Those of the last exposure, which serve the next one of the same size.
+    /// Buffers of the last exposure, which serve the next one of the same size.
     numbers: Option<Numbers>,
 }
 

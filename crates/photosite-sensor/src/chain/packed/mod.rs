@@ -19,7 +19,6 @@ use photosite_raw::RawImage;
 
 pub use light::{LightLayout, PackedLight};
 pub use random_tables::{PLACES, random_tables};
-pub use refusals::refusal;
 
 use super::expose::{check, raw_image};
 use crate::signal::charge_plane::{Row, RowStage};

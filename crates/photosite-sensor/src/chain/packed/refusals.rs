@@ -6,7 +6,7 @@ use crate::{Architecture, Converter, Exposure, Noise, RegionOfInterest, SensorMo
 
 /// First fact of sensor or exposure that a card does not have; `None` where it has all. A fact that is new to sensors
 /// does not compile until it has its line here.
-pub fn refusal(sensor: &SensorModel, exposure: &Exposure, stages: Stages) -> Option<Invalid> {
+pub(super) fn refusal(sensor: &SensorModel, exposure: &Exposure, stages: Stages) -> Option<Invalid> {
     let SensorModel {
         // What says nothing about digital numbers, or is in the light
         name: _,

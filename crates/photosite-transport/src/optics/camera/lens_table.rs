@@ -32,8 +32,8 @@ pub struct LensTable {
     pub columns: u32,
     /// Number of nodes in a column, at least [`NODES_ALONG`].
     pub rows: u32,
-    /// What the nodes see, row by row, in camera space of glTF. Of a lens that is focused on a plane: the point of the
-    /// plane z = −1, and the solid angle over cos³θ; of others: the direction and the solid angle.
+    /// Numbers of the nodes, row by row, in camera space of glTF. Those of a lens that is focused on a plane are: the
+    /// point of the plane z = −1, and the solid angle over cos³θ; of others: the direction and the solid angle.
     pub nodes: Vec<[f32; 4]>,
 }
 
@@ -82,7 +82,7 @@ impl ExactTable {
         of_direction * pixels <= LARGEST_ERROR_PX && of_angle.abs() <= LARGEST_PART * angle.abs()
     }
 
-    /// What a place sees by the polynomial through the nodes about it.
+    /// Numbers of a place by the polynomial through the nodes about it.
     fn interpolated(&self, pixel: DVec2) -> DVec4 {
         let last = [self.columns, self.rows].map(|n| f64::from(n) - NODES_ALONG as f64);
         let at = pixel / f64::from(self.step);
@@ -105,7 +105,8 @@ fn weights(t: f64) -> [f64; NODES_ALONG] {
     [-a * b * c / 6.0, t * b * c / 2.0, -t * a * c / 2.0, t * a * b / 6.0]
 }
 
-/// What a place sees, as [`LensTable::nodes`] has it, within the reach of the model whatever the lens is said to see.
+/// Numbers of a place, as [`LensTable::nodes`] has them, within the reach of the model whatever the lens is said to
+/// see.
 fn numbers_at(camera: &Camera, reach: &Reach, pixel: DVec2) -> Option<DVec4> {
     let seen = turned(camera.projection.unproject(camera.place(pixel), reach)?);
     Some(if camera.projection.is_flat() {
