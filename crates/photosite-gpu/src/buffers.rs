@@ -49,6 +49,26 @@ impl Layouts {
     }
 }
 
+/// Largest table that kernels of a device read or write, bytes.
+pub(crate) fn largest_table(limits: &wgpu::Limits) -> u64 {
+    limits.max_storage_buffer_binding_size.min(limits.max_buffer_size)
+}
+
+/// Makes buffers, and groups of them, where the device has room for them.
+///
+/// # Errors
+///
+/// Words of the driver on why it has none.
+pub(crate) fn in_room<T>(device: &wgpu::Device, make: impl FnOnce() -> T) -> Result<T, String> {
+    // A buffer for which there is no memory is no valid part of a group either.
+    let scopes = [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation].map(|of| device.push_error_scope(of));
+    let made = make();
+    let [memory, validity] = scopes;
+    // The last scope ends first
+    let [invalid, missing] = [validity, memory].map(|scope| pollster::block_on(scope.pop()));
+    missing.or(invalid).map_or(Ok(made), |error| Err(error.to_string()))
+}
+
 /// Tables of a scene on the card, each with a word at least, since none may be empty.
 pub(crate) fn scene_buffers(
     device: &wgpu::Device,
@@ -63,7 +83,7 @@ pub(crate) fn scene_buffers(
         ("spectra", bytemuck::cast_slice(&scene.spectra)),
         ("textures", bytemuck::cast_slice(&scene.texels)),
     ];
-    let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+    let most = largest_table(limits);
     let buffer = |(what, bytes): (&str, &[u8])| {
         if bytes.len() as u64 > most {
             let message = format!("its {what} take {} bytes, and {most} are the most on this device", bytes.len());

@@ -4,7 +4,7 @@ use glam::Vec4;
 use photosite_transport::integrator::{PackedFilm, PixelRun, PixelTracer};
 use wgpu::util::DeviceExt;
 
-use crate::buffers::bind;
+use crate::buffers::{bind, in_room, largest_table};
 use crate::film;
 use crate::tracer::{Ends, Tracer};
 
@@ -19,19 +19,19 @@ impl<'a> FilmTracer<'a> {
     /// Loads a film onto the card of a scene; `None` where the card has no room for it.
     pub(crate) fn new(tracer: &'a Tracer, film: &PackedFilm<'_>) -> Option<Self> {
         let device = &tracer.device;
-        let (numbers, table) = film::packed(film);
-        let limits = device.limits();
-        if (table.len() * 16) as u64 > limits.max_storage_buffer_binding_size.min(limits.max_buffer_size) {
+        let ((numbers, table), groups) = (film::packed(film), film.groups);
+        if (table.len() * 16) as u64 > largest_table(&device.limits()) {
             return None;
         }
-        let scope = device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let buffer = |label, contents: &[u8], usage| {
             device.create_buffer_init(&wgpu::util::BufferInitDescriptor { label: Some(label), contents, usage })
         };
-        let numbers = buffer("film", bytemuck::cast_slice(&numbers), wgpu::BufferUsages::UNIFORM);
-        let table = buffer("tables of the film", bytemuck::cast_slice(&table), wgpu::BufferUsages::STORAGE);
-        let bound = bind(device, &tracer.kernels.layouts.film, &[&numbers, &table]);
-        pollster::block_on(scope.pop()).is_none().then_some(Self { tracer, film: bound, groups: film.groups })
+        let bound = in_room(device, || {
+            let numbers = buffer("film", bytemuck::cast_slice(&numbers), wgpu::BufferUsages::UNIFORM);
+            let table = buffer("tables of the film", bytemuck::cast_slice(&table), wgpu::BufferUsages::STORAGE);
+            bind(device, &tracer.kernels.layouts.film, &[&numbers, &table])
+        });
+        bound.ok().map(|film| Self { tracer, film, groups })
     }
 
     /// Traces runs of `slots` samples at most, which fit into one batch.

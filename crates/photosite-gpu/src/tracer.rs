@@ -10,7 +10,7 @@ use photosite_transport::scene::packed::PackedScene;
 use wgpu::util::DeviceExt;
 
 use crate::adapters::Card;
-use crate::buffers::{Layouts, bind, scene_buffers};
+use crate::buffers::{Layouts, bind, in_room, largest_table, scene_buffers};
 use crate::kernels::Kernels;
 use crate::params;
 use crate::shaders::{START_WORDS, STATE_WORDS, WORKGROUP_SIZE};
@@ -122,30 +122,26 @@ impl Tracer {
         let (device, queue) = (card.device().clone(), card.queue().clone());
         let kernels = card.kernels(scene.features)?;
         let of_device = device.limits();
-        let bytes = of_device.max_storage_buffer_binding_size.min(of_device.max_buffer_size);
+        let bytes = largest_table(&of_device);
         let most = if card.adapter().is_software { SOFTWARE_BATCH } else { LARGEST_BATCH };
         let capacity = most.min(bytes / (16 * u64::from(STATE_WORDS))) as u32;
-        let scopes =
-            [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation].map(|of| device.push_error_scope(of));
-
         let numbers = params::values(&params::Row { scene, limits, sampler, capacity });
-        let numbers = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("params"),
-            contents: bytemuck::cast_slice(&numbers),
-            usage: wgpu::BufferUsages::UNIFORM,
+        let loaded = in_room(&device, || {
+            let numbers = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("params"),
+                contents: bytemuck::cast_slice(&numbers),
+                usage: wgpu::BufferUsages::UNIFORM,
+            });
+            let tables = scene_buffers(&device, scene, &of_device)?;
+            let buffers: Vec<&wgpu::Buffer> = std::iter::once(&numbers).chain(&tables).collect();
+            let scene = bind(&device, &kernels.layouts.scene, &buffers);
+            let idle = (0..BATCHES).map(|_| Batch::new(&device, &kernels.layouts, u64::from(capacity))).collect();
+            Ok((scene, idle))
         });
-        let tables = scene_buffers(&device, scene, &of_device)?;
-        let buffers: Vec<&wgpu::Buffer> = std::iter::once(&numbers).chain(&tables).collect();
-        let scene = bind(&device, &kernels.layouts.scene, &buffers);
-        let idle = (0..BATCHES).map(|_| Batch::new(&device, &kernels.layouts, u64::from(capacity))).collect();
-
-        // The last scope ends first
-        for scope in scopes.into_iter().rev() {
-            if let Some(error) = pollster::block_on(scope.pop()) {
-                let message = format!("it cannot be loaded onto {}: {error}", card.adapter());
-                return Err(Invalid::new("scene", message).help("render with --device cpu"));
-            }
-        }
+        let (scene, idle) = loaded.unwrap_or_else(|words| {
+            let message = format!("it cannot be loaded onto {}: {words}", card.adapter());
+            Err(Invalid::new("scene", message).help("render with --device cpu"))
+        })?;
         Ok(Self {
             device,
             queue,

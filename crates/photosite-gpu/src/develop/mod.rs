@@ -30,7 +30,7 @@ use photosite_raw::RawImage;
 use wgpu::util::DeviceExt;
 
 use crate::adapters::Card;
-use crate::buffers::bind;
+use crate::buffers::{bind, in_room, largest_table};
 use kernels::DevelopKernels;
 use room::{Room, SLOTS, Slot, code_bytes};
 use strips::{Strip, strips};
@@ -93,9 +93,9 @@ impl Card {
         of: &PackedDevelopment,
         strip_pixels: usize,
     ) -> Result<(), Invalid> {
-        let (device, limits) = (self.device(), self.device().limits());
+        let device = self.device();
         let kernels = self.develop_kernels()?;
-        let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let most = largest_table(&device.limits());
         let strips = strips(of, most, strip_pixels)?;
         let (words, sections) = tables::words(of);
         if words.len() as u64 * 4 > most {
@@ -104,27 +104,23 @@ impl Card {
         }
 
         // Make room
-        let scopes =
-            [wgpu::ErrorFilter::OutOfMemory, wgpu::ErrorFilter::Validation].map(|of| device.push_error_scope(of));
         let kept = self.room().lock().unwrap_or_else(PoisonError::into_inner).take();
-        let room = Room::fitting(kept, device, of, &strips);
-        let tables = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-            label: Some("development"),
-            contents: bytemuck::cast_slice(&words),
-            usage: wgpu::BufferUsages::STORAGE,
+        let made = in_room(device, || {
+            let room = Room::fitting(kept, device, of, &strips);
+            let tables = device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("development"),
+                contents: bytemuck::cast_slice(&words),
+                usage: wgpu::BufferUsages::STORAGE,
+            });
+            let group = |slot: &Slot| {
+                let Room { mosaic, planes, differences, along_row, .. } = &room;
+                let all = [&slot.params, &slot.numbers, &tables, mosaic, planes, differences, along_row, &slot.codes];
+                bind(device, &kernels.layout, &all)
+            };
+            let groups = room.slots.each_ref().map(group);
+            (room, groups)
         });
-        let group = |slot: &Slot| {
-            let Room { mosaic, planes, differences, along_row, .. } = &room;
-            let all = [&slot.params, &slot.numbers, &tables, mosaic, planes, differences, along_row, &slot.codes];
-            bind(device, &kernels.layout, &all)
-        };
-        let groups = room.slots.each_ref().map(group);
-        // The last scope ends first
-        for scope in scopes.into_iter().rev() {
-            if let Some(error) = pollster::block_on(scope.pop()) {
-                return Err(refused(format!("it has no room on {}: {error}", self.adapter())));
-            }
-        }
+        let (room, groups) = made.map_err(|words| refused(format!("it has no room on {}: {words}", self.adapter())))?;
 
         // Send each strip while the card develops the one before
         let mut sent: [Option<wgpu::SubmissionIndex>; SLOTS] = Default::default();

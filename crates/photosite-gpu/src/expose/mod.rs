@@ -13,7 +13,7 @@ use photosite_sensor::{Exposure, NoiseKey, SensorModel, Stages};
 use wgpu::util::DeviceExt;
 
 use crate::adapters::Card;
-use crate::buffers::bind;
+use crate::buffers::{bind, in_room, largest_table};
 use crate::expose::kernel::ExposureKernel;
 use crate::shaders::WORKGROUP_SIZE;
 
@@ -213,17 +213,12 @@ struct Buffers {
 impl Buffers {
     /// Creates buffers of so many bytes each, or refuses what the device has no room for.
     fn with_room<T>(&self, what: &str, bytes: u64, create: impl FnOnce() -> T) -> Result<T, Invalid> {
-        let limits = self.device.limits();
-        let most = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
+        let most = largest_table(&self.device.limits());
         if bytes > most {
             return Err(refused(format!("the {what} take {bytes} bytes, and {most} are the most on {}", self.name)));
         }
-        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
-        let created = create();
-        match pollster::block_on(scope.pop()) {
-            Some(error) => Err(refused(format!("{} has no room for the {what}: {error}", self.name))),
-            None => Ok(created),
-        }
+        let no_room = |words| refused(format!("{} has no room for the {what}: {words}", self.name));
+        in_room(&self.device, create).map_err(no_room)
     }
 
     fn filled(&self, what: &str, contents: &[u8], usage: wgpu::BufferUsages) -> Result<wgpu::Buffer, Invalid> {
