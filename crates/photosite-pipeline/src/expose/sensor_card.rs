@@ -72,7 +72,7 @@ impl SensorCard {
         use photosite_sensor::packed::{PackedExposure, PackedLight};
         if !maps.is_empty() {
             let message = "noise maps cannot be drawn on a graphics card yet";
-            return Err(Invalid::new("output.noise.maps", message));
+            return Err(Invalid::new("output.noise", message));
         }
         let image = [light.mean.width(), light.mean.height()];
         let packed = PackedExposure::new(image, sensor, exposure, stages, key)?;
